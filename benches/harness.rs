@@ -92,8 +92,8 @@ fn plan(selected: &[bool], serves: bool) -> RunPlan {
         soonest: Vec::new(),
         withheld: Vec::new(),
         precomputed: false,
-        declared_views: None,
-        declared_kinds: None,
+        declared_views: Vec::new(),
+        declared_kinds: Vec::new(),
         repeat: if serves {
             Repeat::FailuresAndSample
         } else {

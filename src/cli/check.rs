@@ -89,11 +89,11 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         subject.understand(&suite, request, reply)
     };
     let circumstances = Circumstances {
+        command: subject.words.clone(),
         name: capabilities.name.clone(),
         version: capabilities.version.clone(),
-        serves,
+        assumed: args.assumed.clone(),
         limits: args.limits(serves),
-        ..Circumstances::of(&suite, &plan, &subject.words, &args.assumed)
     };
 
     let ending = Ending::new(&suite, &args.run.report, &args.written)?;

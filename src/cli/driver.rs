@@ -16,7 +16,7 @@ use super::guard::check_trouble;
 use super::output::jobs;
 use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
-use ptm_conform::report::conclude::{causes, first_causes, undo_common_transforms, verdicts};
+use ptm_conform::report::conclude::{causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reported;
 use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
 use ptm_conform::report::text::first_causes_to_text;
@@ -40,7 +40,7 @@ const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 /// A run of a suite, and the destination of its report.
 pub struct Check<'a, C: Reported> {
     suite: &'a Suite<C>,
-    plan: &'a RunPlan<C>,
+    plan: &'a RunPlan,
     circumstances: Circumstances,
     ending: Ending<'a>,
     partial: Partial,
@@ -55,7 +55,7 @@ impl<'a, C: Reported> Check<'a, C> {
     /// Creates the files of a run.
     pub fn new(
         suite: &'a Suite<C>,
-        plan: &'a RunPlan<C>,
+        plan: &'a RunPlan,
         circumstances: Circumstances,
         ending: Ending<'a>,
         shard: Option<Shard>,
@@ -90,9 +90,9 @@ impl<'a, C: Reported> Check<'a, C> {
         let mut contact = session.first_contact();
         let pace = began.elapsed().div_f64(session.asked().max(1) as f64);
         look(&mut contact);
-        if contact.is_ready() {
-            let assumed = &self.circumstances.assumed;
-            undo_common_transforms(self.suite, &mut session, &mut contact, assumed);
+        // Assumed mistakes are already reported.
+        if contact.is_ready() && self.circumstances.assumed.is_empty() {
+            C::undo_common_transforms(self.suite, &mut session, &mut contact);
         }
         let observations = self.ask_soonest_first(&session, &contact, pace);
         self.progress.begin("asking again");
@@ -184,22 +184,29 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// Writes the report, then searches for causes.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let (suite, jobs) = (self.suite, self.plan.jobs);
+        let (suite, plan) = (self.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();
         self.progress.begin("writing the report");
-        let mut report = verdicts(suite, &mut run, &self.circumstances, &others, jobs)?;
+        let mut report = verdicts(suite, plan, &mut run, &self.circumstances, &others)?;
         // The verdicts do not wait for the search for causes, which may take long or fail.
         self.ending.write(suite, &run, &mut report)?;
-        if let Some((shard, keeper)) = self.keeper {
-            let (plan, tool) = (self.plan, &report.tool);
-            let end = End::of(suite, plan, &run, tool, shard, self.circumstances, others);
+        if let Some((part, keeper)) = self.keeper {
+            let end = End {
+                version: report.tool.version.clone(),
+                corpus: report.tool.corpus.clone(),
+                part,
+                circumstances: self.circumstances,
+                plan: plan.clone(),
+                remarks: others,
+                ended_early: run.ended_early.map(str::to_owned),
+            };
             let path = answers_path(self.ending.path);
-            keeper.finish(end).map_err(named(&path))?;
+            keeper.finish(&end).map_err(named(&path))?;
         }
         self.progress
             .begin_counted("searching for causes", &run.searched, MAX_WORK);
         let report = causes(suite, &run, report, |run| {
-            let found = C::diagnose(suite, run, &assumed, jobs);
+            let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
                 && !found.diagnoses.is_empty()
             {
@@ -252,8 +259,9 @@ impl ProgramRun<'_> {
         };
         let ending = Ending::new(suite, &self.args.report, self.written)?;
         let circumstances = Circumstances {
+            command: self.words.to_vec(),
             limits: self.limits,
-            ..Circumstances::of(suite, &plan, self.words, &[])
+            ..Circumstances::default()
         };
         let check = Check::new(suite, &plan, circumstances, ending, self.shard)?;
         let mut run = check.ask(ask, &|_| ());

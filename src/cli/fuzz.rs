@@ -114,12 +114,11 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
 
 impl FuzzArgs {
     fn plan(&self, declared: Capabilities, stop: &Arc<AtomicBool>) -> Result<FuzzPlan, String> {
-        let asked = |view: &&str| self.views.iter().any(|asked| asked == view);
         Ok(FuzzPlan {
             seed: self.seed,
             executions: self.executions,
             jobs: jobs(self.call.jobs)?,
-            views: ViewKind::NAMES.into_iter().filter(asked).collect(),
+            views: self.views.clone(),
             declared,
             formats: self.formats.clone(),
             stop: Arc::clone(stop),

@@ -23,7 +23,7 @@ pub struct Subject {
     /// Its command, for the report.
     pub words: Vec<String>,
     /// The requested views; all that it offers if empty.
-    pub views: Vec<&'static str>,
+    pub views: Vec<String>,
     /// The reasons why cases are not requested, an entry for each case; empty if all are requested.
     pub withheld: Vec<Option<String>>,
 }
@@ -62,11 +62,13 @@ impl Subject {
 
     /// Returns the subject that the command line names, under the limits that it gives.
     pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
-        let is_asked = |view: &&str| args.views.iter().any(|asked| asked == view);
+        let is_asked = |view: &String| args.views.contains(view);
         let subject = |answers: Answers, words: Vec<String>| Subject {
             answers,
             words,
-            views: ViewKind::NAMES.into_iter().filter(is_asked).collect(),
+            views: (ViewKind::NAMES.map(str::to_owned).into_iter())
+                .filter(is_asked)
+                .collect(),
             withheld: Vec::new(),
         };
         if let Some(socket) = &args.caller {
@@ -79,7 +81,7 @@ impl Subject {
             let directory = directory.to_string_lossy().into_owned();
             let words = vec!["--outputs".to_owned(), directory];
             return Ok(Subject {
-                views: vec![outputs.view],
+                views: vec![outputs.view.to_owned()],
                 withheld: outputs.withheld(suite),
                 ..subject(Answers::Precomputed(outputs), words)
             });
@@ -105,7 +107,7 @@ impl Subject {
     ) -> Result<(), String> {
         if !template.names_view() {
             if self.views.is_empty() {
-                self.views.push("rgb");
+                self.views.push("rgb".to_owned());
             }
             if self.views.len() > 1 {
                 return Err(

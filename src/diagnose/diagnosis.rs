@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 use super::witness::Witness;
 use crate::misreadings::{At, Misreading};
 
@@ -73,7 +75,8 @@ pub enum Cause<A: 'static = At> {
 }
 
 /// The kinds of failure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Category {
     /// Legal files were refused, or ended in a crash.
     Refusal,

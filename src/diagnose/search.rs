@@ -547,7 +547,10 @@ impl<'a> Search<'a> {
     /// Returns the worth of an answer to one case.
     fn worth_of(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
-        let is_open = matches!(witness.case.expect, Expect::Lenient | Expect::Spelling);
+        let is_open = matches!(
+            witness.case.expect,
+            Expect::Lenient | Expect::Robust | Expect::Spelling
+        );
         if witness.failed {
             match witness.agreement(answer) {
                 Agreement::None => credit(witness, answer),

@@ -44,7 +44,7 @@ pub struct FuzzPlan {
     /// Number of parallel requests, at least 1.
     pub jobs: usize,
     /// Requested views; all that the decoder offers if empty.
-    pub views: Vec<&'static str>,
+    pub views: Vec<String>,
     /// The declared capabilities of the decoder.
     pub declared: Capabilities,
     /// Only these formats; all if empty.

@@ -31,14 +31,8 @@ pub fn badge(report: &Report) -> String {
     let color = if passed { "#1d6b3f" } else { "#a8281c" };
     let width = |text: &str| text.chars().count() * LETTER_WIDTH / 10;
     let (left, right) = (width(label) + 2 * MARGIN, width(&says) + 2 * MARGIN);
-    let title = format!(
-        "{}: {}; correctness {}, breadth {}, robustness {}",
-        report.decoder.command,
-        report.verdict,
-        scores.correctness,
-        scores.breadth,
-        scores.robustness
-    );
+    let command = &report.decoder.command;
+    let title = format!("{command}: {}; {scores}", report.verdict);
     let third = (right - 2 * MARGIN) as f64 / 3.0;
     let share = |score: Fraction| score.part as f64 / score.whole.max(1) as f64;
     let lines = [scores.correctness, scores.breadth, scores.robustness];

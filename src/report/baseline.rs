@@ -61,18 +61,15 @@ impl Baseline {
     /// # Errors
     /// A sentence that names the file and the line at fault; also for an unknown or duplicate id.
     pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
-        Baseline::parse(&text_of(path)?, suite)
-            .map_err(|error| format!("{}: {error}", path.display()))
-    }
-
-    fn parse<C: TestCase>(text: &str, suite: &Suite<C>) -> Result<Baseline, String> {
+        let named = |error: String| format!("{}: {error}", path.display());
         let mut listed = BTreeMap::new();
-        for (number, Known { id, reason }) in records(text)? {
+        for (number, Known { id, reason }) in records(&text_of(path)?).map_err(named)? {
+            let fault = |what: String| Err(named(format!("line {number}: {what}")));
             if suite.case(&id).is_none() {
-                return Err(format!("line {number}: unknown case {id:?}"));
+                return fault(format!("unknown case {id:?}"));
             }
             if listed.contains_key(&id) {
-                return Err(format!("line {number}: duplicate case {id}"));
+                return fault(format!("duplicate case {id}"));
             }
             listed.insert(id, reason);
         }
@@ -100,28 +97,24 @@ impl Baseline {
     /// passed nor failed are kept. In the order of the suite.
     #[must_use]
     pub fn renewed<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> String {
-        let stays = |id: &str, judged: &Option<Judged>| match judged
-            .as_ref()
-            .map(|judged| judged.outcome)
-        {
-            Some(Outcome::Fail) => true,
-            Some(Outcome::Pass) => false,
-            _ => self.0.contains_key(id),
-        };
-        let known: Vec<Known> = suite
-            .cases
-            .iter()
-            .zip(judged)
-            .filter(|(case, judged)| stays(case.id(), judged))
-            .map(|(case, _)| Known {
-                id: case.id().to_owned(),
-                reason: self.0.get(case.id()).cloned().flatten(),
-            })
-            .collect();
-        let list = if known.is_empty() {
-            "[]\n".to_owned()
-        } else {
-            to_yaml(&known).expect("strings can be written")
+        let mut known = Vec::new();
+        for (case, judged) in suite.cases.iter().zip(judged) {
+            let listed = self.0.get(case.id());
+            let stays = match judged.as_ref().map(|judged| judged.outcome) {
+                Some(Outcome::Fail) => true,
+                Some(Outcome::Pass) => false,
+                _ => listed.is_some(),
+            };
+            if stays {
+                known.push(Known {
+                    id: case.id().to_owned(),
+                    reason: listed.cloned().flatten(),
+                });
+            }
+        }
+        let list = match known.is_empty() {
+            true => "[]\n".to_owned(),
+            false => to_yaml(&known).expect("strings can be written"),
         };
         format!(
             "# Known failures, for ptm-conform check --baseline. A reason: may stand below each id.\n{list}"

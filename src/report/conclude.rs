@@ -11,9 +11,9 @@ use crate::report::document::{LikelyCause, Report};
 use crate::report::make::likely_causes;
 use crate::report::reported::Reported;
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::session::contact::Contact;
+use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
-use crate::session::run::{Run, Session};
+use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
@@ -23,31 +23,15 @@ use crate::suite::test_case::TestCase;
 /// The errors of [`verdicts`].
 pub fn conclude<C: Reported>(
     suite: &Suite<C>,
+    plan: &RunPlan,
     run: &mut Run<C>,
     circumstances: &Circumstances,
     others: &OtherRemarks,
-    jobs: usize,
 ) -> Result<Report, String> {
-    let report = verdicts(suite, run, circumstances, others, jobs)?;
-    let assumed = &circumstances.assumed;
+    let report = verdicts(suite, plan, run, circumstances, others)?;
     Ok(causes(suite, run, report, |run| {
-        C::diagnose(suite, run, assumed, jobs)
+        C::diagnose(suite, run, &circumstances.assumed, plan.jobs)
     }))
-}
-
-/// Finds mistakes that all first files have in common, reports them, and has them undone in every following image. Assumed
-/// mistakes are already reported.
-pub fn undo_common_transforms<C: Reported>(
-    suite: &Suite<C>,
-    session: &mut Session<C>,
-    contact: &mut Contact<C>,
-    assumed: &[String],
-) {
-    if assumed.is_empty() {
-        let (undo, said) = C::common_transforms(suite, contact);
-        contact.remarks.splice(0..0, said);
-        session.undo(undo);
-    }
 }
 
 /// Returns the report of a run without causes, with remarks that do not follow from answers, and the declared capabilities.
@@ -56,19 +40,19 @@ pub fn undo_common_transforms<C: Reported>(
 /// A sentence with the first assumed misreading that is unknown.
 pub fn verdicts<C: Reported>(
     suite: &Suite<C>,
+    plan: &RunPlan,
     run: &mut Run<C>,
     circumstances: &Circumstances,
     others: &OtherRemarks,
-    jobs: usize,
 ) -> Result<Report, String> {
     run.remarks.splice(0..0, others.before.iter().cloned());
     run.remarks.extend(others.after.iter().cloned());
-    C::assume(suite, run, &circumstances.assumed, jobs)?;
+    C::assume(suite, run, &circumstances.assumed, plan.jobs)?;
     let limits = circumstances.limits.clone();
     let mut report = Report::of(suite, run, &circumstances.command, limits);
     report.decoder.name.clone_from(&circumstances.name);
     report.decoder.version.clone_from(&circumstances.version);
-    circumstances.mode().clone_into(&mut report.decoder.mode);
+    plan.mode().clone_into(&mut report.decoder.mode);
     Ok(report)
 }
 
@@ -79,10 +63,8 @@ pub fn first_causes<C: TestCase, A: 'static>(
     search: impl FnOnce(&Run<C>) -> Causes<A>,
 ) -> Vec<LikelyCause> {
     let found = catch_unwind(AssertUnwindSafe(|| search(run)));
-    found.map_or_else(
-        |_| Vec::new(),
-        |causes| likely_causes(suite, &causes.diagnoses),
-    )
+    let causes = found.map(|causes| likely_causes(suite, &causes.diagnoses));
+    causes.unwrap_or_default()
 }
 
 /// Adds the causes that `search` finds to a report. If the search panics, or the user ends it, some causes are missing and the
@@ -126,7 +108,6 @@ mod tests {
     use crate::misreadings::At;
     use crate::protocol::frame::Answer;
     use crate::runner::run::{Reply, Request};
-    use crate::session::plan::RunPlan;
     use crate::session::run::check;
 
     #[test]

@@ -22,122 +22,126 @@ impl Report {
     #[must_use]
     pub fn changes_to(&self, new: &Report, every_case: bool) -> String {
         let mut text = String::new();
-        let changes = Changes::new(self, new);
-        let in_full = every_case || changes.count() <= MAX_IN_FULL;
-        changes
-            .write(in_full, &mut text)
-            .expect("writing to memory does not fail");
+        write(self, new, every_case, &mut text).expect("writing to memory does not fail");
         text
     }
 }
 
-/// Two reports, and the cases in which they differ.
-struct Changes<'a> {
-    old: &'a Report,
-    new: &'a Report,
-    /// Cases of both reports, by kind of change.
-    changed: Vec<(&'static str, Vec<Pair<'a>>)>,
-    appeared: Vec<&'a CaseResult>,
-    vanished: Vec<&'a CaseResult>,
+/// A case before and after; equal if only one report has it.
+type Pair<'a> = (&'a CaseResult, &'a CaseResult);
+
+/// Kinds of change, in the order in which they are described.
+const KINDS: [&str; 6] = [
+    "began to fail",
+    "fixed",
+    "changed outcome",
+    "same outcome, other details",
+    "appeared",
+    "vanished",
+];
+
+/// Returns the kind of change of a case of both reports.
+fn kind_of_change(old: &CaseResult, new: &CaseResult) -> Option<&'static str> {
+    match (old.outcome, new.outcome) {
+        _ if old == new => None,
+        (before, after) if before == after => Some("same outcome, other details"),
+        (_, Outcome::Fail) => Some("began to fail"),
+        (Outcome::Fail, Outcome::Pass) => Some("fixed"),
+        _ => Some("changed outcome"),
+    }
 }
 
-impl<'a> Changes<'a> {
-    fn new(old: &'a Report, new: &'a Report) -> Changes<'a> {
-        let (before, after) = (places(&old.cases), places(&new.cases));
-        let pair = |case| Some((*before.get(id_of(case))?, case));
-        let both: Vec<Pair> = new.cases.iter().filter_map(pair).collect();
-        let of_kind = |(name, is_of): (_, fn(&CaseResult, &CaseResult) -> bool)| {
-            let changes = both.iter().copied();
-            (name, changes.filter(|(old, new)| is_of(old, new)).collect())
-        };
-        let only = |cases: &'a [CaseResult], others: &HashMap<&str, &CaseResult>| {
-            let cases = cases.iter();
-            cases
-                .filter(|case| !others.contains_key(id_of(case)))
-                .collect()
-        };
-        Changes {
-            old,
-            new,
-            changed: CHANGES.into_iter().map(of_kind).collect(),
-            appeared: only(&new.cases, &before),
-            vanished: only(&old.cases, &after),
+/// Returns the cases in which two reports differ, by kind of change.
+fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<Pair<'a>>); 6] {
+    // The last one of a duplicate id counts.
+    let [before, after] = [old, new].map(|report| -> HashMap<&str, &CaseResult> {
+        (report.cases.iter().map(|case| (&*case.id, case))).collect()
+    });
+    let mut groups = KINDS.map(|kind| (kind, Vec::new()));
+    let mut add = |kind: &str, pair| {
+        let group = groups.iter_mut().find(|(name, _)| *name == kind);
+        group.expect("every kind is listed").1.push(pair);
+    };
+    for new in &new.cases {
+        let old = before.get(&*new.id).copied();
+        let kind = old.map_or(Some("appeared"), |old| kind_of_change(old, new));
+        if let Some(kind) = kind {
+            add(kind, (old.unwrap_or(new), new));
         }
     }
-
-    fn count(&self) -> usize {
-        let changed = self.changed.iter().map(|(_, pairs)| pairs.len());
-        changed.sum::<usize>() + self.appeared.len() + self.vanished.len()
+    for old in old.cases.iter().filter(|old| !after.contains_key(&*old.id)) {
+        add("vanished", (old, old));
     }
+    groups
+}
 
-    fn write(&self, in_full: bool, out: &mut String) -> std::fmt::Result {
-        let (old, new) = (self.old, self.new);
-        let heads = [
-            ("suite", yaml(&old.suite), yaml(&new.suite)),
-            ("tool", yaml(&old.tool), yaml(&new.tool)),
-            ("decoder", yaml(&old.decoder), yaml(&new.decoder)),
-            ("verdict", old.verdict.clone(), new.verdict.clone()),
-            ("reason", yaml(&old.reason), yaml(&new.reason)),
-            ("remarks", yaml(&old.remarks), yaml(&new.remarks)),
-            ("scores", yaml(&old.scores), yaml(&new.scores)),
-            ("dialect", readings(&old.dialect), readings(&new.dialect)),
-            (
-                "outside the specification",
-                leniencies(old),
-                leniencies(new),
-            ),
-            ("known failures", yaml(&old.baseline), yaml(&new.baseline)),
-        ];
-        for (name, old, new) in heads {
-            write_lines(out, "", name, &old, &new)?;
-        }
-        let causes = |report: &Report| causes_in_words(report, in_full);
-        write_lines(out, "", "diagnoses", &causes(old), &causes(new))?;
-        for (name, pairs) in &self.changed {
-            write_group(out, name, pairs.len())?;
-            match in_full {
-                true => write_each(out, pairs)?,
-                false => self.write_grouped(out, pairs)?,
-            }
-        }
-        for (name, cases) in [("appeared", &self.appeared), ("vanished", &self.vanished)] {
-            write_group(out, name, cases.len())?;
-            match in_full {
-                true => (cases.iter())
-                    .try_for_each(|case| writeln!(out, "  {}: {}", case.id, case.outcome))?,
-                false => write_counts(out, cases.iter().map(|case| (case.outcome.clone(), *case)))?,
-            }
-        }
-        if out.is_empty() && old != new {
-            writeln!(
-                out,
-                "the cases are in another order, or a case is duplicated"
-            )?;
-        }
-        Ok(())
+fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std::fmt::Result {
+    let groups = groups(old, new);
+    let changed = groups.iter().map(|(_, pairs)| pairs.len()).sum::<usize>();
+    let in_full = every_case || changed <= MAX_IN_FULL;
+    for (name, of) in HEADS {
+        write_lines(out, "", name, &of(old), &of(new))?;
     }
+    let causes = |report: &Report| causes_in_words(report, in_full);
+    write_lines(out, "", "diagnoses", &causes(old), &causes(new))?;
+    for (kind, pairs) in &groups {
+        match pairs.len() {
+            0 => continue,
+            1 => writeln!(out, "1 case {kind}:")?,
+            count => writeln!(out, "{count} cases {kind}:")?,
+        }
+        match in_full {
+            true => pairs.iter().try_for_each(|pair| write_change(out, pair))?,
+            false => write_counts(out, pairs.iter().map(|pair| (key(old, new, pair), pair.1)))?,
+        }
+    }
+    if out.is_empty() && old != new {
+        *out += "the cases are in another order, or a case is duplicated\n";
+    }
+    Ok(())
+}
 
-    /// Writes changes by kind, by cause and by clause.
-    fn write_grouped(&self, out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
-        let keyed = pairs.iter().map(|&(old, new)| {
-            let how = match old.outcome == new.outcome {
-                true => format!("{} ({})", new.outcome, differing(old, new).join(", ")),
-                false => format!("{} → {}", old.outcome, new.outcome),
-            };
-            let cause = match fails(new) {
-                true => self.new.cause_of(new),
-                false => self.old.cause_of(old),
-            };
-            let clause = new.clauses.first().map_or("", String::as_str);
-            let section = section_of(clause);
-            let about = match cause {
-                Some(cause) => format!("{} (clause {})", cause.title(), cause.clause),
-                None if fails(old) || fails(new) => format!("no cause, section {section}"),
-                None => format!("section {section}"),
-            };
-            (format!("{how}: {about}"), new)
-        });
-        write_counts(out, keyed)
+/// Parts of a report that are compared line by line.
+const HEADS: [(&str, fn(&Report) -> String); 10] = [
+    ("suite", |report| yaml(&report.suite)),
+    ("tool", |report| yaml(&report.tool)),
+    ("decoder", |report| yaml(&report.decoder)),
+    ("verdict", |report| report.verdict.clone()),
+    ("reason", |report| yaml(&report.reason)),
+    ("remarks", |report| yaml(&report.remarks)),
+    ("scores", |report| yaml(&report.scores)),
+    ("dialect", |report| {
+        let line = |known: &FollowedReading| format!("{}: {}\n", known.ruling, known.reading);
+        report.dialect.iter().map(line).collect()
+    }),
+    ("outside the specification", |report| {
+        (report.lenient.iter().map(|one| one.in_words() + "\n")).collect()
+    }),
+    ("known failures", |report| yaml(&report.baseline)),
+];
+
+/// Returns the kind of change of a case, and its cause or its section.
+fn key(old: &Report, new: &Report, &(before, after): &Pair) -> String {
+    if before == after {
+        return after.outcome.to_string();
+    }
+    let how = match before.outcome == after.outcome {
+        true => {
+            let fields = differing(before, after).join(", ");
+            format!("{} ({fields})", after.outcome)
+        }
+        false => format!("{} → {}", before.outcome, after.outcome),
+    };
+    let fails = |case: &CaseResult| case.outcome == Outcome::Fail;
+    let cause = match fails(after) {
+        true => new.cause_of(after),
+        false => old.cause_of(before),
+    };
+    let section = section_of(after.clauses.first().map_or("", String::as_str));
+    match cause {
+        Some(cause) => format!("{how}: {} (clause {})", cause.title(), cause.clause),
+        None if fails(before) || fails(after) => format!("{how}: no cause, section {section}"),
+        None => format!("{how}: section {section}"),
     }
 }
 
@@ -161,29 +165,21 @@ fn write_counts<'a>(
     })
 }
 
-/// Writes each change separately.
-fn write_each(out: &mut String, pairs: &[Pair]) -> std::fmt::Result {
-    pairs.iter().try_for_each(|(old, new)| {
-        if old.outcome == new.outcome {
-            writeln!(out, "  {}: {}", new.id, new.outcome)?;
-        } else {
-            writeln!(out, "  {}: {} → {}", new.id, old.outcome, new.outcome)?;
-        }
-        write_lines(out, "    ", "", &details(old), &details(new))
-    })
+/// Writes a change in full.
+fn write_change(out: &mut String, (old, new): &Pair) -> std::fmt::Result {
+    if old.outcome == new.outcome {
+        writeln!(out, "  {}: {}", new.id, new.outcome)?;
+    } else {
+        writeln!(out, "  {}: {} → {}", new.id, old.outcome, new.outcome)?;
+    }
+    write_lines(out, "    ", "", &details(old), &details(new))
 }
 
 /// Describes the causes of a report in a line or two each, with the cases that each explains, or their number.
 fn causes_in_words(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
-        let name = cause.misreading.as_ref().or(cause.kind.as_ref());
-        let says = format!(
-            "{} (clause {}): {}; fix: {}",
-            name.map_or("", String::as_str),
-            cause.clause,
-            cause.effect,
-            cause.fix,
-        );
+        let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);
+        let says = format!("{} (clause {clause}): {effect}; fix: {fix}", cause.name());
         match in_full {
             true => format!("{says}\nexplains {}\n", cause.explains.join(" ")),
             false => format!("{says} (explains {})\n", cause.explains.len()),
@@ -204,42 +200,6 @@ fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     ];
     let differ = fields.into_iter().filter(|&(_, differs)| differs);
     differ.map(|(name, _)| name).collect()
-}
-
-/// A case before and after.
-type Pair<'a> = (&'a CaseResult, &'a CaseResult);
-
-fn fails(case: &CaseResult) -> bool {
-    case.outcome == Outcome::Fail.name()
-}
-
-fn is_fixed(old: &CaseResult, new: &CaseResult) -> bool {
-    fails(old) && new.outcome == Outcome::Pass.name()
-}
-
-/// Kinds of change; each changed case belongs to exactly one.
-const CHANGES: [(&str, fn(&CaseResult, &CaseResult) -> bool); 4] = [
-    ("began to fail", |old, new| !fails(old) && fails(new)),
-    ("fixed", is_fixed),
-    ("changed outcome", |old, new| {
-        old.outcome != new.outcome && !fails(new) && !is_fixed(old, new)
-    }),
-    ("same outcome, other details", |old, new| {
-        old.outcome == new.outcome && old != new
-    }),
-];
-
-/// Returns cases by id; for a duplicate id the last one.
-fn places(cases: &[CaseResult]) -> HashMap<&str, &CaseResult> {
-    cases.iter().map(|case| (id_of(case), case)).collect()
-}
-
-fn write_group(out: &mut String, name: &str, count: usize) -> std::fmt::Result {
-    match count {
-        0 => Ok(()),
-        1 => writeln!(out, "1 case {name}:"),
-        _ => writeln!(out, "{count} cases {name}:"),
-    }
 }
 
 /// Writes the lines in which one text differs from the other.
@@ -270,36 +230,17 @@ fn write_lines(
     Ok(())
 }
 
-/// Returns one line for each reading.
-fn readings(dialect: &[FollowedReading]) -> String {
-    let line = |known: &FollowedReading| format!("{}: {}\n", known.ruling, known.reading);
-    dialect.iter().map(line).collect()
-}
-
-/// Returns one line for each ruling outside the specification.
-fn leniencies(report: &Report) -> String {
-    let rulings = report.lenient.iter();
-    rulings.map(|one| one.in_words() + "\n").collect()
-}
-
 /// Returns the other fields of a case, a line or more each.
 fn details(case: &CaseResult) -> String {
-    let (id, outcome) = (String::new(), String::new());
+    let (id, outcome) = (String::new(), Outcome::Pass);
     let text = yaml(&CaseResult {
         id,
         outcome,
         ..case.clone()
     });
-    text.lines()
-        .skip(2)
-        .map(|line| format!("{line}\n"))
-        .collect()
+    text.split_inclusive('\n').skip(2).collect()
 }
 
 fn yaml(value: &impl Serialize) -> String {
     to_yaml(value).expect("a report can be written")
-}
-
-fn id_of(case: &CaseResult) -> &str {
-    &case.id
 }

@@ -4,6 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::diagnose::Category;
 use crate::report::baseline::BaselineNews;
 use crate::report::leniency::Leniency;
 use crate::session::outcome::Outcome;
@@ -103,7 +104,7 @@ pub struct LikelyCause {
     pub misreading: Option<String>,
     /// The kind of failure, if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kind: Option<String>,
+    pub kind: Option<Category>,
     /// The clause that it misreads.
     pub clause: String,
     /// The behavior of the decoder.
@@ -135,37 +136,40 @@ pub struct CaseResult {
     /// The case.
     pub id: String,
     /// The verdict.
-    pub outcome: String,
-    /// The view in which it was requested.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub view: Option<String>,
+    pub outcome: Outcome,
+    /// The view in which it was requested; empty if it was not.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub view: String,
     /// The expected result.
     pub expect: String,
     /// The clauses that it tests.
     pub clauses: Vec<String>,
     /// The reason for the outcome, if it needs words.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub says: Option<String>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub says: String,
     /// True if it was refused by the exit status of `--reject-exit`, which may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,
     /// The beginning of the decoder's standard error, if the case failed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub stderr: Option<String>,
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub stderr: String,
 }
 
 impl LikelyCause {
     /// Returns true if it means that the clause is misread; a crash or a nondeterministic answer does not.
     #[must_use]
     pub fn blames_its_clause(&self) -> bool {
-        !matches!(self.kind.as_deref(), Some("violation" | "nondeterminism"))
+        !matches!(
+            self.kind,
+            Some(Category::Violation | Category::Nondeterminism)
+        )
     }
 
     /// Returns its name: the misreading, or else the kind of failure.
     #[must_use]
     pub fn name(&self) -> &str {
-        let name = self.misreading.as_deref().or(self.kind.as_deref());
-        name.unwrap_or("unknown")
+        let kind = self.kind.map_or("unknown", Category::name);
+        self.misreading.as_deref().unwrap_or(kind)
     }
 
     /// Returns the misreading, or the effect in words.
@@ -179,7 +183,7 @@ impl Report {
     /// Returns the cases with this outcome.
     pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();
-        cases.filter(move |case| case.outcome == outcome.name())
+        cases.filter(move |case| case.outcome == outcome)
     }
 
     /// Returns true if this failure was known before (`--baseline`).

@@ -38,10 +38,10 @@ pub fn annotations(report: &Report) -> String {
 /// Returns titles and messages of errors.
 fn errors(report: &Report) -> Vec<(String, String)> {
     let name = report.suite.short();
-    let reason = report.reason.iter();
-    let mut errors: Vec<(String, String)> = reason
-        .map(|reason| (report.verdict.clone(), reason.clone()))
-        .collect();
+    let mut errors: Vec<(String, String)> = Vec::new();
+    if let Some(reason) = &report.reason {
+        errors.push((report.verdict.clone(), reason.clone()));
+    }
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
     errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
     // Known failures are not reported again.
@@ -51,23 +51,15 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         let stands = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
         let share = news.iter().filter(stands).count();
         if share > 0 {
-            errors.push((
-                format!("{name}, clause {}: {}", cause.clause, cause.name()),
-                format!(
-                    "{share} of {} failures: the {} {}. Fix: {}.",
-                    news.len(),
-                    report.suite.subject(),
-                    cause.effect,
-                    cause.fix
-                ),
-            ));
+            let title = format!("{name}, clause {}: {}", cause.clause, cause.name());
+            let (all, subject) = (news.len(), report.suite.subject());
+            let LikelyCause { effect, fix, .. } = cause;
+            let says = format!("{share} of {all} failures: the {subject} {effect}. Fix: {fix}.");
+            errors.push((title, says));
         }
     }
     let unexplained = news.iter().filter(|case| report.cause_of(case).is_none());
-    errors.extend(unexplained.map(|case| {
-        let says = case.says.clone().unwrap_or_default();
-        (format!("{name}, case {}", case.id), says)
-    }));
+    errors.extend(unexplained.map(|case| (format!("{name}, case {}", case.id), case.says.clone())));
     errors
 }
 
@@ -89,12 +81,12 @@ pub fn summary(report: &Report, all: usize) -> String {
 
 /// Writes verdict, scores and remarks.
 fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
+    let (suite, command) = (report.suite.short(), code(&report.decoder.command));
     let sign = if report.verdict == "pass" {
         "✅"
     } else {
         "❌"
     };
-    let (suite, command) = (report.suite.short(), code(&report.decoder.command));
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {
         for line in reason.lines() {
@@ -103,10 +95,12 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
         writeln!(out)?;
     }
     let scores = &report.scores;
+    let (correctness, breadth) = (scores.correctness, scores.breadth);
+    writeln!(out, "| correctness | breadth | robustness |\n|--:|--:|--:|")?;
     writeln!(
         out,
-        "| correctness | breadth | robustness |\n|--:|--:|--:|\n| {} | {} | {} |\n",
-        scores.correctness, scores.breadth, scores.robustness
+        "| {correctness} | {breadth} | {} |\n",
+        scores.robustness
     )?;
     for remark in &report.remarks {
         writeln!(out, "> {}\n", plain(&remark.says))?;
@@ -134,10 +128,8 @@ fn write_diagnoses(
     for cause in &report.diagnoses {
         write_cause(cause, report.suite, all, out)?;
     }
-    let unexplained = failures
-        .iter()
-        .filter(|case| report.cause_of(case).is_none());
-    match unexplained.count() {
+    let is_unexplained = |case: &&&CaseResult| report.cause_of(case).is_none();
+    match failures.iter().filter(is_unexplained).count() {
         0 => Ok(()),
         count => writeln!(out, "\nUnexplained failures: {count} of {all}."),
     }
@@ -149,15 +141,14 @@ fn write_cause(
     all: usize,
     out: &mut String,
 ) -> std::fmt::Result {
-    let subject = suite.subject();
+    let (subject, count) = (suite.subject(), cause.explains.len());
+    let (effect, fix) = (plain(&cause.effect), plain(&cause.fix));
+    let clause = linked(&plain(&cause.clause), suite.clause_page(&cause.clause));
     writeln!(
         out,
-        "- **{} of {all} failures:** the {subject} {} (clause {}).  \n  Fix: {}.",
-        cause.explains.len(),
-        plain(&cause.effect),
-        linked(&plain(&cause.clause), suite.clause_page(&cause.clause)),
-        plain(&cause.fix),
+        "- **{count} of {all} failures:** the {subject} {effect} (clause {clause}).  "
     )?;
+    writeln!(out, "  Fix: {fix}.")?;
     match &cause.misreading {
         Some(slug) => {
             let command = format!("ptm-conform explain {slug}");
@@ -185,21 +176,13 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
     if failures.is_empty() {
         return Ok(());
     }
-    writeln!(
-        out,
-        "\n<details><summary>{} failing cases</summary>\n\n| case | clauses | result |\n|---|---|---|",
-        failures.len()
-    )?;
+    let count = failures.len();
+    writeln!(out, "\n<details><summary>{count} failing cases</summary>\n")?;
+    writeln!(out, "| case | clauses | result |\n|---|---|---|")?;
     for case in failures.iter().take(MAX_LISTED) {
-        let says = case.says.as_deref().unwrap_or_default();
-        let says: String = says.chars().take(300).collect();
-        writeln!(
-            out,
-            "| {} | {} | {} |",
-            code(&case.id),
-            plain(&case.clauses.join(", ")),
-            plain(&says)
-        )?;
+        let says: String = case.says.chars().take(300).collect();
+        let (id, clauses) = (code(&case.id), plain(&case.clauses.join(", ")));
+        writeln!(out, "| {id} | {clauses} | {} |", plain(&says))?;
     }
     if failures.len() > MAX_LISTED {
         writeln!(out, "\n… and {} more.", failures.len() - MAX_LISTED)?;
@@ -213,11 +196,8 @@ pub fn without_commands(text: &str) -> String {
     text.split_inclusive('\n')
         .map(|line| {
             let begins = line.trim_start();
-            if begins.starts_with("::") || begins.starts_with("##[") {
-                format!("> {line}")
-            } else {
-                line.to_owned()
-            }
+            let is_command = begins.starts_with("::") || begins.starts_with("##[");
+            format!("{}{line}", if is_command { "> " } else { "" })
         })
         .collect()
 }
@@ -236,38 +216,27 @@ fn property(text: &str) -> String {
 
 /// Returns words without Markdown or HTML, on one line.
 fn plain(text: &str) -> String {
-    let mut plain = String::new();
-    for c in text.chars() {
-        match c {
-            '<' => plain.push_str("&lt;"),
-            '>' => plain.push_str("&gt;"),
-            '&' => plain.push_str("&amp;"),
-            '\n' | '\r' => plain.push(' '),
-            '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '!' | '@' => {
-                plain.push('\\');
-                plain.push(c);
-            }
-            _ => plain.push(c),
-        }
-    }
-    plain
+    escaped(text, |c| format!("\\{c}"))
 }
 
 /// Returns words as code, whatever their characters.
 fn code(text: &str) -> String {
-    let mut escaped = String::new();
-    for c in text.chars() {
-        match c {
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '&' => escaped.push_str("&amp;"),
-            '|' => escaped.push_str("&#124;"),
-            '`' | '*' | '_' | '[' | ']' | '\\' | '~' | '@' => {
-                let _ = write!(escaped, "&#{};", u32::from(c));
-            }
-            '\n' | '\r' => escaped.push(' '),
-            _ => escaped.push(c),
-        }
-    }
+    let escaped = escaped(text, |c| match c {
+        '#' | '!' => c.to_string(),
+        _ => format!("&#{};", u32::from(c)),
+    });
     format!("<code>{escaped}</code>")
+}
+
+/// Escapes HTML and line feeds, and the characters of Markdown by `markdown`.
+fn escaped(text: &str, markdown: impl Fn(char) -> String) -> String {
+    let escape = |c: char| match c {
+        '<' => "&lt;".to_owned(),
+        '>' => "&gt;".to_owned(),
+        '&' => "&amp;".to_owned(),
+        '\n' | '\r' => " ".to_owned(),
+        '\\' | '`' | '*' | '_' | '[' | ']' | '|' | '~' | '#' | '!' | '@' => markdown(c),
+        _ => c.to_string(),
+    };
+    text.chars().map(escape).collect()
 }

@@ -48,44 +48,39 @@ pub fn junit(report: &Report) -> Result<String, String> {
 fn test_case(report: &Report, case: &CaseResult) -> TestCase {
     let mut junit = TestCase::new(case.id.as_str(), status(report, case));
     // A dot would separate packages.
-    let section = case
-        .clauses
-        .first()
-        .map_or("none", |clause| section_of(clause))
-        .replace('.', "_");
+    let section = case.clauses.first().map_or("none", |id| section_of(id));
+    let section = section.replace('.', "_");
     junit.set_classname(format!("ptm-conform.section-{section}"));
-    if let Some(stderr) = &case.stderr {
-        junit.set_system_err(stderr);
+    if !case.stderr.is_empty() {
+        junit.set_system_err(&case.stderr);
     }
     junit
 }
 
 fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
-    let says = case.says.as_deref().unwrap_or(&case.outcome);
-    let is = |outcome: Outcome| case.outcome == outcome.name();
-    if report.is_known(case) {
-        skipped(&format!("known failure: {says}"))
-    } else if is(Outcome::Fail) {
-        let mut status = not_passed(NonSuccessKind::Failure, says);
-        status.set_type(format!("clause {}", case.clauses.join(", ")));
-        if let Some(cause) = report.cause_of(case) {
-            status.set_description(format!(
-                "The {} {} (clause {}). Fix: {}.",
-                report.suite.subject(),
-                cause.effect,
-                cause.clause,
-                cause.fix
-            ));
+    let says = match case.says.as_str() {
+        "" => case.outcome.name(),
+        says => says,
+    };
+    match case.outcome {
+        _ if report.is_known(case) => skipped(&format!("known failure: {says}")),
+        Outcome::Fail => {
+            let mut status = not_passed(NonSuccessKind::Failure, says);
+            status.set_type(format!("clause {}", case.clauses.join(", ")));
+            if let Some(cause) = report.cause_of(case) {
+                let subject = report.suite.subject();
+                let (effect, clause, fix) = (&cause.effect, &cause.clause, &cause.fix);
+                let says = format!("The {subject} {effect} (clause {clause}). Fix: {fix}.");
+                status.set_description(says);
+            }
+            status
         }
-        status
-    } else if is(Outcome::NotRun) {
-        not_passed(NonSuccessKind::Error, &format!("not run: {says}"))
-    } else if is(Outcome::Pass) && case.expect != Expect::Lenient.name() {
-        TestCaseStatus::success()
-    } else if is(Outcome::Pass) {
-        skipped("lenient: more than one answer is right, and this was one of them")
-    } else {
-        skipped(says)
+        Outcome::NotRun => not_passed(NonSuccessKind::Error, &format!("not run: {says}")),
+        Outcome::Pass if case.expect == Expect::Lenient.name() => {
+            skipped("lenient: more than one answer is right, and this was one of them")
+        }
+        Outcome::Pass => TestCaseStatus::success(),
+        _ => skipped(says),
     }
 }
 

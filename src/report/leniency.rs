@@ -32,24 +32,22 @@ pub struct Leniency {
 impl Leniency {
     /// Describes it in words: `lut-huge: 1 refused, 4 other results`.
     pub(super) fn in_words(&self) -> String {
-        let counts = [
+        let other = if self.other == 1 {
+            "other result"
+        } else {
+            "other results"
+        };
+        let mut counts = Vec::new();
+        for (count, what) in [
             (self.decoded, "decoded"),
             (self.refused, "refused"),
             (self.unsupported, "unsupported"),
-            (
-                self.other,
-                if self.other == 1 {
-                    "other result"
-                } else {
-                    "other results"
-                },
-            ),
-        ];
-        let counts: Vec<String> = counts
-            .into_iter()
-            .filter(|&(count, _)| count > 0)
-            .map(|(count, what)| format!("{count} {what}"))
-            .collect();
+            (self.other, other),
+        ] {
+            if count > 0 {
+                counts.push(format!("{count} {what}"));
+            }
+        }
         format!("{}: {}", self.ruling, counts.join(", "))
     }
 }
@@ -58,7 +56,8 @@ impl Leniency {
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
-        let (Expect::Lenient, Some(ruling)) = (case.expect(), case.ruling()) else {
+        let (Expect::Lenient | Expect::Robust, Some(ruling)) = (case.expect(), case.ruling())
+        else {
             continue;
         };
         let (Some(observation), Some(judged)) = (&run.observations[i], &run.judgement.cases[i])

@@ -11,7 +11,7 @@ use crate::report::leniency::{leniency, passing};
 use crate::report::reported::Reported;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
-use crate::session::outcome::{Judged, Outcome};
+use crate::session::outcome::Outcome;
 use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -83,31 +83,30 @@ impl Report {
 }
 
 fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> {
-    let judged = suite.cases.iter().zip(&run.judgement.cases);
-    judged
-        .zip(&run.observations)
-        .filter_map(|((case, judged), observation)| {
-            Some(case_result(case, judged.as_ref()?, observation.as_ref()))
-        })
-        .collect()
-}
-
-fn case_result<C: TestCase>(
-    case: &C,
-    judged: &Judged,
-    observation: Option<&Observation<C>>,
-) -> CaseResult {
-    let stderr = observation.map(|observation| observation.stderr.clone());
-    CaseResult {
-        id: case.id().to_owned(),
-        outcome: judged.outcome.name().to_owned(),
-        view: observation.map(|observation| observation.view.to_string()),
-        expect: case.expectation().to_owned(),
-        clauses: case.clauses().to_vec(),
-        weak: observation.is_some_and(|observation| observation.weak),
-        says: Some(judged.says.clone()).filter(|says| !says.is_empty()),
-        stderr: stderr.filter(|stderr| judged.outcome == Outcome::Fail && !stderr.is_empty()),
+    let mut results = Vec::new();
+    let observed = run.judgement.cases.iter().zip(&run.observations);
+    for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
+        let Some(judged) = judged else { continue };
+        let mut result = CaseResult {
+            id: case.id().to_owned(),
+            outcome: judged.outcome,
+            view: String::new(),
+            expect: case.expectation().to_owned(),
+            clauses: case.clauses().to_vec(),
+            says: judged.says.clone(),
+            weak: false,
+            stderr: String::new(),
+        };
+        if let Some(observation) = observation {
+            result.view = observation.view.to_string();
+            result.weak = observation.weak;
+            if judged.outcome == Outcome::Fail {
+                result.stderr.clone_from(&observation.stderr);
+            }
+        }
+        results.push(result);
     }
+    results
 }
 
 /// Returns the reading of each choice that some case showed, with the cases that show it.
@@ -135,33 +134,34 @@ fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> 
 }
 
 /// Returns everything for which the decoder always exits with 69: whole features, and views of single kinds of file.
-fn unsupported<C: Reported>(run: &Run<C>) -> Vec<String> {
-    let features = run.judgement.unsupported.iter().map(ToString::to_string);
-    let lacking = run.offer.lacking.iter();
-    let views = lacking
-        .filter(|(view, kind)| !C::is_listed(view, kind))
-        .map(|(view, kind)| format!("{view} of {kind}"));
-    features.chain(views).collect()
+fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
+    let features = run.judgement.unsupported.iter();
+    let mut names: Vec<String> = features.map(ToString::to_string).collect();
+    for (view, kind) in &run.offer.lacking {
+        let name = format!("{view} of {kind}");
+        // The colors of LUM are a feature themselves.
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
 }
 
 /// Returns remarks on images for which a larger tolerance was applied than for rounding.
 fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
-    let count = |of: Allowance| {
-        let observed = run.observations.iter().flatten();
-        let responses = observed.map(|observation| &observation.response);
-        responses
-            .filter(|response| matches!(response, Response::Image { allowance, .. } if *allowance == of))
-            .count()
-    };
-    let others = count(Allowance::AnotherTransform);
-    let lossy = count(Allowance::Lossy);
-    let others = (others > 0).then(|| format!(
-        "{others} raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes"
-    ));
-    let lossy = (lossy > 0).then(|| format!(
-        "{lossy} responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY}, so small mistakes are not found"
-    ));
-    [others, lossy].into_iter().flatten().map(Remark::note)
+    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes";
+    let lossy = format!(
+        "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY}, so small mistakes are not found"
+    );
+    let remarks = [
+        (Allowance::AnotherTransform, others.to_owned()),
+        (Allowance::Lossy, lossy),
+    ];
+    remarks.into_iter().filter_map(|(of, says)| {
+        let is_of = |seen: &&Observation<C>| matches!(seen.response, Response::Image { allowance, .. } if allowance == of);
+        let count = run.observations.iter().flatten().filter(is_of).count();
+        (count > 0).then(|| Remark::note(format!("{count} {says}")))
+    })
 }
 
 /// Converts diagnoses to the form of a report.
@@ -169,34 +169,26 @@ pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
 ) -> Vec<LikelyCause> {
-    let causes = diagnoses.iter().map(|diagnosis| cause(suite, diagnosis));
-    causes.collect()
+    (diagnoses.iter().map(|diagnosis| cause(suite, diagnosis))).collect()
 }
 
 fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) -> LikelyCause {
     let ids = |places: &[usize]| -> Vec<String> {
-        let ids = places.iter().map(|&i| suite.cases[i].id().to_owned());
-        ids.collect()
+        (places.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
     };
-    let named = named_cause(&diagnosis.cause);
-    let cause = match &diagnosis.shows {
+    let shown = diagnosis.shows.as_ref();
+    let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
+    if shown.is_none() {
+        cause.except = ids(&diagnosis.except);
+    } else if diagnosis.except.is_empty() {
         // The misreading is one of several mistakes that would look the same, unless passing cases contradict it.
-        Some(observation) if diagnosis.except.is_empty() => LikelyCause {
-            or: named.misreading.into_iter().chain(named.or).collect(),
-            with: named.with,
-            ..named_cause(observation)
-        },
-        Some(observation) => named_cause(observation),
-        None => LikelyCause {
-            except: ids(&diagnosis.except),
-            ..named
-        },
-    };
-    LikelyCause {
-        explains: ids(&diagnosis.explains),
-        partly: ids(&diagnosis.partly),
-        ..cause
+        let named = named_cause(&diagnosis.cause);
+        cause.or = named.misreading.into_iter().chain(named.or).collect();
+        cause.with = named.with;
     }
+    cause.explains = ids(&diagnosis.explains);
+    cause.partly = ids(&diagnosis.partly);
+    cause
 }
 
 /// Converts a cause to its fields in a report.
@@ -223,7 +215,7 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
             example,
             alike,
         } => LikelyCause {
-            kind: Some(category.name().to_owned()),
+            kind: Some(*category),
             clause: clause.clone(),
             effect: effect.clone(),
             fix: fix.clone(),
@@ -235,14 +227,11 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
 }
 
 fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
-    let slugs = misreadings.iter();
-    slugs.map(|misreading| misreading.slug.to_owned()).collect()
+    misreadings.iter().map(|of| of.slug.to_owned()).collect()
 }
 
 /// Returns a word of a command without its directories.
 fn base_name(word: &str) -> String {
-    Path::new(word).file_name().map_or_else(
-        || word.to_owned(),
-        |name| name.to_string_lossy().into_owned(),
-    )
+    let name = Path::new(word).file_name().unwrap_or(word.as_ref());
+    name.to_string_lossy().into_owned()
 }

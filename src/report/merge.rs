@@ -7,19 +7,18 @@ use std::collections::HashMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
 
 use crate::kit::without_code;
 use crate::protocol::frame::Answer;
-use crate::report::conclude::{conclude, undo_common_transforms};
+use crate::report::conclude::conclude;
 use crate::report::document::Report;
 use crate::report::reported::Reported;
-use crate::report::shards::{self, Circumstances, End, Kept, OtherRemarks, Record, Shard};
+use crate::report::shards::{self, End, Kept, OtherRemarks, Record, Shard};
 use crate::runner::run::{Reply, Request};
 use crate::session::asking::ReplyTo;
-use crate::session::plan::{Repeat, RunPlan};
 use crate::session::remark::Remark;
 use crate::session::run::{Progress, Run, Session};
 use crate::suite::cases::Suite;
@@ -29,9 +28,8 @@ use crate::suite::test_case::TestCase;
 pub struct KeptAnswers<C: TestCase> {
     /// By file, view, and true if a new process was asked.
     known: HashMap<(String, String, bool), Kept<C::Output>>,
-    circumstances: Circumstances,
-    remarks: OtherRemarks,
-    selected: Vec<String>,
+    /// The end of the first part, with the remarks and the selected cases of all.
+    whole: End,
 }
 
 impl<C: Reported> KeptAnswers<C> {
@@ -53,27 +51,19 @@ impl<C: Reported> KeptAnswers<C> {
         }
         check_parts(&ends)?;
         ends.sort_by_key(|(_, end)| end.part.number);
-        let (first, end) = ends.first().ok_or("no reports")?;
-        if end.corpus != C::digest(suite) {
-            return Err(format!(
-                "{}: its suite is not that of this program",
-                first.display()
-            ));
+        let (first, mut whole) = ends.remove(0);
+        if whole.corpus != C::digest(suite) {
+            let first = first.display();
+            return Err(format!("{first}: its suite is not that of this program"));
         }
-        let mut remarks = OtherRemarks::default();
-        for (_, End { remarks: more, .. }) in &ends {
-            add_new(&mut remarks.before, &more.before);
-            add_new(&mut remarks.after, &more.after);
+        for (_, part) in &ends {
+            add_new(&mut whole.remarks.before, &part.remarks.before);
+            add_new(&mut whole.remarks.after, &part.remarks.after);
+            for (all, selected) in whole.plan.selected.iter_mut().zip(&part.plan.selected) {
+                *all |= selected;
+            }
         }
-        Ok(KeptAnswers {
-            known,
-            circumstances: end.circumstances.clone(),
-            remarks,
-            selected: ends
-                .iter()
-                .flat_map(|(_, end)| end.selected.clone())
-                .collect(),
-        })
+        Ok(KeptAnswers { known, whole })
     }
 
     /// Returns the whole run and its report. `progress` is called as in a run.
@@ -86,88 +76,41 @@ impl<C: Reported> KeptAnswers<C> {
         jobs: usize,
         progress: &Progress<C>,
     ) -> Result<(Run<C>, Report), String> {
-        let plan = self.plan(suite, jobs);
-        let missing = Mutex::new(None);
+        let (circumstances, remarks) = (&self.whole.circumstances, &self.whole.remarks);
+        let mut plan = self.whole.plan.clone();
+        plan.jobs = jobs;
+        let missing = OnceLock::new();
         let ask = |request: &Request<'_, C::View>, _: usize| {
             self.reply(suite, request).unwrap_or_else(|| {
-                let what = format!("{} in {}", request.name, request.view);
-                missing
-                    .lock()
-                    .expect("no worker panics")
-                    .get_or_insert(what);
+                missing.get_or_init(|| format!("{} in {}", request.name, request.view));
                 Answer::NotStarted("no part of the run asked for this".to_owned()).into()
             })
         };
         let mut session = Session::new(suite, &plan, &ask);
         let mut contact = session.first_contact();
-        undo_common_transforms(
-            suite,
-            &mut session,
-            &mut contact,
-            &self.circumstances.assumed,
-        );
+        if circumstances.assumed.is_empty() {
+            C::undo_common_transforms(suite, &mut session, &mut contact);
+        }
         let observations = session.ask_cases(&contact, progress);
         let mut run = session.verdicts(contact, observations, &|_, _| ());
-        if let Some(what) = missing.into_inner().expect("no worker panics") {
+        if let Some(what) = missing.into_inner() {
             return Err(format!(
                 "no part of the run asked for {what}: are the responses of the decoder nondeterministic?"
             ));
         }
-        let report = conclude(suite, &mut run, &self.circumstances, &self.remarks, jobs)?;
+        let report = conclude(suite, &plan, &mut run, circumstances, remarks)?;
         Ok((run, report))
-    }
-
-    /// Returns the combined plan of the parts.
-    fn plan(&self, suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
-        let Circumstances {
-            declared_views,
-            declared_formats,
-            serves,
-            views,
-            withheld,
-            ..
-        } = &self.circumstances;
-        let ids = || suite.cases.iter().map(C::id);
-        let known = |views: &Vec<String>| -> Vec<&'static str> {
-            let is_asked = |view: &&str| views.iter().any(|asked| asked == view);
-            C::VIEWS.iter().copied().filter(is_asked).collect()
-        };
-        let kind = |name: &String| {
-            let mut kinds = suite.cases.iter().map(C::kind);
-            kinds.find(|kind| kind.to_string() == *name)
-        };
-        let why: HashMap<&str, &String> = withheld.iter().map(|(id, why)| (&**id, why)).collect();
-        RunPlan {
-            selected: ids()
-                .map(|id| self.selected.iter().any(|selected| selected == id))
-                .collect(),
-            views: known(views),
-            withheld: match withheld.is_empty() {
-                true => Vec::new(),
-                false => ids().map(|id| why.get(id).copied().cloned()).collect(),
-            },
-            declared_views: declared_views.as_ref().map(known),
-            declared_kinds: (declared_formats.as_ref())
-                .map(|names| names.iter().filter_map(kind).collect()),
-            repeat: match serves {
-                true => Repeat::FailuresAndSample,
-                false => Repeat::Failures,
-            },
-            ..RunPlan::of(suite, jobs)
-        }
     }
 
     /// Returns a recorded answer. A request that no part repeated counts as deterministic: its verdict gave no reason to.
     fn reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
-        let key = |alone| {
-            (
-                shards::digest(request.file),
-                request.view.to_string(),
-                alone,
-            )
+        let file = shards::digest(request.file);
+        let known = |alone| {
+            self.known
+                .get(&(file.clone(), request.view.to_string(), alone))
         };
-        let again = self.known.get(&key(true)).filter(|_| request.alone);
-        let kept = again.or_else(|| self.known.get(&key(false)))?;
+        let again = known(true).filter(|_| request.alone);
+        let kept = again.or_else(|| known(false))?;
         let answer = match &kept.answer {
             Some(answer) => answer.clone(),
             None => Answer::Decoded(suite.case(&kept.case)?.expected_output(request.view)?),
@@ -216,28 +159,27 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
     for (path, end) in ends {
         let named = |what: &str| Err(format!("{}: {what}", path.display()));
         if end.version != env!("CARGO_PKG_VERSION") {
-            return named(&format!(
-                "written by version {} of this program",
-                end.version
-            ));
+            let version = &end.version;
+            return named(&format!("written by version {version} of this program"));
         }
-        if (end.part.of, &end.corpus, &end.circumstances)
-            != (first.part.of, &first.corpus, &first.circumstances)
-        {
+        let run = |end: &End| {
+            let mut end = end.clone();
+            end.part.number = 0;
+            end.plan.selected.clear();
+            (end.remarks, end.ended_early) = (OtherRemarks::default(), None);
+            serde_json::to_string(&end).expect("it can be written")
+        };
+        if run(end) != run(first) {
             return named(&format!("not of the same run as {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {
-            return named(&format!(
-                "part {} did not finish: {why}; run it again",
-                end.part
-            ));
+            let part = end.part;
+            return named(&format!("part {part} did not finish: {why}; run it again"));
         }
     }
     for number in 1..=first.part.of {
-        let part = Shard {
-            number,
-            ..first.part
-        };
+        let of = first.part.of;
+        let part = Shard { number, of };
         match ends.iter().filter(|(_, end)| end.part == part).count() {
             1 => {}
             0 => return Err(format!("part {part} is missing")),

@@ -2,36 +2,21 @@
 //!
 //! A report is plain data ([`document`]); YAML, text and all other forms are output formats, for all suites.
 
-pub mod document;
-
-pub(crate) mod make;
-
-mod leniency;
-
-pub mod reported;
-
-pub mod words;
-
-pub mod text;
-
-mod yaml;
-
-mod diff;
-
-pub mod baseline;
-
-pub mod conclude;
-
-pub mod shards;
-
-pub mod merge;
-
-pub mod html;
-
-pub mod junit;
-
-pub mod github;
-
 pub mod badge;
+pub mod baseline;
+pub mod conclude;
+mod diff;
+pub mod document;
+pub mod github;
+pub mod html;
+pub mod junit;
+mod leniency;
+pub(crate) mod make;
+pub mod merge;
+pub mod reported;
+pub mod shards;
+pub mod text;
+pub mod words;
+mod yaml;
 
 pub use document::Report;

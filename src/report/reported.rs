@@ -7,15 +7,12 @@ use crate::kit::digest::sha256;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
-use crate::ptm::Format;
 use crate::report::document::FollowedReading;
 use crate::report::html::evidence;
 use crate::report::leniency::passing;
-use crate::session::asking::Undo;
 use crate::session::contact::Contact;
 use crate::session::observation::Observation;
-use crate::session::remark::Remark;
-use crate::session::run::Run;
+use crate::session::run::{Run, Session};
 use crate::session::transform;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
@@ -50,19 +47,11 @@ pub trait Reported: TestCase {
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
     }
-    /// Returns true if a missing view of a kind is a separate feature, which is listed anyway.
-    #[must_use]
-    fn is_listed(_: &str, _: &Self::Feature) -> bool {
-        false
-    }
     /// Returns the evidence of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
-    /// Returns the mistakes that all first files have in common: how to undo them, and the remarks on them.
-    #[must_use]
-    fn common_transforms(_: &Suite<Self>, _: &Contact<Self>) -> (Vec<Undo<Self>>, Vec<Remark>) {
-        (Vec::new(), Vec::new())
-    }
+    /// Finds mistakes that all first files have in common, reports them, and has them undone in every following image.
+    fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
     /// Assumes mistakes: failures that they explain do not count as failures any more.
     ///
     /// # Errors
@@ -139,19 +128,15 @@ impl Reported for Case {
         ]
     }
 
-    fn is_listed(view: &str, kind: &Feature) -> bool {
-        // The colors of LUM.
-        view == "rgb" && *kind == Feature::Format(Format::Lum)
-    }
-
     fn evidence(&self, table: TableSpelling, observation: &Observation) -> Markup {
         evidence::of_case(self, table, observation)
     }
 
-    fn common_transforms(suite: &Suite, contact: &Contact) -> (Vec<Undo<Case>>, Vec<Remark>) {
+    fn undo_common_transforms(suite: &Suite, session: &mut Session<Case>, contact: &mut Contact) {
         let common = transform::common(suite, contact);
-        let said = transform::in_words(&common);
-        (common.into_iter().map(|of| of.undo).collect(), said)
+        let remarks = &mut contact.remarks;
+        remarks.splice(0..0, transform::in_words(&common));
+        session.undo(common.into_iter().map(|of| of.undo).collect());
     }
 
     fn assume(suite: &Suite, run: &mut Run, slugs: &[String], jobs: usize) -> Result<(), String> {

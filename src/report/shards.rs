@@ -20,14 +20,11 @@ use sha2::{Digest, Sha256};
 
 use crate::kit::digest::sha256;
 use crate::protocol::frame::Answer;
-use crate::report::document::Tool;
 use crate::runner::run::Request;
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::plan::RunPlan;
 use crate::session::remark::Remark;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Allowance, TestCase};
 
@@ -45,9 +42,7 @@ impl Shard {
     #[must_use]
     pub fn holds(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
-        let first = digest[..8]
-            .iter()
-            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        let first = u64::from_be_bytes(digest[..8].try_into().expect("eight bytes"));
         first % u64::from(self.of) == u64::from(self.number - 1)
     }
 }
@@ -71,7 +66,7 @@ impl fmt::Display for Shard {
     }
 }
 
-/// Properties of a run other than its answers.
+/// Properties of a run other than its plan and its answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circumstances {
     /// The command of the decoder.
@@ -80,59 +75,10 @@ pub struct Circumstances {
     pub name: Option<String>,
     /// The version that it declares.
     pub version: Option<String>,
-    /// The views that it declares.
-    pub declared_views: Option<Vec<String>>,
-    /// The formats that it declares.
-    pub declared_formats: Option<Vec<String>>,
-    /// True if its processes answer many requests.
-    pub serves: bool,
-    /// True if the answers were made before the run.
-    #[serde(default)]
-    pub precomputed: bool,
-    /// The requested views; all if empty.
-    pub views: Vec<String>,
-    /// The cases that were not requested: id and reason.
-    pub withheld: Vec<(String, String)>,
     /// Assumed misreadings.
     pub assumed: Vec<String>,
     /// The limits in force, in words.
     pub limits: Vec<String>,
-}
-
-impl Circumstances {
-    /// Returns the properties that the plan of a run determines; the others are empty.
-    #[must_use]
-    pub fn of<C: TestCase>(
-        suite: &Suite<C>,
-        plan: &RunPlan<C>,
-        command: &[String],
-        assumed: &[String],
-    ) -> Circumstances {
-        let words = |views: &Vec<&str>| views.iter().map(|&view| view.to_owned()).collect();
-        let withheld = suite.cases.iter().zip(&plan.withheld);
-        Circumstances {
-            command: command.to_vec(),
-            declared_views: plan.declared_views.as_ref().map(words),
-            declared_formats: (plan.declared_kinds.as_ref())
-                .map(|kinds| kinds.iter().map(ToString::to_string).collect()),
-            precomputed: plan.precomputed,
-            views: words(&plan.views),
-            withheld: withheld
-                .filter_map(|(case, why)| Some((case.id().to_owned(), why.clone()?)))
-                .collect(),
-            assumed: assumed.to_vec(),
-            ..Circumstances::default()
-        }
-    }
-
-    /// Returns the mode of the decoder, as in a report.
-    pub(super) fn mode(&self) -> &'static str {
-        match (self.precomputed, self.serves) {
-            (true, _) => "outputs",
-            (false, true) => "serve",
-            (false, false) => "one-shot",
-        }
-    }
 }
 
 /// Remarks on the run as a whole that do not follow from answers.
@@ -155,38 +101,12 @@ pub struct End {
     pub part: Shard,
     /// The run.
     pub circumstances: Circumstances,
+    /// The plan, in which the cases of the part are selected.
+    pub plan: RunPlan,
     /// Remarks on the run as a whole that do not follow from answers.
     pub remarks: OtherRemarks,
-    /// The cases to judge.
-    pub selected: Vec<String>,
     /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<String>,
-}
-
-impl End {
-    /// Makes the last line of a part of a run.
-    #[must_use]
-    pub fn of<C: TestCase>(
-        suite: &Suite<C>,
-        plan: &RunPlan<C>,
-        run: &Run<C>,
-        tool: &Tool,
-        part: Shard,
-        circumstances: Circumstances,
-        remarks: OtherRemarks,
-    ) -> End {
-        let cases = suite.cases.iter().zip(&plan.selected);
-        let selected = cases.filter(|&(_, &selected)| selected);
-        End {
-            version: tool.version.clone(),
-            corpus: tool.corpus.clone(),
-            part,
-            circumstances,
-            remarks,
-            selected: selected.map(|(case, _)| case.id().to_owned()).collect(),
-            ended_early: run.ended_early.map(str::to_owned),
-        }
-    }
 }
 
 /// A recorded answer.
@@ -219,9 +139,8 @@ pub struct Kept<T> {
 }
 
 /// A line of the file.
-#[derive(Serialize, Deserialize)]
-#[serde(untagged)]
-#[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
+#[derive(Deserialize)]
+#[serde(untagged, bound = "T: DeserializeOwned")]
 pub(super) enum Record<T> {
     Answer(Box<Kept<T>>),
     End(Box<End>),
@@ -279,11 +198,11 @@ impl<C: TestCase> Keeper<C> {
         };
         let mut keeping = self.0.lock().expect("no worker panics");
         if kept.alone {
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         } else {
             let key = (kept.case.clone(), kept.view.clone());
             if let Some(before) = keeping.waiting.insert(key, kept) {
-                keeping.write(&Record::Answer(Box::new(before)));
+                keeping.write(&before);
             }
         }
     }
@@ -305,7 +224,7 @@ impl<C: TestCase> Keeper<C> {
             if expected && case.expected_output(&observation.view).is_some() {
                 kept.answer = None;
             }
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         }
     }
 
@@ -313,14 +232,14 @@ impl<C: TestCase> Keeper<C> {
     ///
     /// # Errors
     /// The first error of the file system.
-    pub fn finish(self, end: End) -> io::Result<()> {
+    pub fn finish(self, end: &End) -> io::Result<()> {
         let mut keeping = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = keeping.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
         for (_, kept) in waiting {
-            keeping.write(&Record::Answer(Box::new(kept)));
+            keeping.write(&kept);
         }
-        keeping.write(&Record::End(Box::new(end)));
+        keeping.write(end);
         match keeping.failed {
             Some(error) => Err(error),
             None => keeping.out.flush(),
@@ -328,8 +247,8 @@ impl<C: TestCase> Keeper<C> {
     }
 }
 
-impl<T: Serialize> Keeping<T> {
-    fn write(&mut self, record: &Record<T>) {
+impl<T> Keeping<T> {
+    fn write(&mut self, record: &impl Serialize) {
         let written = serde_json::to_writer(&mut self.out, record)
             .map_err(io::Error::other)
             .and_then(|()| self.out.write_all(b"\n"));

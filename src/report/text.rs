@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::kit::last_words::last_words;
-use crate::report::document::{CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report};
+use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::words::{Detail, details, how_it_is_called};
+use crate::report::words::{details, how_it_is_called};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -47,12 +47,11 @@ impl Report {
     /// Returns the number of cases with each outcome, in words.
     #[must_use]
     pub fn counts(&self) -> String {
-        let count = |outcome: &Outcome| (self.with(*outcome).count(), outcome.name());
-        let counts = Outcome::ALL.iter().map(count);
-        let counts = counts.filter(|&(count, _)| count > 0);
-        let counts: Vec<String> = counts
-            .map(|(count, name)| format!("{count} {name}"))
-            .collect();
+        let count = |outcome: Outcome| match self.with(outcome).count() {
+            0 => None,
+            count => Some(format!("{count} {outcome}")),
+        };
+        let counts: Vec<String> = Outcome::ALL.into_iter().filter_map(count).collect();
         counts.join(", ")
     }
 }
@@ -70,38 +69,38 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     if failed == 0 {
         return None;
     }
-    let mut text = format!(
+    let mut lines = vec![format!(
         "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
-    );
+    )];
     let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
         (causes.iter()).partition(|cause| cause.explains.len() >= FAILURES_OF_A_CAUSE);
     for cause in told.iter().take(MAX_FIRST_CAUSES) {
-        let clause = match cause.blames_its_clause() {
-            true => format!(" (clause {})", cause.clause),
-            false => String::new(),
-        };
-        let _ = write!(
-            text,
-            "\n  {} of {failed} failures: the decoder {}{clause}.\n    Fix: {}.",
-            cause.explains.len(),
-            cause.effect,
-            cause.fix
-        );
+        let (count, behavior) = (cause.explains.len(), behavior(cause));
+        lines.push(format!(
+            "{count} of {failed} failures: the decoder {behavior}."
+        ));
+        lines.push(format!("  Fix: {}.", cause.fix));
     }
     if told.len() > MAX_FIRST_CAUSES {
-        let _ = write!(text, "\n  … and {} more", told.len() - MAX_FIRST_CAUSES);
+        lines.push(format!("… and {} more", told.len() - MAX_FIRST_CAUSES));
     }
     let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
     if few > 0 {
-        let _ = write!(
-            text,
-            "\n  {few} of {failed} failures: too few similar failures to name a cause yet"
-        );
+        let why = "too few similar failures to name a cause yet";
+        lines.push(format!("{few} of {failed} failures: {why}"));
     }
     if causes.is_empty() {
-        text += "\n  none yet";
+        lines.push("none yet".to_owned());
     }
-    Some(text)
+    Some(lines.join("\n  "))
+}
+
+/// Describes the behavior of a decoder, with the clause that it misreads.
+fn behavior(cause: &LikelyCause) -> String {
+    match cause.blames_its_clause() {
+        true => format!("{} (clause {})", cause.effect, cause.clause),
+        false => cause.effect.clone(),
+    }
 }
 
 /// A report that is written for a terminal.
@@ -114,7 +113,10 @@ struct Page<'a, C: TestCase> {
 impl<C: TestCase> Page<'_, C> {
     fn write(&self, shown: usize, out: &mut String) -> std::fmt::Result {
         if let Some(reason) = &self.report.reason {
-            return self.write_no_decoder(reason, out);
+            let command = &self.report.decoder.command;
+            let subject = self.report.suite.subject();
+            writeln!(out, "{command} is not a {subject}: {reason}")?;
+            return writeln!(out, "{}", how_it_is_called(self.report.suite, command));
         }
         for remark in &self.report.remarks {
             let kind = if remark.failure { "FAIL" } else { "note" };
@@ -130,50 +132,22 @@ impl<C: TestCase> Page<'_, C> {
         self.write_summary(out)
     }
 
-    fn write_no_decoder(&self, reason: &str, out: &mut String) -> std::fmt::Result {
-        let DecoderInfo { command, .. } = &self.report.decoder;
-        let subject = self.report.suite.subject();
-        writeln!(out, "{command} is not a {subject}: {reason}")?;
-        writeln!(out, "{}", how_it_is_called(self.report.suite, command))
-    }
-
     /// Writes a cause, a fix, and two of its cases.
     fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
-        let clause = match cause.blames_its_clause() {
-            true => format!(" (clause {})", cause.clause),
-            false => String::new(),
-        };
-        writeln!(
-            out,
-            "{count} of {all} failures: the {} {}{clause}.",
-            self.report.suite.subject(),
-            cause.effect
-        )?;
-        for Detail {
-            before,
-            name,
-            after,
-            ..
-        } in details(cause, self.report.suite)
-        {
-            writeln!(out, "  {before}{name}{after}")?;
+        let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
+        writeln!(out, "{count} of {all} failures: the {subject} {behavior}.")?;
+        for detail in details(cause, self.report.suite) {
+            writeln!(out, "  {}{}{}", detail.before, detail.name, detail.after)?;
         }
         if let Some(example) = &cause.example {
             writeln!(out, "  {}", capitalized(example))?;
         }
-        match &cause.misreading {
-            Some(slug) => writeln!(
-                out,
-                "  Fix: {}. More: ptm-conform explain {slug}",
-                cause.fix
-            )?,
-            None => writeln!(out, "  Fix: {}.", cause.fix)?,
-        }
-        let examples = match cause.misreading {
-            Some(_) => MAX_EXAMPLES.0,
-            None => MAX_EXAMPLES.1,
+        let (more, examples) = match &cause.misreading {
+            Some(slug) => (format!(" More: ptm-conform explain {slug}"), MAX_EXAMPLES.0),
+            None => (String::new(), MAX_EXAMPLES.1),
         };
+        writeln!(out, "  Fix: {}.{more}", cause.fix)?;
         let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
         for case in self.failing.iter().filter(explained).take(examples) {
             self.write_failure(case, out)?;
@@ -183,10 +157,8 @@ impl<C: TestCase> Page<'_, C> {
 
     /// Writes failures without a cause.
     fn write_unexplained(&self, shown: usize, out: &mut String) -> std::fmt::Result {
-        let failing = self.failing.iter().copied();
-        let unexplained: Vec<&CaseResult> = failing
-            .filter(|case| self.report.cause_of(case).is_none())
-            .collect();
+        let mut unexplained = self.failing.clone();
+        unexplained.retain(|case| self.report.cause_of(case).is_none());
         if unexplained.is_empty() {
             return Ok(());
         }
@@ -211,19 +183,13 @@ impl<C: TestCase> Page<'_, C> {
 
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> std::fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
-        writeln!(
-            out,
-            "    {}: {}",
-            case.view.as_deref().unwrap_or_default(),
-            case.says.as_deref().unwrap_or_default()
-        )?;
+        writeln!(out, "    {}: {}", case.view, case.says)?;
         if let Some(case) = self.suite.case(&case.id) {
             for line in case.because().lines() {
                 writeln!(out, "    {line}")?;
             }
         }
-        let stderr = case.stderr.as_ref();
-        match stderr.and_then(|stderr| last_words(stderr)) {
+        match last_words(&case.stderr) {
             Some(line) => writeln!(out, "    its standard error ends: {line}"),
             None => Ok(()),
         }
@@ -234,11 +200,7 @@ impl<C: TestCase> Page<'_, C> {
         let report = self.report;
         self.write_dialect(out)?;
         let lenient = report.lenient.iter().map(Leniency::in_words);
-        write_list(
-            out,
-            "outside the specification",
-            &lenient.collect::<Vec<_>>(),
-        )?;
+        write_list(out, "outside the specification", lenient)?;
         if !report.decoder.unsupported.is_empty() {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;
@@ -254,26 +216,17 @@ impl<C: TestCase> Page<'_, C> {
         }
         let weak = report.cases.iter().filter(|case| case.weak).count();
         if weak > 0 {
-            writeln!(
-                out,
-                "{weak} refusals are weak: their exit status may mean a crash as well, and is less evidence than 65"
-            )?;
+            let why = "their exit status may mean a crash as well, and is less evidence than 65";
+            writeln!(out, "{weak} refusals are weak: {why}")?;
         }
-        let scores = &report.scores;
-        writeln!(
-            out,
-            "correctness {}, breadth {}, robustness {}",
-            scores.correctness, scores.breadth, scores.robustness
-        )
+        writeln!(out, "{}", report.scores)
     }
 
     /// Writes the number of open questions that it reads as the reference does, and its readings of the others.
     fn write_dialect(&self, out: &mut String) -> std::fmt::Result {
         let of_reference = |known: &&FollowedReading| {
-            let choice = C::CHOICES
-                .iter()
-                .find(|choice| choice.ruling == known.ruling);
-            choice.is_some_and(|choice| choice.readings[0].0 == known.reading)
+            let mut choices = C::CHOICES.iter();
+            choices.any(|of| of.ruling == known.ruling && of.readings[0].0 == known.reading)
         };
         let (alike, own): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let alike = match alike.len() {
@@ -281,39 +234,36 @@ impl<C: TestCase> Page<'_, C> {
             1 => Some("1 open question read as the reference does".to_owned()),
             many => Some(format!("{many} open questions read as the reference does")),
         };
-        let own = own
-            .iter()
-            .map(|known| format!("{}: {}", known.ruling, known.reading));
-        write_list(
-            out,
-            "dialect",
-            &alike.into_iter().chain(own).collect::<Vec<_>>(),
-        )
+        let own = own.iter();
+        let own = own.map(|known| format!("{}: {}", known.ruling, known.reading));
+        write_list(out, "dialect", alike.into_iter().chain(own))
     }
 
     /// Returns the reasons why cases were inconclusive or not judged, with counts.
-    fn not_conclusive(&self) -> BTreeMap<(&'static str, &str), usize> {
+    fn not_conclusive(&self) -> BTreeMap<(Outcome, &str), usize> {
         let mut reasons = BTreeMap::new();
-        let inconclusive = Outcome::Inconclusive.name();
         let twins = match self.failing.is_empty() {
             true => "the valid twin was not decoded",
             false => "the valid twin was not decoded, or was misread too",
         };
         let count = self.report.with(Outcome::Inconclusive).count();
         if count > 0 {
-            reasons.insert((inconclusive, twins), count);
+            reasons.insert((Outcome::Inconclusive, twins), count);
         }
         for case in self.report.with(Outcome::NotJudged) {
-            let says = case.says.as_deref().unwrap_or_default();
-            *reasons
-                .entry((Outcome::NotJudged.name(), says))
-                .or_default() += 1;
+            let key = (Outcome::NotJudged, &*case.says);
+            *reasons.entry(key).or_default() += 1;
         }
         reasons
     }
 }
 
-fn write_list(out: &mut String, name: &str, items: &[String]) -> std::fmt::Result {
+fn write_list(
+    out: &mut String,
+    name: &str,
+    items: impl Iterator<Item = String>,
+) -> std::fmt::Result {
+    let items: Vec<String> = items.collect();
     match items.is_empty() {
         true => Ok(()),
         false => writeln!(out, "{name}: {}", items.join("; ")),
@@ -340,20 +290,17 @@ fn write_case<C: TestCase>(
             writeln!(out, "  {line}")?;
         }
     }
-    let asked = case.view.as_deref();
-    let asked = asked.map(|view| format!(", asked in {view}"));
-    let asked = asked.unwrap_or_default();
-    writeln!(out, "  expected: {}{asked}", case.expect)?;
-    if let Some(says) = &case.says {
-        writeln!(out, "  {says}")?;
+    match case.view.as_str() {
+        "" => writeln!(out, "  expected: {}", case.expect)?,
+        view => writeln!(out, "  expected: {}, asked in {view}", case.expect)?,
     }
-    if let Some(stderr) = &case.stderr {
+    if !case.says.is_empty() {
+        writeln!(out, "  {}", case.says)?;
+    }
+    if !case.stderr.is_empty() {
         writeln!(out, "  its standard error:")?;
-        for line in stderr.lines() {
-            writeln!(out, "    {line}")?;
-        }
     }
-    Ok(())
+    (case.stderr.lines()).try_for_each(|line| writeln!(out, "    {line}"))
 }
 
 /// Failures with the same message.
@@ -364,15 +311,13 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     let mut kinds: Alike = Vec::new();
     let mut single = Vec::new();
     for &case in failures {
-        let says = case.says.as_deref().unwrap_or_default();
-        let is_violation = VIOLATIONS.iter().any(|name| {
-            says.strip_prefix(name)
-                .is_some_and(|rest| rest.starts_with(": "))
-        });
+        let says = case.says.as_str();
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
-            _ if !is_violation => single.push(case),
             Some((_, cases)) => cases.push(case),
-            None => kinds.push((says, vec![case])),
+            None if VIOLATIONS.iter().any(|name| says.starts_with(name)) => {
+                kinds.push((says, vec![case]));
+            }
+            None => single.push(case),
         }
     }
     let (alike, rare): (Vec<_>, Vec<_>) = kinds.into_iter().partition(|(_, cases)| cases.len() > 2);
@@ -380,13 +325,14 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     (alike, single)
 }
 
-/// Names of answers that are neither an image nor a refusal, from [`Answer::name`](crate::protocol::frame::Answer::name).
+/// Beginnings of messages about answers that are neither an image nor a refusal, from
+/// [`Answer::name`](crate::protocol::frame::Answer::name).
 const VIOLATIONS: [&str; 7] = [
-    "protocol error",
-    "crash",
-    "hang",
-    "flood",
-    "out of memory",
-    "tampering",
-    "not started",
+    "protocol error: ",
+    "crash: ",
+    "hang: ",
+    "flood: ",
+    "out of memory: ",
+    "tampering: ",
+    "not started: ",
 ];

@@ -4,23 +4,14 @@ use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
-/// The clause and the effect of a misreading of any suite.
-struct Words {
-    clause: &'static str,
-    effect: &'static str,
-}
-
-/// Returns the slugs of `slugs` that a catalog knows, with their words.
-fn known_words(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, Words)> {
+/// Returns the slugs of `slugs` that a catalog of the suite knows, each with its clause and its effect.
+fn known(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, &str, &str)> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
-            let of = writing::named(slug)?;
-            let (clause, effect) = (of.clause, of.effect);
-            return Some((slug.as_str(), Words { clause, effect }));
+            return writing::named(slug).map(|of| (&**slug, of.clause, of.effect));
         }
-        let ptm = misreadings::named(slug).map(|of| (of.clause, of.effect));
-        let known = ptm.or_else(|| texture::named(slug).map(|of| (of.clause, of.effect)));
-        known.map(|(clause, effect)| (slug.as_str(), Words { clause, effect }))
+        let ptm = misreadings::named(slug).map(|of| (&**slug, of.clause, of.effect));
+        ptm.or_else(|| texture::named(slug).map(|of| (&**slug, of.clause, of.effect)))
     })
 }
 
@@ -46,35 +37,33 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         page: None,
     };
     let mut details = Vec::new();
-    for (slug, Words { clause, effect }) in known_words(suite, &cause.or).take(MAX_ALIKE) {
+    for (slug, clause, effect) in known(suite, &cause.or).take(MAX_ALIKE) {
         let before = format!("Would look the same: a decoder that {effect} (clause {clause}; ");
         details.push(Detail {
             page: Some(suite.misreading_page(slug)),
             ..detail(before, slug, ")")
         });
     }
-    let more = known_words(suite, &cause.or).skip(MAX_ALIKE).count();
-    let misreadings = if more == 1 {
-        "misreading"
-    } else {
-        "misreadings"
-    };
+    let more = known(suite, &cause.or).skip(MAX_ALIKE).count();
     if more > 0 {
+        let misreadings = if more == 1 {
+            "misreading"
+        } else {
+            "misreadings"
+        };
         let before = format!("Would look the same: {more} other {misreadings}, see the report");
         details.push(detail(before, "", ""));
     }
-    for (slug, Words { effect, .. }) in known_words(suite, &cause.with) {
+    for (slug, _, effect) in known(suite, &cause.with) {
         let before = format!("In some of these cases also: it {effect} (");
         details.push(detail(before, slug, ")"));
     }
-    let before = match cause.partly.len() {
-        0 => String::new(),
-        1 => "1 other failure is explained in part".to_owned(),
-        count => format!("{count} other failures are explained in part"),
+    let partly = match cause.partly.len() {
+        0 => None,
+        1 => Some("1 other failure is explained in part".to_owned()),
+        count => Some(format!("{count} other failures are explained in part")),
     };
-    if !before.is_empty() {
-        details.push(detail(before, "", ""));
-    }
+    details.extend(partly.map(|before| detail(before, "", "")));
     if let Some(passing) = cause.except.first() {
         let (subject, count) = (suite.subject(), cause.except.len());
         let before = format!(

@@ -42,7 +42,7 @@ pub struct Undo<C: TestCase> {
 /// A run in progress: the decoder, the plan, and a count of the requests.
 pub struct Session<'a, C: TestCase> {
     pub(super) suite: &'a Suite<C>,
-    pub(super) plan: &'a RunPlan<C>,
+    pub(super) plan: &'a RunPlan,
     pub(super) tally: Tally<'a>,
     ask: &'a Ask<'a, C>,
     undo: Vec<Undo<C>>,
@@ -51,7 +51,7 @@ pub struct Session<'a, C: TestCase> {
 impl<'a, C: TestCase> Session<'a, C> {
     /// Creates a session in which nothing has been asked yet.
     #[must_use]
-    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan<C>, ask: &'a Ask<'a, C>) -> Session<'a, C> {
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a Ask<'a, C>) -> Session<'a, C> {
         Session {
             suite,
             plan,

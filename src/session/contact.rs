@@ -76,7 +76,8 @@ impl<C: TestCase> Session<'_, C> {
         };
         // If no first file could be requested, the views are those that the user names.
         if contact.first.is_empty() {
-            contact.offer.views.clone_from(&self.plan.views);
+            let is_wanted = |view: &&&str| self.plan.views.iter().any(|wanted| wanted == *view);
+            contact.offer.views = C::VIEWS.iter().filter(is_wanted).copied().collect();
         }
         if self.is_over() {
             contact.not_a_decoder = no_decoder(&contact.first);
@@ -149,10 +150,10 @@ impl<C: TestCase> Session<'_, C> {
     /// which every first file of that kind exited with 69.
     fn offered(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
-        let declared = plan.declared_views.clone().unwrap_or_default();
+        let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
         let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
         let mut offer = Offer {
-            declared: plan.declared_kinds.clone().unwrap_or_default(),
+            declared: plan.declared_kinds.clone(),
             ..Offer::default()
         };
         for &view in C::VIEWS {
@@ -162,7 +163,7 @@ impl<C: TestCase> Session<'_, C> {
                 remarks.push(Remark::failure(format!(
                     "it decodes none of the first files in view {view}, but decodes them in another view; {view} is not requested"
                 )));
-            } else if declared.contains(&view) && asked_for(view) {
+            } else if declares(view) && asked_for(view) {
                 remarks.push(Remark::failure(format!(
                     "its capabilities declare view {view}, but it exits with 69 (unsupported) on every first file in that view"
                 )));
@@ -187,7 +188,7 @@ impl<C: TestCase> Session<'_, C> {
                 if has(&view) || self.shows_others(view, &kind) {
                     continue;
                 }
-                if declared.contains(&view) && offer.declared.contains(&kind) {
+                if declares(view) && offer.declared.contains(&kind.to_string()) {
                     remarks.push(Remark::failure(format!(
                         "its capabilities declare view {view} and {kind}, but it exits with 69 (unsupported) on these files in that view"
                     )));

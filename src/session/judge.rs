@@ -214,7 +214,9 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
             }
             (Expect::Spelling, _) if self.spelling_known => verdict(Outcome::OtherDialect, ""),
-            (Expect::Lenient, _) if !self.twins.is_empty() && !self.twins.iter().any(is_right) => {
+            (Expect::Lenient | Expect::Robust, _)
+                if !self.twins.is_empty() && !self.twins.iter().any(is_right) =>
+            {
                 verdict(Outcome::Inconclusive, "its twin was decoded wrongly")
             }
             (Expect::ImplementationDefined, _) => verdict(

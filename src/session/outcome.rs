@@ -1,5 +1,9 @@
 //! The outcome of a case, and the table that decides it.
 
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
 use crate::suite::cases::Expect;
 
 /// The verdict on a case, with a reason.
@@ -12,7 +16,8 @@ pub struct Judged {
 }
 
 /// The verdict on a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// The response is right.
     Pass,
@@ -25,13 +30,23 @@ pub enum Outcome {
     /// The accepted twin was not decoded, so there is no conclusion.
     Inconclusive,
     /// A legal spelling or reading that this decoder does not use; it uses another.
+    #[serde(rename = "other dialect")]
     OtherDialect,
     /// The response follows from an assumed mistake.
+    #[serde(rename = "as assumed")]
     Assumed,
     /// None of the case's views is offered.
+    #[serde(rename = "not judged")]
     NotJudged,
     /// The run ended earlier.
+    #[serde(rename = "not run")]
     NotRun,
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 impl Outcome {
@@ -89,20 +104,20 @@ pub enum ResponseKind {
     reason = "the arms are the rows of the table, in its order"
 )]
 pub const fn outcome(expect: Expect, is_supported: bool, response: ResponseKind) -> Outcome {
-    use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Spelling};
+    use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Robust, Spelling};
     use ResponseKind::{Different, Expected, Rejected, Unsupported, Violation};
     match (response, is_supported, expect) {
         (Expected, _, _) => Outcome::Pass,
 
-        (Different, _, Decode | Reject | Refuse | Lenient) => Outcome::Fail,
+        (Different, _, Decode | Reject | Refuse | Lenient | Robust) => Outcome::Fail,
         (Different, _, Spelling) => Outcome::OtherDialect,
         (Different, _, ImplementationDefined) => Outcome::ImplementationDefined,
 
         (Rejected, _, Decode) => Outcome::Fail,
-        (Rejected, true, Reject | Refuse | Lenient | Spelling) => Outcome::Pass,
+        (Rejected, true, Reject | Refuse | Lenient | Robust | Spelling) => Outcome::Pass,
         (Rejected, true, ImplementationDefined) => Outcome::ImplementationDefined,
 
-        (Unsupported, true, Refuse | Lenient | Spelling) => Outcome::Pass,
+        (Unsupported, true, Refuse | Lenient | Robust | Spelling) => Outcome::Pass,
         (Unsupported, true, Decode | Reject | ImplementationDefined) => Outcome::Fail,
 
         (Rejected | Unsupported, false, _) => Outcome::Unsupported,

@@ -3,38 +3,42 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use serde::{Deserialize, Serialize};
+
 use crate::protocol::capabilities::Capabilities;
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::features::Feature;
+use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
 /// The plan of a run.
-#[derive(Clone, Debug)]
-pub struct RunPlan<C: TestCase = Case> {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RunPlan {
     /// The cases that are judged, one slot per case of the suite.
     pub selected: Vec<bool>,
     /// Number of parallel requests, at least 1.
+    #[serde(skip)]
     pub jobs: usize,
     /// The requested views; all that the decoder offers if empty.
-    pub views: Vec<&'static str>,
-    /// The views that the decoder declares, if it does.
-    pub declared_views: Option<Vec<&'static str>>,
-    /// The kinds of case that the decoder declares, if it does.
-    pub declared_kinds: Option<Vec<C::Feature>>,
+    pub views: Vec<String>,
+    /// The views that the decoder declares; empty if it declares none.
+    pub declared_views: Vec<String>,
+    /// The names of the kinds of case that the decoder declares; empty if it declares none.
+    pub declared_kinds: Vec<String>,
     /// The requests to repeat.
     pub repeat: Repeat,
     /// The cases that are requested before the others, one slot per case of the suite; empty if there are none.
+    #[serde(skip)]
     pub soonest: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
     /// True if the answers were made before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
     /// Set when the user ends the run.
+    #[serde(skip)]
     pub stop: Arc<AtomicBool>,
 }
 
 /// The cases that are repeated with a new process, to find answers that differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Repeat {
     /// None: the decoder is a function.
     #[default]
@@ -48,10 +52,10 @@ pub enum Repeat {
 /// One in this number of cases that did not fail is repeated.
 pub const SAMPLE: usize = 100;
 
-impl<C: TestCase> RunPlan<C> {
+impl RunPlan {
     /// Makes a plan that requests everything once, from a decoder without declared capabilities.
     #[must_use]
-    pub fn of(suite: &Suite<C>, jobs: usize) -> RunPlan<C> {
+    pub fn of<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {
             selected: vec![true; suite.cases.len()],
             jobs,
@@ -59,19 +63,27 @@ impl<C: TestCase> RunPlan<C> {
             soonest: Vec::new(),
             withheld: Vec::new(),
             precomputed: false,
-            declared_views: None,
-            declared_kinds: None,
+            declared_views: Vec::new(),
+            declared_kinds: Vec::new(),
             repeat: Repeat::Nothing,
             stop: Arc::default(),
         }
     }
 
+    /// Returns the mode of the decoder, as in a report.
+    #[must_use]
+    pub fn mode(&self) -> &'static str {
+        match self.repeat {
+            _ if self.precomputed => "outputs",
+            Repeat::FailuresAndSample => "serve",
+            _ => "one-shot",
+        }
+    }
+
     /// Returns true if a view may be requested: if the user wants it and the decoder does not declare others only.
-    pub(super) fn may_ask(&self, view: &'static str) -> bool {
-        let declared = self.declared_views.as_ref();
-        let declared = declared.filter(|views| !views.is_empty());
-        (self.views.is_empty() || self.views.contains(&view))
-            && declared.is_none_or(|views| views.contains(&view))
+    pub(super) fn may_ask(&self, view: &str) -> bool {
+        let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
+        allows(&self.views) && allows(&self.declared_views)
     }
 
     /// Returns true if case `i` is requested.
@@ -80,7 +92,7 @@ impl<C: TestCase> RunPlan<C> {
     }
 
     /// Returns the reasons why cases are not requested, one slot per case of the suite, for this spelling of tables.
-    pub(super) fn withheld_in(
+    pub(super) fn withheld_in<C: TestCase>(
         &self,
         suite: &Suite<C>,
         table: TableSpelling,
@@ -100,7 +112,7 @@ impl<C: TestCase> RunPlan<C> {
     }
 
     /// Returns the selected cases with the twins that they depend on, and those of them that are requested first.
-    pub(super) fn with_twins(&self, suite: &Suite<C>) -> (Vec<bool>, Vec<bool>) {
+    pub(super) fn with_twins<C: TestCase>(&self, suite: &Suite<C>) -> (Vec<bool>, Vec<bool>) {
         let mut wanted = self.selected.clone();
         let mut soonest = self.soonest.clone();
         soonest.resize(suite.cases.len(), false);
@@ -112,17 +124,17 @@ impl<C: TestCase> RunPlan<C> {
         }
         (wanted, soonest)
     }
-}
 
-impl RunPlan {
     /// Returns the plan for a decoder with these capabilities.
     #[must_use]
     pub fn declared_by(self, capabilities: &Capabilities) -> RunPlan {
-        let formats = capabilities.formats.as_ref();
+        let formats = capabilities.formats.iter().flatten();
+        let views = capabilities.views.iter().flatten();
         RunPlan {
-            declared_views: capabilities.views.clone(),
+            declared_views: views.map(|&view| view.to_owned()).collect(),
             declared_kinds: formats
-                .map(|formats| formats.iter().copied().map(Feature::Format).collect()),
+                .map(|format| format.short_name().to_owned())
+                .collect(),
             ..self
         }
     }

@@ -56,7 +56,7 @@ pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sy
 /// Runs `suite` against a decoder.
 pub fn check<C: TestCase>(
     suite: &Suite<C>,
-    plan: &RunPlan<C>,
+    plan: &RunPlan,
     ask: &Ask<C>,
     progress: &Progress<C>,
 ) -> Run<C> {

@@ -15,6 +15,17 @@ pub struct Scores {
     pub robustness: Fraction,
 }
 
+impl fmt::Display for Scores {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (correctness, breadth) = (self.correctness, self.breadth);
+        let robustness = self.robustness;
+        write!(
+            f,
+            "correctness {correctness}, breadth {breadth}, robustness {robustness}"
+        )
+    }
+}
+
 /// A part of a whole, written `3/4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]

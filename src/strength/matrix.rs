@@ -112,7 +112,7 @@ pub fn ask_all(
         known.filter(|_| !concerned).cloned().unwrap_or_else(make)
     };
     let plan = RunPlan {
-        views: views.to_vec(),
+        views: views.iter().map(|&view| view.to_owned()).collect(),
         ..RunPlan::of(suite, jobs)
     };
     run_and_answers(suite, &plan, &ask)
@@ -121,7 +121,7 @@ pub fn ask_all(
 /// Returns a run, and every answer in it.
 fn run_and_answers<C: TestCase>(
     suite: &Suite<C>,
-    plan: &RunPlan<C>,
+    plan: &RunPlan,
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
 ) -> (Run<C>, KnownAnswers<C>) {
     let answers = Mutex::new(HashMap::new());

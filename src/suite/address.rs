@@ -49,11 +49,7 @@ impl SuiteName {
     /// Returns the page of a case; requests to writers have none.
     #[must_use]
     pub fn case_page(self, id: &str) -> Option<String> {
-        match self {
-            SuiteName::Ptm => Some(format!("cases/{id}.html")),
-            SuiteName::Texture => Some(format!("texture/cases.html#{id}")),
-            SuiteName::Writers | SuiteName::Fitters => None,
-        }
+        matches!(self, SuiteName::Ptm | SuiteName::Texture).then(|| self.page("cases", id))
     }
 
     /// Returns the place of a clause.
@@ -75,22 +71,20 @@ impl SuiteName {
     /// Returns the page of a ruling.
     #[must_use]
     pub fn ruling_page(self, id: &str) -> String {
-        match self {
-            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => {
-                format!("rulings/{id}.html")
-            }
-            SuiteName::Texture => format!("texture/rulings.html#{id}"),
-        }
+        self.page("rulings", id)
     }
 
     /// Returns the page of a misreading.
     #[must_use]
     pub fn misreading_page(self, slug: &str) -> String {
+        self.page("misreadings", slug)
+    }
+
+    /// Returns the page of an id, or its place on the page of a folder.
+    fn page(self, folder: &str, id: &str) -> String {
         match self {
-            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => {
-                format!("misreadings/{slug}.html")
-            }
-            SuiteName::Texture => format!("texture/misreadings.html#{slug}"),
+            SuiteName::Texture => format!("texture/{folder}.html#{id}"),
+            _ => format!("{folder}/{id}.html"),
         }
     }
 

@@ -96,11 +96,8 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
     let read = |(name, text): (&str, &str)| {
         from_yaml::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))
     };
-    Ok(files
-        .into_iter()
-        .map(read)
-        .collect::<Result<Vec<_>, _>>()?
-        .concat())
+    let files: Result<Vec<_>, _> = files.into_iter().map(read).collect();
+    Ok(files?.concat())
 }
 
 /// Returns the rulings of the reference.

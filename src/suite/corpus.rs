@@ -61,7 +61,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
         file: file.clone(),
         bytes: built.file.len(),
         sha256: sha256(&built.file),
-        expect: case.expectation_name().to_owned(),
+        expect: case.expect.manifest_name().to_owned(),
         twin_of: case.twin_of.clone(),
         expected: None,
     };
@@ -98,11 +98,9 @@ pub fn write(
     });
     let entries = entries.into_iter().collect::<io::Result<Vec<_>>>()?;
     let manifest = to_yaml(&entries).map_err(io::Error::other)?;
-    put(
-        &directory.join("MANIFEST.yaml"),
-        format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}")
-            .as_bytes(),
-    )?;
+    let manifest =
+        format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}");
+    put(&directory.join("MANIFEST.yaml"), manifest.as_bytes())?;
     Ok(entries)
 }
 

@@ -58,11 +58,12 @@ pub(crate) fn of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let one = |(clause, what): (&'static str, &str)| {
         let mut numbers = fields.iter().filter(|field| field.clause == clause);
         let range = numbers.nth(coefficient)?.range.clone();
-        Some(Origin::new(
-            format!("{what} of a{coefficient}"),
+        let what = format!("{what} of a{coefficient}");
+        Some(Origin {
+            what,
             clause,
             range,
-        ))
+        })
     };
     let both = [("2.4/3", "scale"), ("2.4/4", "bias")];
     both.into_iter().filter_map(one).collect()
@@ -107,15 +108,14 @@ impl Map<'_> {
             _ => channels.start,
         };
         let start = self.range("the texels", which)?.start + self.texel * stride + first;
-        let what = format!(
-            "texel {} of {} as they are stored, the bottom row first",
-            self.texel, self.texels
-        );
-        Some(vec![Origin::new(
+        let Map { texel, texels, .. } = self;
+        let what = format!("texel {texel} of {texels} as they are stored, the bottom row first");
+        let range = start..start + channels.len();
+        Some(vec![Origin {
             what,
             clause,
-            start..start + channels.len(),
-        )])
+            range,
+        }])
     }
 
     /// Returns the bytes of an index, and of the entry that it names.

@@ -15,31 +15,6 @@ use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::View;
 
-/// The expected result of a case, as it is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Asked {
-    Decode,
-    Reject,
-    Refuse,
-    Lenient,
-    Spelling,
-    /// Like lenient, but every image is right: only a crash or a timeout is wrong.
-    Robust,
-}
-
-impl Asked {
-    fn expect(self) -> Expect {
-        match self {
-            Asked::Decode => Expect::Decode,
-            Asked::Reject => Expect::Reject,
-            Asked::Refuse => Expect::Refuse,
-            Asked::Lenient | Asked::Robust => Expect::Lenient,
-            Asked::Spelling => Expect::Spelling,
-        }
-    }
-}
-
 /// A case as it is written: one, or with `for_each` one for every combination of the listed words.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -57,7 +32,7 @@ pub(super) struct CaseRecord {
     damage: Option<String>,
     /// Rulings, separated by spaces; `none` for none.
     shows: Option<String>,
-    expect: Asked,
+    expect: Expect,
     views: Option<Vec<String>>,
     #[serde(default)]
     first: bool,
@@ -73,7 +48,7 @@ impl CaseRecord {
         let twin_of = self.twin_of.as_ref().map(|twin| words.id(twin));
         let twin = twin_of.as_deref().and_then(twin);
         let source = self.source(words, twin_of.as_deref(), twin)?;
-        if self.expect == Asked::Spelling && self.make.is_none() {
+        if self.expect == Expect::Spelling && self.make.is_none() {
             return Err("a case that expects a spelling is made by a recipe".to_owned());
         }
         let views = self.views(words, &source, twin)?;
@@ -88,8 +63,7 @@ impl CaseRecord {
             clauses: self.clauses.clone(),
             because: because.split_whitespace().collect::<Vec<_>>().join(" "),
             ruling: self.ruling.clone(),
-            expect: self.expect.expect(),
-            any_picture: self.expect == Asked::Robust,
+            expect: self.expect,
             views,
             first: self.first,
             shows: shows.or_else(|| twin?.shows.clone()),
@@ -116,14 +90,15 @@ impl CaseRecord {
                 for piece in pieces {
                     piece.bytes(Count::default(), false)?;
                 }
-                let format = format_of(pieces)?;
-                self.values
-                    .as_ref()
-                    .map_or(Ok(()), |values| values.check(format))?;
+                let (format, values) = (format_of(pieces)?, self.values.clone());
+                if let Some(values) = &values {
+                    values.check(format)?;
+                }
+                let pieces = pieces.clone();
                 Ok(Source::Hand {
                     format,
-                    pieces: pieces.clone(),
-                    values: self.values.clone(),
+                    pieces,
+                    values,
                 })
             }
             (None, None, Some(id)) => {
@@ -162,8 +137,7 @@ impl CaseRecord {
     ) -> Result<Vec<View>, String> {
         let views = match (&self.views, source, &self.values, twin) {
             (Some(views), ..) => {
-                let views = views.iter().map(|view| words.fill(view).parse());
-                views.collect::<Result<_, _>>()?
+                (views.iter().map(|view| words.fill(view).parse())).collect::<Result<_, _>>()?
             }
             (None, Source::Hand { .. }, Some(values), _) => values.views()?,
             (None, _, _, Some(twin)) => twin.views.clone(),
@@ -192,10 +166,10 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
         return Ok(());
     }
     let model = Model::paint(recipe);
-    let near_the_edge =
-        |(&sample, &slack): (&u8, &u8)| slack > 0 && (sample < slack || 255 - sample < slack);
-    match model.samples.iter().zip(&model.slack).any(near_the_edge) {
-        true => Err("its samples come too close to 0 or 255 for any view but raw".to_owned()),
-        false => Ok(()),
+    for (&sample, &slack) in model.samples.iter().zip(&model.slack) {
+        if slack > 0 && (sample < slack || 255 - sample < slack) {
+            return Err("its samples come too close to 0 or 255 for any view but raw".to_owned());
+        }
     }
+    Ok(())
 }

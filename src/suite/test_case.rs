@@ -62,10 +62,19 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Returns the feature that a decoder may declare: the format, or the requested step.
     fn kind(&self) -> Self::Feature;
     /// Returns the features that a decoder needs to answer it in `view`.
-    fn features(&self, view: &Self::View) -> BTreeSet<Self::Feature>;
+    fn features(&self, _view: &Self::View) -> BTreeSet<Self::Feature> {
+        BTreeSet::from([self.kind()])
+    }
     /// Returns the accepted cases that each case of a suite depends on: if none of them is decoded, a refusal proves nothing.
+    /// By default, a case that must be refused depends on all others of its kind.
     fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
-        vec![Vec::new(); cases.len()]
+        let refused = |case: &Self| matches!(case.expect(), Expect::Reject | Expect::Refuse);
+        let twins = |case: &Self| -> Vec<usize> {
+            let is_twin = |&i: &usize| !refused(&cases[i]) && cases[i].kind() == case.kind();
+            let places = (0..cases.len()).filter(|_| refused(case));
+            places.filter(is_twin).collect()
+        };
+        cases.iter().map(twins).collect()
     }
 
     /// Returns true if its file has a table, which is written in a spelling that the decoder knows.
@@ -104,13 +113,17 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         0.0
     }
     /// Returns true if two outputs agree in all that a decoder controls.
-    fn is_like(one: &Self::Output, other: &Self::Output) -> bool;
+    fn is_like(one: &Self::Output, other: &Self::Output) -> bool {
+        one == other
+    }
     /// Returns the reference's output for the file in the default spelling, if there is one.
     fn expected_output(&self, _view: &Self::View) -> Option<Self::Output> {
         None
     }
     /// Returns the expected answer, if it is short enough for a sentence.
-    fn expected_in_words(&self) -> Option<String>;
+    fn expected_in_words(&self) -> Option<String> {
+        None
+    }
     /// Returns the fault of a file that must be refused.
     fn fault(&self) -> String;
 }

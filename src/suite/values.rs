@@ -1,5 +1,6 @@
 //! The values of files: painted by the generator, or computed by hand.
 
+use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
 
 use crate::generate::Model;
@@ -86,36 +87,24 @@ pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
 }
 
 fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
-    let bytes = text.split_whitespace().map(|pair| {
-        let is_pair = pair.len() == 2;
-        is_pair.then(|| u8::from_str_radix(pair, 16).ok()).flatten()
-    });
-    bytes
-        .collect::<Option<_>>()
-        .ok_or_else(|| format!("expected pairs of hex digits, found {text:?}"))
+    let digits: String = text.split_whitespace().collect();
+    let bytes = HEXLOWER_PERMISSIVE.decode(digits.as_bytes());
+    bytes.map_err(|_| format!("expected pairs of hex digits, found {text:?}"))
 }
 
 impl HandValues {
     /// Returns the numbers of `lines`, texel after texel.
     #[must_use]
     pub fn numbers(lines: &[String]) -> Vec<f64> {
-        lines
-            .iter()
-            .flat_map(|line| line.split_whitespace())
-            .filter_map(|number| number.parse().ok())
-            .collect()
+        let words = lines.iter().flat_map(|line| line.split_whitespace());
+        words.filter_map(|number| number.parse().ok()).collect()
     }
 
     pub(super) fn views(&self) -> Result<Vec<View>, String> {
         let coef = self.coef.iter().map(|_| Ok(View::Coef));
-        let rgb = self
-            .rgb
-            .iter()
-            .map(|picture| format!("rgb:{}", picture.light).parse());
-        std::iter::once(Ok(View::Raw))
-            .chain(coef)
-            .chain(rgb)
-            .collect()
+        let light = self.rgb.iter().map(|picture| &picture.light);
+        let rgb = light.map(|light| format!("rgb:{light}").parse());
+        [Ok(View::Raw)].into_iter().chain(coef).chain(rgb).collect()
     }
 
     pub(super) fn check(&self, format: Format) -> Result<(), String> {
@@ -132,13 +121,12 @@ impl HandValues {
             Ok(())
         };
         check("raw", &self.raw, format.channels())?;
-        check(
-            "coef",
-            self.coef.as_deref().unwrap_or(&self.raw),
-            format.channels(),
-        )?;
-        self.rgb
-            .as_ref()
-            .map_or(Ok(()), |picture| check("rgb", &picture.texels, 3))
+        if let Some(coef) = &self.coef {
+            check("coef", coef, format.channels())?;
+        }
+        match &self.rgb {
+            Some(picture) => check("rgb", &picture.texels, 3),
+            None => Ok(()),
+        }
     }
 }

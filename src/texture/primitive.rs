@@ -85,12 +85,15 @@ pub struct Place {
 
 /// A point of a B-spline surface.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(default))]
 pub struct SplinePoint {
     /// The first parameter.
     pub u: f64,
     /// The second parameter.
     pub v: f64,
     /// The values of each data spline at this point.
+    #[cfg_attr(feature = "harness", serde(rename = "data_splines"))]
     pub data: Vec<Vec<f64>>,
 }
 

@@ -235,7 +235,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
         bytes: built.file.len(),
         sha256: sha256(&built.file),
         format: case.format().name(),
-        expect: case.expectation_name(),
+        expect: case.expect.manifest_name(),
         because: case.because.clone(),
         clauses: case.clauses.clone(),
         ruling: case.ruling.clone(),

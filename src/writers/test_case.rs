@@ -7,7 +7,6 @@ use data_encoding::BASE64;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::decode::decode;
-use crate::ptm::Format;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::dialect::{Choices, Right};
@@ -131,22 +130,6 @@ impl TestCase for WriterCase {
             features.insert(Feature::LargeTables);
         }
         features
-    }
-
-    /// Lists the other cases of the format: a refusal proves nothing if the writer does not write the format.
-    fn twins(cases: &[WriterCase]) -> Vec<Vec<usize>> {
-        let written = |format: Format| {
-            let of_format = cases.iter().enumerate();
-            of_format
-                .filter(|(_, other)| other.format() == format && other.expect == Expect::Decode)
-                .map(|(i, _)| i)
-                .collect()
-        };
-        let twins = |case: &WriterCase| match case.expect {
-            Expect::Refuse => written(case.format()),
-            _ => Vec::new(),
-        };
-        cases.iter().map(twins).collect()
     }
 
     fn made(&self, _: TableSpelling) -> BuiltRequest {

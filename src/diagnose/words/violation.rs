@@ -26,7 +26,12 @@ pub(in crate::diagnose) fn describe(
     let diagnosis = |mode: FailureMode| {
         let these = mode.select(witnesses, &of);
         let expect = |w: &usize| witnesses[*w].case.expect;
-        let may_be_read = |w: &usize| matches!(expect(w), Expect::Lenient | Expect::Spelling);
+        let may_be_read = |w: &usize| {
+            matches!(
+                expect(w),
+                Expect::Lenient | Expect::Robust | Expect::Spelling
+            )
+        };
         let words = CauseWords {
             effect: format!("{mode} {}", describe_files(witnesses, &these, refuses)),
             fix: fix(&mode, these.iter().all(may_be_read)),

@@ -30,47 +30,39 @@ pub(super) struct Group<'a> {
 
 impl Group<'_> {
     fn heading(&self) -> String {
-        self.cause.map_or_else(
-            || "Unexplained failures".to_owned(),
-            |cause| format!("The {} {}", self.suite.subject(), cause.effect),
-        )
+        match self.cause {
+            Some(cause) => format!("The {} {}", self.suite.subject(), cause.effect),
+            None => "Unexplained failures".to_owned(),
+        }
     }
 
     /// Returns the anchor of its cases on the page.
     pub(super) fn anchor(&self) -> String {
-        self.cause.map_or_else(
-            || "cases-unexplained".to_owned(),
+        match self.cause {
             // Two causes of one kind may misread different clauses.
-            |cause| format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
-        )
+            Some(cause) => format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
+            None => "cases-unexplained".to_owned(),
+        }
     }
 }
 
 /// Returns the failing cases of a report by cause.
 pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
-    let place = |case: &CaseResult| {
-        let cause = report.cause_of(case);
-        let mut causes = report.diagnoses.iter();
-        let place = cause.and_then(|cause| causes.position(|other| other == cause));
-        place.unwrap_or(report.diagnoses.len())
-    };
-    let causes = report.diagnoses.iter().map(Some).chain([None]);
-    let mut groups: Vec<Group> = causes
-        .map(|cause| Group {
-            suite: report.suite,
-            cause,
-            cases: Vec::new(),
-        })
-        .collect();
-    for case in report.cases.iter().filter(|case| failed(case)) {
-        groups[place(case)].cases.push(case);
+    let mut groups = Vec::new();
+    for cause in report.diagnoses.iter().map(Some).chain([None]) {
+        let failing = report.with(Outcome::Fail);
+        let is_caused = |case: &&CaseResult| report.cause_of(case) == cause;
+        let cases: Vec<_> = failing.filter(is_caused).collect();
+        if !cases.is_empty() {
+            let suite = report.suite;
+            groups.push(Group {
+                suite,
+                cause,
+                cases,
+            });
+        }
     }
-    groups.retain(|group| !group.cases.is_empty());
     groups
-}
-
-pub(super) fn failed(case: &CaseResult) -> bool {
-    case.outcome == Outcome::Fail.name()
 }
 
 /// Returns the evidence of each failing case, within the allowance: the first case of every group, then the second.
@@ -82,11 +74,9 @@ pub(super) fn evidence<'a, C: Reported>(
     let Some(run) = run else {
         return HashMap::new();
     };
-    let places: HashMap<&str, usize> = suite
-        .cases
-        .iter()
-        .enumerate()
-        .map(|(i, case)| (case.id(), i))
+    let observed = suite.cases.iter().zip(&run.observations);
+    let observed: HashMap<&str, _> = observed
+        .map(|(case, seen)| (case.id(), (case, seen)))
         .collect();
     let longest = groups.iter().map(|group| group.cases.len()).max();
     let in_turn = (0..longest.unwrap_or_default())
@@ -94,11 +84,10 @@ pub(super) fn evidence<'a, C: Reported>(
     let mut left = MAX_EVIDENCE;
     let mut evidence = HashMap::new();
     for case in in_turn {
-        let shown = places.get(case.id.as_str()).and_then(|&i| {
-            let observation = run.observations[i].as_ref()?;
-            Some(suite.cases[i].evidence(run.table, observation))
-        });
-        let Some(shown) = shown else { continue };
+        let Some((known, Some(observation))) = observed.get(case.id.as_str()) else {
+            continue;
+        };
+        let shown = known.evidence(run.table, observation);
         let Some(rest) = left.checked_sub(shown.0.len()) else {
             break;
         };
@@ -165,7 +154,7 @@ fn card<C: Reported>(
     evidence: Option<&Markup>,
     open: bool,
 ) -> Markup {
-    let says = case.says.as_deref().unwrap_or_default();
+    let says = &case.says;
     // The end of a difference says which part of the image it affects; the evidence shows the texel.
     let short = says.rsplit("; ").next().unwrap_or_default();
     let long = match (evidence, says.split_once("texel (")) {
@@ -175,7 +164,7 @@ fn card<C: Reported>(
     html! {
         details.case id={ "case-" (case.id) } open[open] {
             summary {
-                span.mark aria-label="fail" { (mark("fail")) }
+                span.mark aria-label="fail" { (mark(Outcome::Fail)) }
                 code { (case.id) }
                 span.clauses { (case.clauses.join(" ")) }
                 span.says { @if report.is_known(case) { span.chip { "known" } " " } (short) }
@@ -184,12 +173,12 @@ fn card<C: Reported>(
                 @if let Some(known) = suite.case(&case.id) { p.because { (known.because()) } }
                 p.clauses { "Clauses " (clauses(report.suite, &case.clauses)) }
                 p {
-                    "Asked for " code { (case.view.as_deref().unwrap_or("nothing")) } ", expected: " (case.expect) ". Result: "
+                    "Asked for " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
                     (long) "."
                 }
                 @match evidence {
                     Some(evidence) => (evidence),
-                    None => @if let Some(stderr) = &case.stderr { (standard_error(stderr)) },
+                    None => @if !case.stderr.is_empty() { (standard_error(&case.stderr)) },
                 }
                 p.label { "Run it again" }
                 pre.command tabindex="0" { (repeat_command(report, &case.id)) }
@@ -215,17 +204,14 @@ fn repeat_command(report: &Report, id: &str) -> String {
     let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);
     let words = command.split(' ').map(quoted).collect::<Vec<_>>().join(" ");
     let case = quoted(id);
-    match report.suite {
+    let check = match report.suite {
         SuiteName::Ptm if command.contains("{in}") => {
-            format!("ptm-conform check --case {case} --cmd {}", quoted(command))
+            return format!("ptm-conform check --case {case} --cmd {}", quoted(command));
         }
-        SuiteName::Ptm => format!("ptm-conform check --case {case} -- {words}"),
-        SuiteName::Texture => {
-            format!("ptm-conform check --suite texture --case {case} -- {words}")
-        }
-        SuiteName::Writers => format!("ptm-conform check-writer --case {case} -- {words}"),
-        SuiteName::Fitters => {
-            format!("ptm-conform check-writer --fitter --case {case} -- {words}")
-        }
-    }
+        SuiteName::Ptm => "check",
+        SuiteName::Texture => "check --suite texture",
+        SuiteName::Writers => "check-writer",
+        SuiteName::Fitters => "check-writer --fitter",
+    };
+    format!("ptm-conform {check} --case {case} -- {words}")
 }

@@ -1,6 +1,6 @@
 //! Every clause of the text, colored by the results of the run.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
@@ -28,13 +28,11 @@ impl ClauseTally {
         for case in &report.cases {
             for clause in &case.clauses {
                 let tally = tallies.entry(clause).or_default();
-                if case.outcome == Outcome::Pass.name() {
-                    tally.passed += 1;
-                } else if case.outcome == Outcome::Fail.name() {
-                    tally.failed += 1;
-                } else {
-                    tally.open += 1;
-                }
+                *match case.outcome {
+                    Outcome::Pass => &mut tally.passed,
+                    Outcome::Fail => &mut tally.failed,
+                    _ => &mut tally.open,
+                } += 1;
             }
         }
         tallies
@@ -66,12 +64,10 @@ pub(super) fn by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
 
 pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     let tallies = ClauseTally::of(report);
-    let misread: BTreeSet<&str> = report
-        .diagnoses
-        .iter()
-        .filter(|cause| cause.blames_its_clause())
-        .map(|cause| cause.clause.as_str())
-        .collect();
+    let is_misread = |id: &str| {
+        let mut causes = report.diagnoses.iter();
+        causes.any(|cause| cause.blames_its_clause() && cause.clause == id)
+    };
     html! {
         section aria-labelledby="clauses" {
             h2 #clauses { "Clauses" }
@@ -93,7 +89,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
                             @for clause in clauses {
                                 @let of = tally(&tallies, clause);
                                 @let (state, mark) = of.state();
-                                @let blamed = misread.contains(clause.id.as_str());
+                                @let blamed = is_misread(&clause.id);
                                 @let ordinal = clause.id.split(['/', '-']).next_back().unwrap_or_default();
                                 button.tile type="button" data-state=(state) data-blamed[blamed] data-clause=(clause.id)
                                     title={ (clause.id) ": " (clause.rule) " " (of.passed) " passed, " (of.failed) " failed." }

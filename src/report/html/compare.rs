@@ -23,10 +23,8 @@ impl Compared<'_> {
     /// Returns the images; `subject` is the name of the received one.
     pub(super) fn markup(&self, subject: &str) -> Markup {
         let opaque = |rgb: &[u8]| -> Vec<u8> {
-            let texels = rgb.chunks_exact(3);
-            texels
-                .flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255])
-                .collect()
+            let texels = rgb.as_chunks().0.iter();
+            texels.flat_map(|&[r, g, b]| [r, g, b, 255]).collect()
         };
         html! {
             div.compare {

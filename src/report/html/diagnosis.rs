@@ -3,15 +3,16 @@
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
-use crate::report::html::cases::{Group, failed};
+use crate::report::html::cases::Group;
 use crate::report::html::shell::linked;
 use crate::report::words::{Detail, details, how_it_is_called};
+use crate::session::outcome::Outcome;
 use crate::suite::address::published;
 use crate::suite::clauses::Clause;
 
 /// Returns the causes, the one that explains most first.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
-    let failures = report.cases.iter().filter(|case| failed(case)).count();
+    let failures = report.with(Outcome::Fail).count();
     html! {
         section #main tabindex="-1" aria-labelledby="diagnosis" {
             h2 #diagnosis { "Diagnosis" }

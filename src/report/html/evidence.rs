@@ -34,15 +34,8 @@ pub(in crate::report) fn of_case(
         Response::Image { .. } => accepted(&built),
         _ => beginning(&built),
     };
-    let several = matches!(
-        &observation.response,
-        Response::Image {
-            right: Right::In { .. },
-            ..
-        }
-    );
     html! {
-        @if several {
+        @if let Response::Image { right: Right::In { .. }, .. } = &observation.response {
             p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)
@@ -116,6 +109,13 @@ fn of_picture(
         .find(|channel| !expected.is_near(first + channel, received(first + channel)))
         .unwrap_or_default();
     let name = channel_name(expected.channels, channel);
+    let ptm = decode(&built.file).ok();
+    let texel = first / expected.channels;
+    let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
+    let ends = match view {
+        View::Rgb(_) => "; limited to 0…255 that is ",
+        _ => " = ",
+    };
     html! {
         p.label { "Texel (" (x) ", " (y) ")" }
         div.scroll tabindex="0" { table.texel {
@@ -135,34 +135,13 @@ fn of_picture(
                 } }
             }
         } }
-        (arithmetic(&built.file, view, expected, (*x, *y, channel), &name))
+        @if let Some(steps) = steps {
+            p.label { "The arithmetic" }
+            p.arithmetic { code { (name) " = " (steps) (ends) (number(expected.values[first + channel])) } }
+        }
         @if let Some(figure) = pictures::figure(expected, frame, (*x, *y, channel)) { (figure) }
         (origins(&name, &built.file, &of_sample(case, built, view, expected.size, (*x, *y), channel)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
-    }
-}
-
-/// Shows the computation of the expected value, with the numbers of the file.
-fn arithmetic(
-    file: &[u8],
-    view: &View,
-    expected: &Expected,
-    (x, y, channel): (usize, usize, usize),
-    name: &str,
-) -> Markup {
-    let texel = y * expected.size.width as usize + x;
-    let exact = expected.values[texel * expected.channels + channel];
-    let ptm = decode(file).ok();
-    let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
-    let ends = match view {
-        View::Rgb(_) => "; limited to 0…255 that is ",
-        _ => " = ",
-    };
-    html! {
-        @if let Some(steps) = steps {
-            p.label { "The arithmetic" }
-            p.arithmetic { code { (name) " = " (steps) (ends) (number(exact)) } }
-        }
     }
 }
 
@@ -188,11 +167,10 @@ fn of_sample(
         }
         // A color is computed from whole polynomials.
         (View::Rgb(_), Ok(Shape::Rgb)) => stored(6 * channel..6 * channel + 6),
-        (View::Rgb(_), Ok(Shape::Lrgb)) => {
-            let mut origins = stored(0..6);
-            origins.extend(stored(6 + channel..7 + channel));
-            origins
-        }
+        (View::Rgb(_), Ok(Shape::Lrgb)) => [0..6, 6 + channel..7 + channel]
+            .into_iter()
+            .flat_map(stored)
+            .collect(),
         (View::Rgb(_), Ok(Shape::Lum(_))) => stored(0..8),
         _ => Vec::new(),
     }
@@ -229,12 +207,10 @@ fn beginning(built: &Built) -> Markup {
     const SHOWN: usize = 320;
     let begins = &built.file[..built.file.len().min(SHOWN)];
     let lines = begins.split_inclusive(|&byte| byte == b'\n');
-    let lines: Vec<String> = lines
-        .map(|line| line.escape_ascii().to_string().replace("\\n", "↵\n"))
-        .collect();
+    let shown = lines.map(|line| line.escape_ascii().to_string().replace("\\n", "↵\n"));
     html! {
         p.label { "The file begins (" (built.file.len()) " bytes in all)" }
-        pre.bytes tabindex="0" { (lines.concat()) }
+        pre.bytes tabindex="0" { (shown.collect::<String>()) }
     }
 }
 
@@ -255,18 +231,19 @@ fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
         pre.bytes tabindex="0" {
             @for at in (first..last.min(file.len())).step_by(16) {
                 @let end = file.len().min(at + 16);
+                @let (from, to) = (range.start.clamp(at, end), range.end.clamp(at, end));
                 // Before, inside and after the range.
-                @let parts = [at..range.start.clamp(at, end), range.start.clamp(at, end)..range.end.clamp(at, end), range.end.clamp(at, end)..end];
+                @let parts = [(false, at..from), (true, from..to), (false, to..end)].into_iter().filter(|(_, part)| !part.is_empty());
                 span.offset { (format!("{at:06x}")) }
-                @for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_empty()) {
+                @for (marked, part) in parts.clone() {
                     " "
-                    @let hex: Vec<String> = file[part.clone()].iter().map(|byte| format!("{byte:02x}")).collect();
-                    @if i == 1 { mark { (hex.join(" ")) } } @else { (hex.join(" ")) }
+                    @let hex: Vec<String> = file[part].iter().map(|byte| format!("{byte:02x}")).collect();
+                    @if marked { mark { (hex.join(" ")) } } @else { (hex.join(" ")) }
                 }
                 (" ".repeat(3 * (at + 16 - end) + 2))
-                @for (i, part) in parts.iter().enumerate().filter(|(_, part)| !part.is_empty()) {
-                    @let text: String = file[part.clone()].iter().map(|&byte| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '·' }).collect();
-                    @if i == 1 { mark { (text) } } @else { (text) }
+                @for (marked, part) in parts {
+                    @let text: String = file[part].iter().map(|&byte| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '·' }).collect();
+                    @if marked { mark { (text) } } @else { (text) }
                 }
                 "\n"
             }

@@ -18,10 +18,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
         return Err("these reports are not of one suite".to_owned());
     }
     let tallies: Vec<_> = reports.iter().map(ClauseTally::of).collect();
-    let suites: std::collections::BTreeSet<&str> = reports
-        .iter()
-        .map(|report| report.tool.corpus.as_str())
-        .collect();
+    let is_first = |report: &Report| report.tool.corpus == reports[0].tool.corpus;
     let body = html! {
         header.top {
             div.bar {
@@ -32,7 +29,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
             h1 { (reports.len()) " decoders, clause by clause" }
         }
         main #main tabindex="-1" {
-            @if suites.len() > 1 {
+            @if !reports.iter().all(is_first) {
                 p.note { "These reports were made with different versions of the suite; their numbers are not to be compared." }
             }
             p.legend {
@@ -69,21 +66,15 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
             }
         }
     };
-    Ok(page_with_head(
-        &format!("{} decoders — {}", reports.len(), suite.short()),
-        &body,
-    ))
+    let title = format!("{} decoders — {}", reports.len(), suite.short());
+    Ok(page_with_head(&title, &body))
 }
 
 /// Returns the command of report `i`, with a number if others have the same.
 fn name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
-    let alike = |reports: &[Report]| {
-        let alike = reports
-            .iter()
-            .filter(|report| report.decoder.command == *command);
-        alike.count()
-    };
+    let is_alike = |report: &&Report| report.decoder.command == *command;
+    let alike = |reports: &[Report]| reports.iter().filter(is_alike).count();
     html! {
         code { (command) }
         @if alike(reports) > 1 { " " span.quiet { "(" (alike(&reports[..=i])) ")" } }

@@ -3,26 +3,16 @@
 //! [`page()`] is the table of contents. All output of a decoder is untrusted: `maud` escapes it, and the policy in the head
 //! forbids every request and every script except that of the page, which it identifies by its digest.
 
-mod page;
-
-mod diagnosis;
-
 mod cases;
-
 mod clause_map;
-
-pub(super) mod evidence;
-
-mod pictures;
-
 mod compare;
-
-mod scene;
-
-mod preview;
-
+mod diagnosis;
+pub(super) mod evidence;
 mod matrix;
-
+mod page;
+mod pictures;
+mod preview;
+mod scene;
 mod shell;
 
 #[cfg(feature = "cli")]

@@ -28,12 +28,8 @@ pub fn page<C: Reported>(
     let clauses = (C::CLAUSES)()?;
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
-    let title = format!(
-        "{}: {} — {}",
-        report.decoder.command,
-        report.verdict,
-        report.suite.short()
-    );
+    let (command, verdict) = (&report.decoder.command, &report.verdict);
+    let title = format!("{command}: {verdict} — {}", report.suite.short());
     let body = html! {
         (header(suite, report, run.and_then(|run| run.scene.as_ref())))
         main {
@@ -96,7 +92,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
                 @let count = report.with(outcome).count();
                 @if count > 0 {
                     button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (slug(outcome)) } title="Show these cases alone" {
-                        (mark(outcome.name())) " " span.count { (count) } " " (outcome.name())
+                        (mark(outcome)) " " span.count { (count) } " " (outcome.name())
                     } " "
                 }
             }
@@ -131,15 +127,15 @@ fn others(report: &Report) -> Markup {
         section aria-labelledby="others" {
             h2 #others { "All other cases" }
             @for outcome in Outcome::ALL {
-                @let cases: Vec<&CaseResult> = report.cases.iter().filter(|case| case.outcome == outcome.name()).collect();
+                @let cases: Vec<&CaseResult> = report.with(outcome).collect();
                 @if outcome != Outcome::Fail && !cases.is_empty() {
                     details.others data-outcome=(slug(outcome)) {
-                        summary { span.mark { (mark(outcome.name())) } " " span.count { (cases.len()) } " " (outcome.name()) }
+                        summary { span.mark { (mark(outcome)) } " " span.count { (cases.len()) } " " (outcome.name()) }
                         table.list {
                             thead { tr { th scope="col" { "case" } th scope="col" { "view" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "remark" } } }
                             tbody {
                                 @for case in cases {
-                                    tr { td { (of_case(report.suite, &case.id)) } td { (case.view.as_deref().unwrap_or("–")) } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says.as_deref().unwrap_or_default()) } }
+                                    tr { td { (of_case(report.suite, &case.id)) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
                                 }
                             }
                         }
@@ -177,8 +173,8 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
                 }
             }
             ul.features {
-                @for feature in &report.decoder.decodes { li { span.mark { (mark("pass")) } " " (feature) } }
-                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark("unsupported")) } " " (feature) " " small { "unsupported (exit status 69)" } } }
+                @for feature in &report.decoder.decodes { li { span.mark { (mark(Outcome::Pass)) } " " (feature) } }
+                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark(Outcome::Unsupported)) } " " (feature) " " small { "unsupported (exit status 69)" } } }
             }
             p.quiet { "Views offered: " (report.decoder.views.join(", ")) }
         }

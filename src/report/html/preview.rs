@@ -39,11 +39,8 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
         Samples::U8(samples) if frame.view == ViewKind::Raw => BASE64.encode(samples),
         Samples::U8(_) => return None,
         Samples::F32(samples) => {
-            let bytes: Vec<u8> = samples
-                .iter()
-                .flat_map(|value| value.to_le_bytes())
-                .collect();
-            BASE64.encode(&bytes)
+            let bytes = samples.iter().flat_map(|value| value.to_le_bytes());
+            BASE64.encode(&bytes.collect::<Vec<u8>>())
         }
     };
     Some(html! {
@@ -56,9 +53,6 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
 }
 
 fn numbers(values: &[f64]) -> String {
-    values
-        .iter()
-        .map(ToString::to_string)
-        .collect::<Vec<_>>()
-        .join(" ")
+    let words: Vec<String> = values.iter().map(f64::to_string).collect();
+    words.join(" ")
 }

@@ -4,6 +4,7 @@ use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
+use crate::session::outcome::Outcome;
 use crate::suite::address::published;
 
 /// The style of reports and of the site.
@@ -51,17 +52,17 @@ pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
 }
 
 /// Returns a symbol for an outcome, so that color is not the only distinction.
-pub(super) fn mark(outcome: &str) -> &'static str {
+pub(super) fn mark(outcome: Outcome) -> &'static str {
     match outcome {
-        "pass" => "✓",
-        "fail" => "✗",
-        "implementation-defined" => "≠",
-        "inconclusive" => "?",
-        "unsupported" => "–",
-        "other dialect" => "≈",
-        "as assumed" => "=",
-        "not judged" => "·",
-        _ => "○",
+        Outcome::Pass => "✓",
+        Outcome::Fail => "✗",
+        Outcome::ImplementationDefined => "≠",
+        Outcome::Inconclusive => "?",
+        Outcome::Unsupported => "–",
+        Outcome::OtherDialect => "≈",
+        Outcome::Assumed => "=",
+        Outcome::NotJudged => "·",
+        Outcome::NotRun => "○",
     }
 }
 

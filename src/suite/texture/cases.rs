@@ -146,10 +146,8 @@ impl TextureCase {
     /// # Errors
     /// If the case is not a question.
     pub fn read(&self) -> Result<&Question, Refusal> {
-        let read = self
-            .read
-            .get_or_init(|| Question::from_value(&self.question()));
-        read.as_ref().map_err(Refusal::clone)
+        let read = || Question::from_value(&self.question());
+        self.read.get_or_init(read).as_ref().map_err(Refusal::clone)
     }
 }
 

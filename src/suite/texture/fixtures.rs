@@ -19,9 +19,8 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
 pub fn spelled_out(given: &Value) -> Value {
     match given {
         Value::Object(fields) => {
-            let fields = fields
-                .iter()
-                .filter(|(name, _)| !READINGS.contains(&name.as_str()));
+            let is_sent = |(name, _): &(&String, _)| !READINGS.contains(&name.as_str());
+            let fields = fields.iter().filter(is_sent);
             let spelled = fields.map(|(name, value)| {
                 let value = match name.as_str() {
                     "map" => map_of(value),
@@ -42,10 +41,8 @@ const READINGS: [&str; 2] = ["reading", "grid"];
 /// Returns the readings that `given` names.
 #[must_use]
 pub fn readings(given: &Value) -> Vec<&str> {
-    READINGS
-        .iter()
-        .filter_map(|field| given[*field].as_str())
-        .collect()
+    let named = READINGS.iter();
+    named.filter_map(|field| given[*field].as_str()).collect()
 }
 
 fn map_of(value: &Value) -> Value {

@@ -10,18 +10,11 @@
 //! JSON without a library. Exit status: 0 answered, 65 the question is out of the valid range, 69 not supported.
 //! `spec-cases/texture/README.md` lists every field.
 
-pub mod question;
-
-pub mod fixtures;
-
 pub mod cases;
-
 pub mod choices;
-
 pub mod compare;
-
 pub mod expected;
-
+pub mod fixtures;
+pub mod question;
 pub mod test_case;
-
 pub mod verify;

@@ -177,7 +177,20 @@ enum Step {
         frequency: Frequency,
     },
     /// Returns the sample depth of a footprint on a map.
-    Depth(DepthGiven),
+    Depth {
+        /// Texels of the base level in each direction.
+        size: Vec<usize>,
+        /// The change of the coordinates to the next pixel on the right.
+        dtdx: Vec<f64>,
+        /// The change to the next pixel above.
+        dtdy: Vec<f64>,
+        /// The depth sampling bias hint.
+        #[serde(default)]
+        bias: f64,
+        /// The frequency hints.
+        #[serde(default)]
+        freq: Vec<f64>,
+    },
     /// Returns the texels at coordinates along one direction.
     Index {
         boundary: Boundary,
@@ -239,8 +252,8 @@ impl Step {
                 return Err(malformed("dim: 1, 2 or 3").into());
             }
             Step::Parameterize { entry, point, dim } => {
-                let (entry, point) = (entry.entry(rules), point.point());
-                let t = texture::parameterize(&entry, &point, *dim, rules)?;
+                let (entry, point) = (entry.entry(rules), &point.0);
+                let t = texture::parameterize(&entry, point, *dim, rules)?;
                 json!({ "t": numbers(&t) })
             }
             Step::Reflect { i, n } => json!({ "s": numbers(&rules.reflected(*i, *n)) }),
@@ -257,7 +270,29 @@ impl Step {
                 let site = texture::site(*interp, *frequency, rules);
                 json!({ "site": site.name().to_lowercase() })
             }
-            Step::Depth(given) => given.answer(rules)?,
+            Step::Depth {
+                size, dtdx, dtdy, ..
+            } if !(1..=3).contains(&size.len()) || dtdx.len() > 3 || dtdy.len() > 3 => {
+                let expected = "size: one number for each of 1 to 3 directions";
+                return Err(malformed(expected).into());
+            }
+            Step::Depth {
+                size,
+                dtdx,
+                dtdy,
+                bias,
+                freq,
+            } => {
+                let (dt_dx, dt_dy) = (padded(dtdx, 0.0), padded(dtdy, 0.0));
+                let footprint = Footprint { dt_dx, dt_dy };
+                let hints = padded(freq, 1.0);
+                let depth = texture::sample_depth(size, &footprint, *bias, hints, rules);
+                let mode = match texture::magnifies(size, &footprint, rules) {
+                    true => "mag",
+                    false => "min",
+                };
+                json!({ "depth": number(depth), "mode": mode })
+            }
             Step::Index { size, .. } if !(1..=1 << 31).contains(size) => {
                 return Err(malformed("size: from 1 to 2^31").into());
             }
@@ -396,145 +431,69 @@ impl EntryGiven {
     }
 }
 
-/// A spline surface, or true if there is one.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Nurb {
-    Is(bool),
-    With(SplineGiven),
-}
+/// The fields of a point in a question.
+const POINT_FIELDS: &str = "`mc`, `wc`, `vrc`, `eye_mc`, `eye_wc`, `eye_vrc`, `mc_normal`, `wc_normal`, `vrc_normal`, \
+    `mc_geometric_normal`, `wc_geometric_normal`, `vrc_geometric_normal`, `fp_data`, `nurb`, `u`, `v`, `data_splines`, `i`, `s`";
 
-/// A point of a spline surface.
-#[derive(Debug, Deserialize)]
-struct SplineGiven {
-    /// The first parameter.
-    #[serde(default)]
-    u: f64,
-    /// The second parameter.
-    #[serde(default)]
-    v: f64,
-    /// The values of each data spline at the point.
-    #[serde(default)]
-    data_splines: Vec<Data>,
-}
-
-/// The values of a data spline at a point.
-#[derive(Debug, Deserialize)]
-#[serde(untagged)]
-enum Data {
-    One(f64),
-    Many(Vec<f64>),
-}
-
-/// A point of a surface: positions, eyes and normals in three coordinate systems, and their replacements.
+/// A point of a surface. The fields of a coordinate system have its name: `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
 #[derive(Debug, Default, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-struct PointGiven {
-    mc: Option<Vector>,
-    wc: Option<Vector>,
-    vrc: Option<Vector>,
-    eye_mc: Option<Vector>,
-    eye_wc: Option<Vector>,
-    eye_vrc: Option<Vector>,
-    mc_normal: Option<Vector>,
-    wc_normal: Option<Vector>,
-    vrc_normal: Option<Vector>,
-    mc_geometric_normal: Option<Vector>,
-    wc_geometric_normal: Option<Vector>,
-    vrc_geometric_normal: Option<Vector>,
-    fp_data: Vec<f64>,
-    nurb: Option<Nurb>,
-    u: Option<f64>,
-    v: Option<f64>,
-    data_splines: Vec<Data>,
-    i: Option<Vector>,
-    s: Option<Vector>,
+#[serde(try_from = "Map<String, Value>")]
+struct PointGiven(Point);
+
+impl TryFrom<Map<String, Value>> for PointGiven {
+    type Error = serde_json::Error;
+
+    fn try_from(mut fields: Map<String, Value>) -> serde_json::Result<PointGiven> {
+        fields.retain(|_, value| !value.is_null());
+        let is_known = |name: &String| POINT_FIELDS.contains(&format!("`{name}`"));
+        if let Some(name) = fields.keys().find(|name| !is_known(name)) {
+            let error = format!("unknown field `{name}`, expected one of {POINT_FIELDS}");
+            return Err(serde_json::Error::custom(error));
+        }
+        let spline = spline(&mut fields)?;
+        let fp_data = fields.remove("fp_data").map(serde_json::from_value);
+        let mut vector = |name: &str| -> serde_json::Result<Option<Vector>> {
+            fields.remove(name).map(serde_json::from_value).transpose()
+        };
+        let (sight, reflection) = (vector("i")?, vector("s")?);
+        let mut place = |system: &str| -> serde_json::Result<Place> {
+            Ok(Place {
+                position: vector(system)?,
+                eye: vector(&format!("eye_{system}"))?,
+                normal: vector(&format!("{system}_normal"))?,
+                geometric_normal: vector(&format!("{system}_geometric_normal"))?,
+            })
+        };
+        Ok(PointGiven(Point {
+            mc: place("mc")?,
+            wc: place("wc")?,
+            vrc: place("vrc")?,
+            fp_data: fp_data.transpose()?.unwrap_or_default(),
+            spline,
+            sight,
+            reflection,
+        }))
+    }
 }
 
-impl PointGiven {
-    fn point(&self) -> Point {
-        let place = |position, eye, normal, geometric_normal| Place {
-            position,
-            eye,
-            normal,
-            geometric_normal,
-        };
-        let (eye_mc, eye_wc, eye_vrc) = (self.eye_mc, self.eye_wc, self.eye_vrc);
-        Point {
-            mc: place(self.mc, eye_mc, self.mc_normal, self.mc_geometric_normal),
-            wc: place(self.wc, eye_wc, self.wc_normal, self.wc_geometric_normal),
-            vrc: place(
-                self.vrc,
-                eye_vrc,
-                self.vrc_normal,
-                self.vrc_geometric_normal,
-            ),
-            fp_data: self.fp_data.clone(),
-            spline: self.spline(),
-            sight: self.i,
-            reflection: self.s,
+/// Reads the point of the spline surface: `nurb` is one, or is true if the fields next to it are one.
+fn spline(fields: &mut Map<String, Value>) -> serde_json::Result<Option<SplinePoint>> {
+    let names = ["u", "v", "data_splines"].into_iter();
+    let own: Map<String, Value> = names.filter_map(|name| fields.remove_entry(name)).collect();
+    let mut spline = match fields.remove("nurb") {
+        Some(Value::Bool(false)) => return Ok(None),
+        None if own.is_empty() => return Ok(None),
+        Some(Value::Bool(true)) | None => Value::Object(own),
+        Some(nurb) => nurb,
+    };
+    // A data spline with one value may be a number.
+    let splines = spline.get_mut("data_splines").and_then(Value::as_array_mut);
+    for values in splines.into_iter().flatten() {
+        if values.is_number() {
+            *values = json!([values]);
         }
     }
-
-    /// Returns the point of the spline surface, from `nurb` or from the fields next to it.
-    fn spline(&self) -> Option<SplinePoint> {
-        let is_given = self.u.is_some() || self.v.is_some() || !self.data_splines.is_empty();
-        let (u, v, data_splines) = match &self.nurb {
-            Some(Nurb::With(spline)) => (spline.u, spline.v, &spline.data_splines),
-            Some(Nurb::Is(false)) => return None,
-            None if !is_given => return None,
-            Some(Nurb::Is(true)) | None => (
-                self.u.unwrap_or_default(),
-                self.v.unwrap_or_default(),
-                &self.data_splines,
-            ),
-        };
-        let values = data_splines.iter().map(|data| match data {
-            Data::One(value) => vec![*value],
-            Data::Many(values) => values.clone(),
-        });
-        let data = values.collect();
-        Some(SplinePoint { u, v, data })
-    }
-}
-
-/// A footprint on a map.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DepthGiven {
-    /// Texels of the base level in each direction.
-    size: Vec<usize>,
-    /// The change of the coordinates to the next pixel on the right.
-    dtdx: Vec<f64>,
-    /// The change to the next pixel above.
-    dtdy: Vec<f64>,
-    /// The depth sampling bias hint.
-    #[serde(default)]
-    bias: f64,
-    /// The frequency hints.
-    #[serde(default)]
-    freq: Vec<f64>,
-}
-
-impl DepthGiven {
-    fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
-        let count = self.size.len();
-        if !(1..=3).contains(&count) || self.dtdx.len() > 3 || self.dtdy.len() > 3 {
-            let expected = "size: one number for each of 1 to 3 directions";
-            return Err(malformed(expected));
-        }
-        let footprint = Footprint {
-            dt_dx: padded(&self.dtdx, 0.0),
-            dt_dy: padded(&self.dtdy, 0.0),
-        };
-        let hints = padded(&self.freq, 1.0);
-        let depth = texture::sample_depth(&self.size, &footprint, self.bias, hints, rules);
-        let mode = match texture::magnifies(&self.size, &footprint, rules) {
-            true => "mag",
-            false => "min",
-        };
-        Ok(json!({ "depth": number(depth), "mode": mode }))
-    }
+    serde_json::from_value(spline).map(Some)
 }
 
 /// A map.
@@ -734,7 +693,7 @@ impl StageEntry {
         let t = match (self.t, &self.point) {
             (Some(t), _) => t,
             (None, Some(point)) => {
-                let t = texture::parameterize(entry, &point.point(), map.dimensions(), rules)?;
+                let t = texture::parameterize(entry, &point.0, map.dimensions(), rules)?;
                 texture::orient(&entry.orientation_matrix, t, rules)
             }
             (None, None) => return Err(malformed("an entry needs texel, t or point").into()),

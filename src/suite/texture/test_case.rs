@@ -99,22 +99,6 @@ impl TestCase for TextureCase {
         features
     }
 
-    /// Lists the other cases of the step: a refusal proves nothing if every question of the step is refused.
-    fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
-        let accepted = |op: &str| {
-            let of_op = cases.iter().enumerate();
-            of_op
-                .filter(|(_, other)| other.op == op && !other.must_be_refused())
-                .map(|(i, _)| i)
-                .collect()
-        };
-        let twins = |case: &TextureCase| match case.must_be_refused() {
-            true => accepted(&case.op),
-            false => Vec::new(),
-        };
-        cases.iter().map(twins).collect()
-    }
-
     fn made(&self, _: TableSpelling) -> Vec<u8> {
         format!("{}\n", self.question()).into_bytes()
     }
@@ -152,10 +136,6 @@ impl TestCase for TextureCase {
 
     fn difference_in(&self, _: &TextureView, answer: &Value, dialect: &Dialect) -> Option<String> {
         difference(&self.expected(dialect), answer, self.tolerance())
-    }
-
-    fn is_like(one: &Value, other: &Value) -> bool {
-        one == other
     }
 
     fn expected_output(&self, _: &TextureView) -> Option<Value> {

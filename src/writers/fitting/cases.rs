@@ -1,6 +1,6 @@
 //! The suite of photographs as a run uses it, and the causes of failures.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::diagnose::Diagnosis;
 use crate::diagnose::cover::{CoverCandidate, cover};
@@ -123,10 +123,6 @@ impl TestCase for FitCase {
 
     fn kind(&self) -> Feature {
         Feature::Format(self.format)
-    }
-
-    fn features(&self, _: &WriteView) -> BTreeSet<Feature> {
-        BTreeSet::from([self.kind()])
     }
 
     fn made(&self, _: TableSpelling) -> BuiltFit {

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use crate::common::{Workspace, have_python, repository_text, rows, stdout};
 use crate::in_process::{misread, misreading, right, suite};
 use data_encoding::BASE64;
-use ptm_conform::diagnose::diagnose;
+use ptm_conform::diagnose::{Category, diagnose};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_conform::report::Report;
@@ -17,6 +17,7 @@ use ptm_conform::report::html;
 use ptm_conform::report::junit;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::lit_scene;
+use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::address::SITE;
@@ -58,7 +59,7 @@ fn matrix(reports: &[Report]) -> Result<String, String> {
 
 fn failures(report: &Report) -> usize {
     let cases = report.cases.iter();
-    cases.filter(|case| case.outcome == "fail").count()
+    cases.filter(|case| case.outcome == Outcome::Fail).count()
 }
 
 /// Keeps a page where the browser's test finds it.
@@ -201,7 +202,7 @@ fn a_crash_is_described_and_misreads_no_clause() {
     report.diagnoses.truncate(1);
     let cause = &mut report.diagnoses[0];
     cause.misreading = None;
-    cause.kind = Some("violation".to_owned());
+    cause.kind = Some(Category::Violation);
     cause.effect = "crashes on two files".to_owned();
     cause.example = Some("for example first-rgb: It crashes.".to_owned());
     let page = html::page(suite, &report, None).expect("a page");
@@ -374,17 +375,16 @@ fn github_sees_text_and_no_commands() {
 fn junit_is_read_by_a_consumer() {
     let mut report = upside_down().2.clone();
     let last = report.cases.len() - 1;
-    report.cases[last].outcome = "not run".to_owned();
-    report.cases[last - 1].outcome = "unsupported".to_owned();
+    report.cases[last].outcome = Outcome::NotRun;
+    report.cases[last - 1].outcome = Outcome::Unsupported;
     let xml = junit::junit(&report).expect("XML");
     keep("junit.xml", &xml);
-    let with = |outcome: &str| {
-        let cases = report.cases.iter();
-        cases.filter(|case| case.outcome == outcome).count()
-    };
-    let passed = report.cases.iter().filter(|case| case.outcome == "pass");
+    let with = |outcome: Outcome| report.with(outcome).count();
+    let passed = report.with(Outcome::Pass);
     let lenient = passed.filter(|case| case.expect == "lenient").count();
-    let skipped = report.cases.len() - with("pass") - with("fail") - with("not run") + lenient;
+    let skipped =
+        report.cases.len() - with(Outcome::Pass) - with(Outcome::Fail) - with(Outcome::NotRun)
+            + lenient;
     assert!(skipped > lenient && lenient > 0);
     let script = "import sys, junitparser\n\
         xml = junitparser.JUnitXml.fromfile(sys.argv[1])\n\
@@ -398,7 +398,11 @@ fn junit_is_read_by_a_consumer() {
     }
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("junit.xml");
     let text = stdout(Command::new("python3").args(["-c", script]).arg(path));
-    let (cases, failed, not_run) = (report.cases.len(), with("fail"), with("not run"));
+    let (cases, failed, not_run) = (
+        report.cases.len(),
+        with(Outcome::Fail),
+        with(Outcome::NotRun),
+    );
     let counts = format!("{cases} {failed} {not_run} {skipped}");
     assert_eq!(text, format!("1 {counts}\n{counts}\n"));
 }

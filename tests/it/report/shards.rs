@@ -6,9 +6,10 @@ use ptm_conform::Reading;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::report::Report;
-use ptm_conform::report::conclude::{conclude, undo_common_transforms};
+use ptm_conform::report::conclude::conclude;
 use ptm_conform::report::document::Tool;
 use ptm_conform::report::merge::KeptAnswers;
+use ptm_conform::report::reported::Reported as _;
 use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::asking::Ask;
@@ -51,7 +52,7 @@ type Decoder = dyn Fn(&Request) -> Answer + Sync;
 fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
-    undo_common_transforms(suite, &mut session, &mut contact, &[]);
+    Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
         if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
             keeper.observed(case, observation);
@@ -63,8 +64,10 @@ fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>
 /// The report of a run in one piece.
 fn whole(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
-    let mut run = asked(suite, &plan(suite, None), &ask, None);
-    conclude(suite, &mut run, &circumstances(), &remarks(), 2).expect("no misreading is assumed")
+    let plan = plan(suite, None);
+    let mut run = asked(suite, &plan, &ask, None);
+    let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
+    report.expect("no misreading is assumed")
 }
 
 /// Runs one part and keeps its answers next to the report, whose path is returned.
@@ -84,8 +87,16 @@ fn run_part(
     };
     let plan = plan(suite, Some(part));
     let run = asked(suite, &plan, &ask, Some(&keeper));
-    let end = End::of(suite, &plan, &run, tool, part, circumstances(), remarks());
-    keeper.finish(end).expect("the answers are written");
+    let end = End {
+        version: tool.version.clone(),
+        corpus: tool.corpus.clone(),
+        part,
+        circumstances: circumstances(),
+        plan,
+        remarks: remarks(),
+        ended_early: run.ended_early.map(str::to_owned),
+    };
+    keeper.finish(&end).expect("the answers are written");
     report
 }
 

@@ -150,9 +150,13 @@ fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_sele
 fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() {
     let suite = suite();
     let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
-        matches!(case.expect, Expect::Refuse | Expect::Lenient).then_some(Answer::Unsupported)
+        matches!(
+            case.expect,
+            Expect::Refuse | Expect::Lenient | Expect::Robust
+        )
+        .then_some(Answer::Unsupported)
     });
-    for expect in [Expect::Refuse, Expect::Lenient] {
+    for expect in [Expect::Refuse, Expect::Lenient, Expect::Robust] {
         let of_kind = suite.cases.iter().filter(|case| case.expect == expect);
         let passing = cases(&suite, &run, Outcome::Pass).filter(|case| case.expect == expect);
         assert_eq!(passing.count(), of_kind.count(), "{expect:?}");
