@@ -43,7 +43,7 @@ fn answer(slugs: &str, view: &str, file: &str) -> Result<Answer, String> {
     let mistakes: Vec<&Misreading> = slugs
         .split(',')
         .filter(|slug| !slug.is_empty())
-        .map(|slug| misreadings::named(slug).ok_or_else(|| format!("no misreading {slug}")))
+        .map(|slug| misreadings::find(slug).ok_or_else(|| format!("no misreading {slug}")))
         .collect::<Result<_, _>>()?;
     let view: View = view.parse()?;
     let file = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;

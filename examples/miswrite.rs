@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 
 /// Writes the file of a writer with this mistake, or the right file if no rule makes a wrong one.
 fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
-    let mistake = misreadings::named(slug).ok_or_else(|| format!("no misreading {slug}"))?;
+    let mistake = misreadings::find(slug).ok_or_else(|| format!("no misreading {slug}"))?;
     let read = |path: &str| std::fs::read(path).map_err(|error| format!("{path}: {error}"));
     let header = RequestHeader::read(&read(request)?)?;
     let array = read(&header.planes)?;

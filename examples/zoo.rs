@@ -165,7 +165,7 @@ fn right(view: &str, file: &str) -> Right {
     };
     let file = fs::read(file).unwrap_or_else(|_| exit(66));
     match decode(&file) {
-        Ok(ptm) => Right::Frame(bytes(&Frame::of(&ptm, &view))),
+        Ok(ptm) => Right::Frame(bytes(&Frame::render(&ptm, &view))),
         Err(error) if error.class() == ptm_conform::error::Class::Malformed => Right::Malformed,
         Err(_) => Right::Unsupported,
     }

@@ -76,7 +76,7 @@ fn suite(count: usize) -> Suite {
 
 /// Calls `look` after each case, with the number of finished cases.
 fn all_pass(suite: &Suite, look: impl Fn(usize) + Sync) -> Run {
-    let plan = RunPlan::of(suite, 1);
+    let plan = RunPlan::new(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };

@@ -17,7 +17,7 @@ use super::terminal::show;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::capabilities::Capabilities;
-use ptm_conform::report::reported::named;
+use ptm_conform::report::reported::find_misreadings;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Request;
@@ -65,7 +65,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let selected = selected(args, &suite, &among)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
-        named(std::slice::from_ref(slug)).map_err(|error| error + &did_you_mean(slug, slugs))?;
+        find_misreadings(std::slice::from_ref(slug))
+            .map_err(|error| error + &did_you_mean(slug, slugs))?;
     }
     let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = Guarded::new()?;
@@ -255,7 +256,7 @@ fn plan(
             (false, false) => Repeat::Failures,
         },
         stop: Arc::clone(stop),
-        ..RunPlan::of(suite, jobs(args.run.jobs)?)
+        ..RunPlan::new(suite, jobs(args.run.jobs)?)
     })
 }
 

@@ -211,7 +211,7 @@ fn planes(beginning: &[u8]) -> u64 {
     let head = &beginning[..beginning.len().min(FIRST_LINES)];
     let mut line_ends = (1..).zip(head).filter(|&(_, &byte)| byte == b'\n');
     let end = line_ends.nth(LINES - 1).map_or(head.len(), |(end, _)| end);
-    let head = Dissection::of(&head[..end]);
+    let head = Dissection::parse(&head[..end]);
     let texels = head.size.map_or(0, |size| size.texels() as u64);
     texels.saturating_mul(head.format.map_or(0, Format::channels) as u64)
 }

@@ -61,7 +61,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     let profiles = readers::known(None)?;
     let readers = readers::asked(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
-    let dissection = Dissection::of(&file);
+    let dissection = Dissection::parse(&file);
     let ptm = files::map(&args.file, &dissection)?;
     let converted = match target {
         Some(target) => {

@@ -31,7 +31,7 @@ pub struct DiffArgs {
 
 pub fn run(args: &DiffArgs) -> CommandResult {
     let (a_file, b_file) = (files::read(&args.a)?, files::read(&args.b)?);
-    let (a_anatomy, b_anatomy) = (Dissection::of(&a_file), Dissection::of(&b_file));
+    let (a_anatomy, b_anatomy) = (Dissection::parse(&a_file), Dissection::parse(&b_file));
     let maps = [
         files::map(&args.a, &a_anatomy),
         files::map(&args.b, &b_anatomy),

@@ -255,7 +255,7 @@ impl ProgramRun<'_> {
             selected,
             repeat: Repeat::Failures,
             stop: Arc::clone(self.stop),
-            ..RunPlan::of(suite, jobs(self.args.jobs)?)
+            ..RunPlan::new(suite, jobs(self.args.jobs)?)
         };
         let ending = Ending::new(suite, &self.args.report, self.written)?;
         let circumstances = Circumstances {

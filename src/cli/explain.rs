@@ -140,7 +140,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &explain_ruling(ruling, &kind, ["clauses", "open: ", "the reference"]);
         text += &page_line(Some(pages.ruling_page(id)));
     }
-    if let Some(misreading) = misreadings::named(id) {
+    if let Some(misreading) = misreadings::find(id) {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
         if let Some(clause) = clause {
@@ -150,7 +150,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         if !readers.is_empty() {
             let _ = writeln!(text, "  Seen in: {}.", readers.join(", "));
         }
-        if let Some(mistake) = writing::named(id) {
+        if let Some(mistake) = writing::find(id) {
             let (effect, fix) = (mistake.effect, mistake.fix);
             let _ = writeln!(
                 text,
@@ -161,7 +161,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text.push_str(&shown_by(misreading, &suite)?);
         text += &page_line(Some(pages.misreading_page(id)));
     }
-    if let Some(known) = Code::named(&id.to_uppercase()) {
+    if let Some(known) = Code::by_id(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
     }
@@ -203,7 +203,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
         text += &explain_ruling(ruling, ruling.kind.name(), ["requirements", "", "reading"]);
         text += &page_line(Some(pages.ruling_page(id)));
     }
-    if let Some(misreading) = misreadings::texture::named(id) {
+    if let Some(misreading) = misreadings::texture::find(id) {
         text += &explain_misreading(misreading, "requirement");
         text += &page_line(Some(pages.misreading_page(id)));
     }

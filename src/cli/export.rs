@@ -40,7 +40,7 @@ enum ExportEncoding {
 }
 
 impl ExportEncoding {
-    fn of(path: &Path) -> Result<ExportEncoding, String> {
+    fn from_path(path: &Path) -> Result<ExportEncoding, String> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         match extension.to_lowercase().as_str() {
             "exr" => Ok(ExportEncoding::Exr),
@@ -54,7 +54,7 @@ impl ExportEncoding {
 }
 
 pub fn run(args: &ExportArgs) -> CommandResult {
-    let encoding = ExportEncoding::of(&args.output)?;
+    let encoding = ExportEncoding::from_path(&args.output)?;
     if args.final_values && encoding == ExportEncoding::Png {
         return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned().into());
     }

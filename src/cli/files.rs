@@ -84,7 +84,7 @@ pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Faile
 
 /// Returns the map in the file at this path.
 pub fn read_map(path: &Path) -> Result<Ptm, Failed> {
-    map(path, &Dissection::of(&read(path)?)).cloned()
+    map(path, &Dissection::parse(&read(path)?)).cloned()
 }
 
 /// Returns the exit status for the class of an error.

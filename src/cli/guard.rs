@@ -72,7 +72,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     loop {
         let mut input = [PollFd::new(&stdin, PollFlags::IN)];
         match poll(&mut input, Some(&POLL_INTERVAL)) {
-            Ok(0) => children = Descendants::of(run),
+            Ok(0) => children = Descendants::new(run),
             Ok(_) => break,
             Err(_) => std::thread::sleep(Duration::from_millis(100)),
         }

@@ -35,6 +35,6 @@ pub fn run(args: &InspectArgs) -> CommandResult {
     if !args.machine.print(&inspection)? {
         output::print(&inspection.to_text(&args.file.display().to_string(), args.all));
     }
-    let outcome = &Dissection::of(&file).outcome;
+    let outcome = &Dissection::parse(&file).outcome;
     Ok(outcome.as_ref().err().map_or(0, files::status))
 }

@@ -263,7 +263,7 @@ impl Judge<'_> {
                 Lint::unread(&name, bytes, Some(reason))
             }
             Opened::Map(file) => {
-                let mut lint = Lint::of(&name, &file);
+                let mut lint = Lint::new(&name, &file);
                 lint.readers = readers::predictions(&file, self.readers);
                 lint
             }

@@ -104,7 +104,7 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
-            let is_like = ptm_conform::diagnose::alike(&Frame::of(&ptm, view), frame);
+            let is_like = ptm_conform::diagnose::alike(&Frame::render(&ptm, view), frame);
             (!is_like).then_some("another image")
         }
         (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),

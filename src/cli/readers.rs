@@ -53,7 +53,7 @@ pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPredict
     if readers.is_empty() {
         return Vec::new();
     }
-    let subject = OpenedFile::of(file);
+    let subject = OpenedFile::new(file);
     let predict = |profile: &&ReaderProfile| {
         let mut prediction = subject.predict(profile);
         if prediction.shows != Shown::Right {
@@ -66,7 +66,7 @@ pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPredict
 
 /// Returns a fix with which the reader shows the file correctly.
 fn fix(file: &[u8], reader: &ReaderProfile) -> String {
-    let dissection = Dissection::of(file);
+    let dissection = Dissection::parse(file);
     let Ok(ptm) = &dissection.outcome else {
         return "write the file again from its source; `lint` lists its errors".to_owned();
     };

@@ -88,7 +88,7 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
         return Err(Failed::refused(path, status, "fits are LRGB or RGB"));
     }
     let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
-    write_request(path, out, &WriteRequest::of(&optimum(&set, format)))
+    write_request(path, out, &WriteRequest::from_ptm(&optimum(&set, format)))
 }
 
 fn malformed(path: &Path) -> impl Fn(String) -> Failed + '_ {
@@ -131,7 +131,7 @@ fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
     Ok(match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();
-            Frame::of(&ptm, &view).write(&mut frame)?;
+            Frame::render(&ptm, &view).write(&mut frame)?;
             [with_number(format!("ok {}", frame.len())), frame].concat()
         }
         Err(error) if error.class() == Class::Malformed => {

@@ -75,7 +75,7 @@ fn is_preceded(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bo
     let earliest = explained.iter().map(kind).min();
     let is_earlier = |w: &&usize| {
         Some(kind(w)) < earliest
-            && FailureMode::of(&witnesses[**w]).is_none()
+            && FailureMode::new(&witnesses[**w]).is_none()
             && witnesses[**w].case.expect == Expect::Decode
             && explained.iter().any(|of| format(of) == format(w))
     };
@@ -89,7 +89,7 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
     let format = |w: &usize| witnesses[*w].case.format();
     let is_image = |w: &usize| {
         let witness = &witnesses[*w];
-        witness.case.expect == Expect::Decode && FailureMode::of(witness).is_none()
+        witness.case.expect == Expect::Decode && FailureMode::new(witness).is_none()
     };
     let is_open = |w: &&usize| is_image(w) && explained.iter().any(|of| format(of) == format(w));
     let open = left.iter().filter(is_open).count();
@@ -144,7 +144,7 @@ fn is_denied_guess(search: &Search, member: &Member, share: &Share, left: &[usiz
     let (witnesses, explained) = (search.witnesses, &share.explains);
     let against = search.contradictions(&[member.id]).len();
     let is_guess = || acceptances::all_that_shows(witnesses, explained, misreading).is_some();
-    let mode = |w: &usize| FailureMode::of(&witnesses[*w]);
+    let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let is_signal =
         |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
     let images = |of: &[usize]| of.iter().filter(|w| mode(w).is_none()).count();
@@ -295,7 +295,7 @@ fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
         && mistake.misreading.at.stage() < Stage::Color
         && witness.is_in_colors()
         && witness.concerns(mistake)
-        && FailureMode::of(witness).is_none()
+        && FailureMode::new(witness).is_none()
 }
 
 /// Lists failures that a mistake explains in part under it, and removes them from `left`.
@@ -307,7 +307,7 @@ pub(super) fn attribute_in_part(
 ) {
     let set = ids_of(&found.members);
     let acts = |w: usize, member: Id| {
-        FailureMode::of(&search.witnesses[w]).is_none()
+        FailureMode::new(&search.witnesses[w]).is_none()
             && search.differ(w, &set, &without_id(&set, member))
     };
     // A mistake that reproduces nearly all images that it changes is made in the others too.

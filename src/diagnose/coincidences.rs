@@ -44,7 +44,7 @@ impl FailureEvidence {
             let is_needed = |is: fn(Agreement) -> bool| {
                 is(alone) || is(search.agreement(w, set)) && !is(search.agreement(w, &without))
             };
-            let is_image = FailureMode::of(&search.witnesses[w]).is_none();
+            let is_image = FailureMode::new(&search.witnesses[w]).is_none();
             if search.witnesses[w].case.expect != Expect::Decode {
                 if is_needed(Agreement::explains) {
                     evidence.accepted.push(w);
@@ -171,7 +171,7 @@ fn refuses_by_chance(
     let others = || (0..all.len()).filter(|&other| other != place);
     let is_refused = |w: &&usize| {
         let is_other = others().any(|other| all[other].explained.contains(w));
-        FailureMode::of(&witnesses[**w]).is_some() && !is_other
+        FailureMode::new(&witnesses[**w]).is_some() && !is_other
     };
     let refused = failing.iter().filter(is_refused).count();
     let unexplained = refused.saturating_sub(explained.len());

@@ -22,7 +22,7 @@ pub(super) enum FailureMode {
 
 impl FailureMode {
     /// Returns the mode of a response, or `None` for an image.
-    pub fn of(witness: &Witness) -> Option<FailureMode> {
+    pub fn new(witness: &Witness) -> Option<FailureMode> {
         Some(match &witness.observation.response {
             Response::Image { .. } => return None,
             Response::Rejected => FailureMode::Refuses,
@@ -39,7 +39,7 @@ impl FailureMode {
     /// Returns the modes of these witnesses, the most frequent first.
     pub fn among(witnesses: &[Witness], of: &[usize]) -> Vec<FailureMode> {
         let mut modes: Vec<(FailureMode, usize)> = Vec::new();
-        for mode in of.iter().filter_map(|&w| FailureMode::of(&witnesses[w])) {
+        for mode in of.iter().filter_map(|&w| FailureMode::new(&witnesses[w])) {
             match modes.iter_mut().find(|(known, _)| *known == mode) {
                 Some((_, count)) => *count += 1,
                 None => modes.push((mode, 1)),
@@ -51,7 +51,7 @@ impl FailureMode {
 
     /// Returns the witnesses that fail in this way.
     pub fn select(&self, witnesses: &[Witness], of: &[usize]) -> Vec<usize> {
-        let fails_so = |w: &usize| FailureMode::of(&witnesses[*w]).as_ref() == Some(self);
+        let fails_so = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
         of.iter().copied().filter(fails_so).collect()
     }
 }

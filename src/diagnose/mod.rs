@@ -194,7 +194,7 @@ mod tests {
             }
             Reply::from(answer)
         };
-        let run = check(&suite, &RunPlan::of(&suite, 1), &ask, &|_, _, _, _| ());
+        let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
         let causes = diagnose_by(&suite, &run, &[], 1, |_, _, _| panic!("index 3 of 2"));
         assert_eq!(causes.faults, ["index 3 of 2"]);
         let explained = causes.diagnoses.iter().map(|one| one.explains.len());

@@ -343,7 +343,7 @@ impl Witness<'_> {
                 },
                 Answer::Decoded(right),
             ) => return !alike(right, made),
-            _ => Expected::of(&self.built.values, &self.observation.view),
+            _ => Expected::new(&self.built.values, &self.observation.view),
         };
         right.is_some_and(|right| right.compare(made).is_some())
     }

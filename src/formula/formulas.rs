@@ -176,7 +176,7 @@ impl Formula {
 
     /// Returns the formula of that name.
     #[must_use]
-    pub fn named(name: &str) -> Option<Formula> {
+    pub fn by_name(name: &str) -> Option<Formula> {
         let row = Formula::ALL.iter().find(|row| row.1 == name);
         row.map(|row| row.0)
     }

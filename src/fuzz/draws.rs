@@ -22,7 +22,7 @@ pub struct Draws {
 impl Draws {
     /// Draws legal files, and damages with the same expected result in all cases of the suite.
     #[must_use]
-    pub fn of(suite: &Suite) -> Draws {
+    pub fn new(suite: &Suite) -> Draws {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
         for case in &suite.cases {
             if let Some(damage) = case.damage() {

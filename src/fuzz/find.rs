@@ -89,8 +89,8 @@ impl KnownDecoder<'_> {
                 let right = |expected: Option<Expected>| {
                     expected.is_some_and(|expected| expected.compare(frame).is_none())
                 };
-                right(Expected::of(&question.built.values, &question.view))
-                    || right(Expected::under(
+                right(Expected::new(&question.built.values, &question.view))
+                    || right(Expected::from_file(
                         &question.built.file,
                         &question.view,
                         &self.reading,
@@ -114,7 +114,7 @@ pub enum Explanation {
 }
 
 impl Explanation {
-    pub(super) fn of(
+    pub(super) fn find(
         draft: &Draft,
         observation: &Observation,
         passed: &[&Draft],

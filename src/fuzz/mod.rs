@@ -91,7 +91,7 @@ pub fn fuzz(
         ask(request, worker)
     };
     let opening = opening(suite);
-    let draws = Draws::of(suite);
+    let draws = Draws::new(suite);
     let mut outcomes = FuzzResult::default();
     let mut number = 0;
     while counted.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
@@ -128,7 +128,7 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
         views: plan.views.clone(),
         repeat: Repeat::Failures,
         stop: Arc::clone(&plan.stop),
-        ..RunPlan::of(suite, plan.jobs).declared_by(&plan.declared)
+        ..RunPlan::new(suite, plan.jobs).declared_by(&plan.declared)
     };
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
@@ -201,7 +201,7 @@ impl Batch {
                 .as_ref()
                 .map(|judged| judged.says.clone())
                 .unwrap_or_default();
-            let cause = Explanation::of(draft, observation, &passed, decoder);
+            let cause = Explanation::find(draft, observation, &passed, decoder);
             let mut find = Find::new(draft, cause, says, decoder, &plan.stop);
             if let Explanation::Other(_) = find.cause {
                 find.diagnosis = self.diagnosis(run, &find.small, decoder, plan);

@@ -83,8 +83,8 @@ pub fn recipe(bytes: &[u8]) {
     let built = case.build(TableSpelling::default());
     let ptm = decode(&built.file)
         .unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
-    let expected = Expected::of(&built.values, &View::Raw).expect("it was painted");
-    let difference = expected.compare(&Frame::of(&ptm, &View::Raw));
+    let expected = Expected::new(&built.values, &View::Raw).expect("it was painted");
+    let difference = expected.compare(&Frame::render(&ptm, &View::Raw));
     assert!(
         difference.is_none(),
         "{difference:?}\n{}",
@@ -375,7 +375,7 @@ pub fn diagnosis(bytes: &[u8]) {
         let choice = script.get(sum % script.len().max(1)).copied();
         Reply::from(wrong(choice.unwrap_or_default(), right, request))
     };
-    let run = check(&SUITE, &RunPlan::of(&SUITE, 1), &ask, &|_, _, _, _| ());
+    let run = check(&SUITE, &RunPlan::new(&SUITE, 1), &ask, &|_, _, _, _| ());
     let mut explained = HashSet::new();
     let causes = diagnose(&SUITE, &run, &[], 1);
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);

@@ -17,7 +17,7 @@ use crate::ptm::{Field, Format, Size};
 /// Returns the smallest file reached from `file` by steps after each of which it still `fails`; None if `file` is malformed, or
 /// no longer fails with the default spelling of its header.
 pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
-    let parts = Parts::of(file)?;
+    let parts = Parts::parse(file)?;
     let written = |parts: Parts| (parts.write(), parts);
     let start = written(parts);
     if !fails(&start.0) {
@@ -69,7 +69,7 @@ const SIMPLER_PLANE: [fn(&mut Parts, usize); 7] = [
 ];
 
 impl Parts {
-    fn of(file: &[u8]) -> Option<Parts> {
+    fn parse(file: &[u8]) -> Option<Parts> {
         let ptm = decode(file).ok()?;
         let fields = Fields {
             file,
@@ -325,7 +325,7 @@ mod tests {
     #[test]
     fn every_step_is_a_legal_file_and_none_changes_nothing() {
         for (i, (id, file)) in small_files().enumerate() {
-            let parts = Parts::of(&file).expect("a legal file");
+            let parts = Parts::parse(&file).expect("a legal file");
             let planes = |file: &[u8]| decode(file).expect("a legal file").planes;
             assert_eq!(planes(&parts.write()), planes(&file), "{id}");
             for parts in parts.steps().into_iter().filter(|_| i % 20 == 0) {

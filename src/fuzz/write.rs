@@ -32,7 +32,7 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
     let expected = find
         .view
         .as_ref()
-        .and_then(|view| Expected::of(&built.values, view));
+        .and_then(|view| Expected::new(&built.values, view));
     if let Some(expected) = &expected {
         fs::write(at("expected"), expected.frame().to_bytes())?;
     }

@@ -60,7 +60,7 @@ impl Model {
     ///
     /// # Errors
     /// If the map has more distinct texels than a table can have entries.
-    pub fn of(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
+    pub fn new(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
         let mut model = Model::uncompressed(recipe, samples.to_vec());
         if recipe.format.is_compressed() {
             model.compress(recipe);

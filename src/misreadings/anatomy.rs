@@ -23,7 +23,7 @@ pub struct Anatomy<'a> {
 impl<'a> Anatomy<'a> {
     /// Finds the fields of `file` in a reading of the open questions.
     #[must_use]
-    pub fn of(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
+    pub fn new(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
             file,
             fields: examine_as(file, reading).0,
@@ -107,7 +107,7 @@ impl<'a> Anatomy<'a> {
     pub fn respelled(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> Seen {
         let mut file = self.file.to_vec();
         for _ in 0..40 {
-            let anatomy = Anatomy::of(&file, &Reading::SPEC);
+            let anatomy = Anatomy::new(&file, &Reading::SPEC);
             let mut bytes = Vec::new();
             let mut at = 0;
             for field in anatomy.tokens() {

@@ -41,7 +41,7 @@ pub(crate) fn read(
     let mut seen = Cow::Borrowed(file);
     for misreading in misreadings {
         if let At::Bytes(edit) = misreading.at {
-            match edit(&Anatomy::of(&seen, &reading)) {
+            match edit(&Anatomy::new(&seen, &reading)) {
                 Seen::Refused => return Err(None),
                 Seen::File(bytes) => seen = Cow::Owned(bytes),
             }
@@ -71,7 +71,7 @@ pub(crate) fn show(
         edit(ptm.to_mut());
     }
     let edits = edits_of(misreadings);
-    Answer::Decoded(Frame::edited(&ptm, view, reading, Edits(&edits)))
+    Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
 }
 
 /// Returns the colors that a decoder with these mistakes computes under a light, before it rounds them.

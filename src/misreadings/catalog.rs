@@ -39,6 +39,6 @@ pub fn all() -> impl Iterator<Item = &'static Misreading> {
 
 /// Returns the misreading with this slug.
 #[must_use]
-pub fn named(slug: &str) -> Option<&'static Misreading> {
+pub fn find(slug: &str) -> Option<&'static Misreading> {
     all().find(|misreading| misreading.slug == slug)
 }

@@ -71,5 +71,5 @@ pub(crate) use answer::read;
 #[cfg(unix)]
 pub(crate) use answer::{colors, misread, show};
 pub use at::At;
-pub use catalog::{all, named};
+pub use catalog::{all, find};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -43,7 +43,7 @@ pub fn all() -> impl Iterator<Item = &'static Misreading<Change>> {
 
 /// Returns the misreading with that slug.
 #[must_use]
-pub fn named(slug: &str) -> Option<&'static Misreading<Change>> {
+pub fn find(slug: &str) -> Option<&'static Misreading<Change>> {
     all().find(|misreading| misreading.slug == slug)
 }
 

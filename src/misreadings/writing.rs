@@ -30,7 +30,7 @@ static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
 fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
     let records = yaml::records::<WritingWords>(yaml)?.into_iter();
     let join = |(line, words): (usize, WritingWords)| {
-        let reader = super::named(&words.slug)
+        let reader = super::find(&words.slug)
             .ok_or_else(|| format!("line {line}: no misreading is called {}", words.slug))?;
         Ok(Misreading {
             slug: reader.slug,
@@ -52,6 +52,6 @@ pub fn all() -> impl Iterator<Item = &'static Miswriting> {
 
 /// Returns the mistake with this slug.
 #[must_use]
-pub fn named(slug: &str) -> Option<&'static Miswriting> {
+pub fn find(slug: &str) -> Option<&'static Miswriting> {
     all().find(|mistake| mistake.slug == slug)
 }

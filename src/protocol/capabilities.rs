@@ -67,7 +67,7 @@ impl Capabilities {
         let mut remarks = Vec::new();
         let views = record.views.map(|words| {
             known_words(words, "view", &mut remarks, |word| {
-                ViewKind::named(word).map(ViewKind::name)
+                ViewKind::by_name(word).map(ViewKind::name)
             })
         });
         let formats = record.formats.map(|words| {

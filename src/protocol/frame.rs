@@ -62,7 +62,7 @@ impl ViewKind {
 
     /// Returns the kind with this name.
     #[must_use]
-    pub fn named(name: &str) -> Option<ViewKind> {
+    pub fn by_name(name: &str) -> Option<ViewKind> {
         ViewKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
@@ -326,17 +326,17 @@ impl Frame {
 
     /// Renders `ptm` in `view`, under the reading of the reference.
     #[must_use]
-    pub fn of(ptm: &Ptm, view: &View) -> Frame {
-        Frame::under(ptm, view, &Reading::SPEC)
+    pub fn render(ptm: &Ptm, view: &View) -> Frame {
+        Frame::render_under(ptm, view, &Reading::SPEC)
     }
 
     /// Renders `ptm` in `view` under a reading.
-    pub(crate) fn under(ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
-        Frame::edited(ptm, view, reading, Edits(&[]))
+    pub(crate) fn render_under(ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
+        Frame::render_edited(ptm, view, reading, Edits(&[]))
     }
 
     /// Renders `ptm` in `view` under a reading, with some formulas edited.
-    pub(crate) fn edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
+    pub(crate) fn render_edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
         let kind = view.kind();
         Frame {
             view: kind,
@@ -451,7 +451,7 @@ impl Frame {
                 "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
             ));
         };
-        let view = ViewKind::named(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
+        let view = ViewKind::by_name(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
         let number = |word: &str| {
             let digits = word.bytes().all(|byte| byte.is_ascii_digit());
             let number = digits.then(|| word.parse::<u32>().ok()).flatten();
@@ -487,7 +487,7 @@ impl Frame {
 /// Errors of `out`.
 pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
     for (i, piece) in map.pieces().enumerate() {
-        let frame = Frame::of(&piece, view);
+        let frame = Frame::render(&piece, view);
         if i == 0 {
             frame.write_line(map.header.size, out)?;
         }

@@ -117,7 +117,7 @@ pub(super) struct Marks<'a> {
 }
 
 impl<'a> Marks<'a> {
-    pub(super) fn of(file: &'a [u8]) -> Marks<'a> {
+    pub(super) fn new(file: &'a [u8]) -> Marks<'a> {
         let (fields, outcome) = examine(file);
         let is_payload = |field: &&Field| {
             !matches!(

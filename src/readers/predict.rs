@@ -67,10 +67,10 @@ type ReaderResult = Result<(Ptm, Reading), Option<Error>>;
 impl<'a> OpenedFile<'a> {
     /// Reads the file as the reference does.
     #[must_use]
-    pub fn of(file: &'a [u8]) -> OpenedFile<'a> {
+    pub fn new(file: &'a [u8]) -> OpenedFile<'a> {
         OpenedFile {
             file,
-            marks: Marks::of(file),
+            marks: Marks::new(file),
             truth: decode(file),
         }
     }

@@ -96,7 +96,7 @@ impl ReaderProfile {
     pub(super) fn acting(&self) -> Vec<&'static Misreading> {
         let named = self.misreadings.iter();
         named
-            .filter_map(|known| misreadings::named(&known.slug))
+            .filter_map(|known| misreadings::find(&known.slug))
             .collect()
     }
 

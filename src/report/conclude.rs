@@ -49,7 +49,7 @@ pub fn verdicts<C: Reported>(
     run.remarks.extend(others.after.iter().cloned());
     C::assume(suite, run, &circumstances.assumed, plan.jobs)?;
     let limits = circumstances.limits.clone();
-    let mut report = Report::of(suite, run, &circumstances.command, limits);
+    let mut report = Report::new(suite, run, &circumstances.command, limits);
     report.decoder.name.clone_from(&circumstances.name);
     report.decoder.version.clone_from(&circumstances.version);
     plan.mode().clone_into(&mut report.decoder.mode);
@@ -115,9 +115,9 @@ mod tests {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let ask = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
-        let plan = RunPlan::of(&suite, 1);
+        let plan = RunPlan::new(&suite, 1);
         let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
-        let report = Report::of(&suite, &run, &["decoder".to_owned()], Vec::new());
+        let report = Report::new(&suite, &run, &["decoder".to_owned()], Vec::new());
         let verdicts = report.clone();
         let report = causes::<_, At>(&suite, &run, report, |_| panic!("index 3 of 2"));
         assert_eq!(report.cases, verdicts.cases);

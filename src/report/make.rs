@@ -23,7 +23,7 @@ use crate::suite::test_case::{Allowance, TestCase};
 impl Report {
     /// Makes the report of `run`, without causes. `command` is shown without directories.
     #[must_use]
-    pub fn of<C: Reported>(
+    pub fn new<C: Reported>(
         suite: &Suite<C>,
         run: &Run<C>,
         command: &[String],

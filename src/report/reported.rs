@@ -80,9 +80,9 @@ pub trait Reported: TestCase {
 ///
 /// # Errors
 /// A sentence with the first unknown one.
-pub fn named(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
+pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
     let one = |slug: &String| {
-        misreadings::named(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
+        misreadings::find(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
     };
     slugs.iter().map(one).collect()
 }
@@ -140,13 +140,13 @@ impl Reported for Case {
     }
 
     fn assume(suite: &Suite, run: &mut Run, slugs: &[String], jobs: usize) -> Result<(), String> {
-        diagnose::assume(suite, run, &named(slugs)?, jobs);
+        diagnose::assume(suite, run, &find_misreadings(slugs)?, jobs);
         Ok(())
     }
 
     fn diagnose(suite: &Suite, run: &Run, slugs: &[String], jobs: usize) -> Causes {
         // Unknown names have been refused before.
-        let assumed = named(slugs).unwrap_or_default();
+        let assumed = find_misreadings(slugs).unwrap_or_default();
         diagnose::diagnose(suite, run, &assumed, jobs)
     }
 }

@@ -8,10 +8,10 @@ use crate::suite::name::SuiteName;
 fn known(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, &str, &str)> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
-            return writing::named(slug).map(|of| (&**slug, of.clause, of.effect));
+            return writing::find(slug).map(|of| (&**slug, of.clause, of.effect));
         }
-        let ptm = misreadings::named(slug).map(|of| (&**slug, of.clause, of.effect));
-        ptm.or_else(|| texture::named(slug).map(|of| (&**slug, of.clause, of.effect)))
+        let ptm = misreadings::find(slug).map(|of| (&**slug, of.clause, of.effect));
+        ptm.or_else(|| texture::find(slug).map(|of| (&**slug, of.clause, of.effect)))
     })
 }
 

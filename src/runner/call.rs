@@ -77,7 +77,7 @@ impl Call {
         let [stdout, stderr] = pipes;
         let call = Call {
             group: Pid::from_child(&child),
-            exit_event: ExitEvent::of(&child),
+            exit_event: ExitEvent::new(&child),
             child,
             waited_for: false,
             stdout,
@@ -249,14 +249,14 @@ struct ExitEvent(OwnedFd);
 
 impl ExitEvent {
     #[cfg(target_os = "linux")]
-    fn of(child: &Child) -> Option<ExitEvent> {
+    fn new(child: &Child) -> Option<ExitEvent> {
         rustix::process::pidfd_open(Pid::from_child(child), rustix::process::PidfdFlags::empty())
             .ok()
             .map(ExitEvent)
     }
 
     #[cfg(not(target_os = "linux"))]
-    fn of(_: &Child) -> Option<ExitEvent> {
+    fn new(_: &Child) -> Option<ExitEvent> {
         None
     }
 

@@ -178,7 +178,7 @@ pub struct Descendants(Vec<(u32, u64)>);
 impl Descendants {
     /// Lists the children of a process, inherited orphans included, except this process.
     #[must_use]
-    pub fn of(parent: u32) -> Descendants {
+    pub fn new(parent: u32) -> Descendants {
         let children = children_of(parent).filter(|&pid| pid != std::process::id());
         Descendants(children.filter_map(identified).collect())
     }

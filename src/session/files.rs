@@ -161,7 +161,7 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     if let Shape::Lum(matrix) = ptm.planes.shape {
         recipe.matrix = numbers(&matrix.0)?;
     }
-    let model = Model::of(&recipe, &ptm.planes.samples).ok()?;
+    let model = Model::new(&recipe, &ptm.planes.samples).ok()?;
     Some(write(&recipe, &model).bytes)
 }
 
@@ -176,7 +176,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
     if !format.is_jpeg() {
-        return Expected::under(file, view, reading);
+        return Expected::from_file(file, view, reading);
     }
     let model = Model {
         format,
@@ -190,7 +190,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         matrix: [0.0; 16],
         compressed: None,
     };
-    Expected::of(&Values::Painted(model), view)
+    Expected::new(&Values::Painted(model), view)
 }
 
 /// Returns the number of inverse DCTs that affect each plane: its own, and those of the planes it is predicted from.

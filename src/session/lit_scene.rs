@@ -146,7 +146,7 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
         }
     });
     let samples: Vec<u8> = texels.collect();
-    let model = Model::of(&recipe, &samples).expect("no table is needed");
+    let model = Model::new(&recipe, &samples).expect("no table is needed");
     write(&recipe, &model).bytes
 }
 

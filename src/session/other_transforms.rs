@@ -60,7 +60,7 @@ fn passes(reading: Reading, counts: &Counts) {
     let is_jpeg = suite.cases.iter().map(|case| case.format().is_jpeg());
     let plan = RunPlan {
         selected: is_jpeg.collect(),
-        ..RunPlan::of(&suite, 2)
+        ..RunPlan::new(&suite, 2)
     };
     let ask = |request: &Request<'_>, _: usize| {
         misreadings::answer(&[], reading, request.file, request.view).into()

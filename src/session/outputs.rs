@@ -43,7 +43,7 @@ struct Listed {
 }
 
 impl Listed {
-    fn of(case: &Case, view: &View, file: &[u8]) -> Listed {
+    fn new(case: &Case, view: &View, file: &[u8]) -> Listed {
         let suffix = match view.kind() {
             ViewKind::Rgb => "png",
             _ => "npy",
@@ -76,7 +76,7 @@ pub fn export(
     for (done, case) in suite.cases.iter().enumerate() {
         if let Some(view) = case.views.iter().find(|offered| offered.name() == view) {
             let built = case.build(TableSpelling::default());
-            let listed = Listed::of(case, view, &built.file);
+            let listed = Listed::new(case, view, &built.file);
             put(&directory.join(&listed.file), &built.file)?;
             list.push(listed);
         }
@@ -212,7 +212,7 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
         let mut views = case.views.iter();
         let asked = views.find(|view| view.to_string() == listed.view);
         let asked = asked.ok_or(other)?;
-        if *listed != Listed::of(case, asked, &case.build(TableSpelling::default()).file) {
+        if *listed != Listed::new(case, asked, &case.build(TableSpelling::default()).file) {
             return Err(other.to_owned());
         }
         if *view.get_or_insert(asked.name()) != asked.name() {

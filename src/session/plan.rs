@@ -55,7 +55,7 @@ pub const SAMPLE: usize = 100;
 impl RunPlan {
     /// Makes a plan that requests everything once, from a decoder without declared capabilities.
     #[must_use]
-    pub fn of<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
+    pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {
             selected: vec![true; suite.cases.len()],
             jobs,

@@ -85,7 +85,7 @@ fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<Firs
         let built = case.build(contact.table);
         Some(FirstImage {
             format: case.format(),
-            expected: Expected::of(&built.values, &first.view)?,
+            expected: Expected::new(&built.values, &first.view)?,
             frame,
             right: case.expected_output(&first.view),
         })

@@ -97,7 +97,7 @@ fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
 /// Describes the tolerance of values.
 fn slack(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
-    let expected = Expected::of(&built.values, view)?;
+    let expected = Expected::new(&built.values, view)?;
     let most = expected.slack.iter().copied().fold(0.0, f64::max);
     let own = tolerance_in_words(view.kind());
     Some(match most > 0.0 {
@@ -128,7 +128,7 @@ fn values(case: &Case, built: &Built) -> Markup {
     let Some(view) = case.views.first() else {
         return html! {};
     };
-    let Some(expected) = Expected::of(&built.values, view) else {
+    let Some(expected) = Expected::new(&built.values, view) else {
         return html! {};
     };
     let width = expected.size.width as usize;

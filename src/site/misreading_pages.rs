@@ -107,7 +107,7 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     let right = decode(file);
     let right_frame = |view: &View| {
         let ptm = right.as_ref().ok()?;
-        Some(Frame::under(ptm, view, &Reading::SPEC))
+        Some(Frame::render_under(ptm, view, &Reading::SPEC))
     };
     let light: View = match &witness.view {
         View::Rgb(_) => witness.view.clone(),

@@ -39,7 +39,7 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let known = known.iter();
     let mut mistakes: Vec<&Misreading> = known
-        .filter_map(|known| misreadings::named(&known.slug))
+        .filter_map(|known| misreadings::find(&known.slug))
         .collect();
     for misreading in misreadings::all() {
         let is_seen = misreading

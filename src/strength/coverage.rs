@@ -237,7 +237,7 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
     let mut separated = 0;
     for (i, a) in rows.iter().enumerate() {
-        let slug = misreadings::named(a.misreading.slug).map_or("", |known| known.slug);
+        let slug = misreadings::find(a.misreading.slug).map_or("", |known| known.slug);
         alike.entry(&a.answers).or_default().push(slug.to_owned());
         for b in &rows[i + 1..] {
             let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);

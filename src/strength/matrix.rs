@@ -54,7 +54,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
             let case = suite.case(request.name).expect("its own case is asked");
             case.answer(&rules)
         };
-        let (run, answers) = run_and_answers(suite, &RunPlan::of(suite, jobs), &ask);
+        let (run, answers) = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
         row(suite, misreading, &run, &answers, |answer, hasher| {
             answer.to_string().hash(hasher);
         })
@@ -113,7 +113,7 @@ pub fn ask_all(
     };
     let plan = RunPlan {
         views: views.iter().map(|&view| view.to_owned()).collect(),
-        ..RunPlan::of(suite, jobs)
+        ..RunPlan::new(suite, jobs)
     };
     run_and_answers(suite, &plan, &ask)
 }

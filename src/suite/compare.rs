@@ -43,7 +43,7 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 impl Expected {
     /// Returns what a file with these values shows in `view`, or `None` if they do not say.
     #[must_use]
-    pub fn of(values: &Values, view: &View) -> Option<Expected> {
+    pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {
             Values::None | Values::Any => None,
             Values::Painted(model) => {
@@ -76,7 +76,7 @@ impl Expected {
 
     /// Returns what `file` shows in `view` under another reading, or `None` if that reading refuses it.
     #[must_use]
-    pub fn under(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
+    pub fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let ptm = decode_as(file, reading, &Limits::default()).ok()?;
         let values = view.values(&ptm, reading, Edits(&[]));
         Some(Expected::exact(view.kind(), ptm.header.size, values))

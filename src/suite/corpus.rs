@@ -67,7 +67,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
     };
     let mut outputs = Vec::new();
     let view = &case.views[0];
-    if let Some(expected) = Expected::of(&built.values, view) {
+    if let Some(expected) = Expected::new(&built.values, view) {
         let frame = expected.frame().to_bytes();
         let path = format!("{place}/{}.{}", case.id, view.name());
         entry.expected = Some(ExpectedFile {

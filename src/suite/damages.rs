@@ -36,7 +36,7 @@ pub fn damages() -> Result<&'static [Damage], String> {
 ///
 /// # Errors
 /// If there is none.
-pub fn named(name: &str) -> Result<&'static Damage, String> {
+pub fn find(name: &str) -> Result<&'static Damage, String> {
     let found = damages()?.iter().find(|damage| damage.name == name);
     found.ok_or_else(|| format!("unknown damage {name:?}"))
 }

@@ -109,7 +109,7 @@ impl TestCase for Case {
     }
 
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
-        let expected = Expected::of(&built.values, view);
+        let expected = Expected::new(&built.values, view);
         let difference = (expected.as_ref()).and_then(|expected| expected.compare(frame));
         let allowance = match &expected {
             _ if frame.lossy => Allowance::Lossy,
@@ -150,7 +150,7 @@ impl TestCase for Case {
         // Files that are affected by a choice have no table, so there is one spelling.
         let built = self.build(TableSpelling::default());
         let axes = concerned(self, view);
-        let expected = Expected::of(&built.values, view)?;
+        let expected = Expected::new(&built.values, view)?;
         let pictures = pictures(&built, view, expected, &axes);
         let picture = pictures[CHOICES.place(dialect, &axes)].as_ref();
         picture?.compare(frame)
@@ -166,7 +166,7 @@ impl TestCase for Case {
 
     fn expected_output(&self, view: &View) -> Option<Frame> {
         let built = self.build(TableSpelling::default());
-        Some(Expected::of(&built.values, view)?.frame())
+        Some(Expected::new(&built.values, view)?.frame())
     }
 
     fn fault(&self) -> String {

@@ -117,8 +117,7 @@ impl CaseRecord {
         }
         let recipe = twin.recipe().ok_or("has no recipe")?.clone();
         let name = self.damage.as_ref().ok_or("needs a damage")?;
-        let damage =
-            damages::named(&words.fill(name)).map_err(|error| format!("has an {error}"))?;
+        let damage = damages::find(&words.fill(name)).map_err(|error| format!("has an {error}"))?;
         let model = Model::paint(&recipe);
         let damaged = damage.apply(&write(&recipe, &model), &model);
         damaged.map_err(|error| format!("cannot have damage {}: {error}", damage.name))?;

@@ -66,7 +66,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
-    let model = Model::of(&recipe, &samples)
+    let model = Model::new(&recipe, &samples)
         .map_err(|why| format!("{source} into {}: {why}", target.format))?;
     let entries = (!model.table.is_empty()).then(|| model.entries());
     let bytes = write(&recipe, &model).bytes;

@@ -69,7 +69,7 @@ fn attempt(
         loss: 0,
     };
     let converted = convert(dissection, ptm, target)?;
-    let subject = OpenedFile::of(&converted.bytes);
+    let subject = OpenedFile::new(&converted.bytes);
     for reader in readers {
         let prediction = subject.predict(reader);
         if prediction.shows != Shown::Right {

@@ -93,7 +93,7 @@ pub struct Dissection<'a> {
 impl<'a> Dissection<'a> {
     /// Dissects `file`.
     #[must_use]
-    pub fn of(file: &'a [u8]) -> Dissection<'a> {
+    pub fn parse(file: &'a [u8]) -> Dissection<'a> {
         let (fields, outcome) = examine(file);
         Dissection::new(file, &fields, outcome)
     }
@@ -407,7 +407,7 @@ mod tests {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let written = write(&recipe, &Model::paint(&recipe));
-            let dissection = Dissection::of(&written.bytes);
+            let dissection = Dissection::parse(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
             // The writer's map and the reader's agree on the position of every part.
             let ranges = dissection.parts.iter().map(FilePart::range);
@@ -427,8 +427,8 @@ mod tests {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;
             let (whole, cut) = (
-                Dissection::of(&file),
-                Dissection::of(&file[..file.len() - 5]),
+                Dissection::parse(&file),
+                Dissection::parse(&file[..file.len() - 5]),
             );
             let part = cut
                 .parts

@@ -77,7 +77,7 @@ pub struct Rest {
 /// Dissects `file` and describes every part.
 #[must_use]
 pub fn inspect(file: &[u8]) -> Inspection {
-    let dissection = Dissection::of(file);
+    let dissection = Dissection::parse(file);
     let fields = (0..dissection.parts.len())
         .map(|place| show(&dissection, place))
         .collect();

@@ -221,7 +221,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), St
     let mut outputs = vec![(file.clone(), built.file.clone())];
     let mut expected = Vec::new();
     for view in profile.views(case) {
-        if let Some(values) = Expected::of(&built.values, &view) {
+        if let Some(values) = Expected::new(&built.values, &view) {
             expected.extend(answers(case, &view, &values, profile, &mut outputs)?);
         }
     }

@@ -55,7 +55,7 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let unlike = "this is a mistake of this program, and nothing is written";
     let after =
         decode(&bytes).map_err(|error| format!("the result is refused: {error}; {unlike}"))?;
-    if before.is_ok_and(|before| before != after) || Lint::of("", &bytes).errors > 0 {
+    if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
         return Err(format!("the result is another map; {unlike}"));
     }
     Ok(Repaired { bytes, changes })
@@ -107,7 +107,7 @@ impl<'a> Loose<'a> {
             "the header has its numbers in lines, one space between two, and line feeds alone";
         let as_lines = self.written();
         if let Ok(ptm) = decode(&as_lines) {
-            let is_exact = Dissection::of(&as_lines).end() == as_lines.len();
+            let is_exact = Dissection::parse(&as_lines).end() == as_lines.len();
             if self.line_end != "\n" && !is_exact {
                 return Err(format!(
                     "its lines do not end in a line feed alone, and its payload is longer than {} texels need: it was copied in text mode, which changed the payload too",
@@ -188,7 +188,7 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
 
 /// Removes the bytes after the last value.
 fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
-    let dissection = Dissection::of(&bytes);
+    let dissection = Dissection::parse(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
@@ -203,7 +203,7 @@ fn without_overridden_records(
     bytes: Vec<u8>,
     changes: &mut Vec<String>,
 ) -> Result<Vec<u8>, String> {
-    let dissection = Dissection::of(&bytes);
+    let dissection = Dissection::parse(&bytes);
     if let Err(error) = &dissection.outcome {
         return Err(error.to_string());
     }

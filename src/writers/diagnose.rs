@@ -128,7 +128,7 @@ fn single(
         };
         // A reader with this misreading misreads the right file, so a writer with it would have written another.
         let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
-            !SeenFile::of(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
+            !SeenFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
         };
         if !screen.iter().any(|exhibit| explains(exhibit)) {
             return None;

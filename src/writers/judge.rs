@@ -22,7 +22,7 @@ pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 /// # Errors
 /// The fault of the file.
 pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
-    let dissection = Dissection::of(file);
+    let dissection = Dissection::parse(file);
     let ptm = match &dissection.outcome {
         Ok(ptm) => ptm,
         Err(error) => return Err(refusal(file, error)),

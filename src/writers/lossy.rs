@@ -49,7 +49,7 @@ fn check<'a>(
     side: impl Fn(usize) -> &'a [u8],
 ) -> Result<(), WriterFault> {
     (0..request.format.channels()).try_for_each(|plane| {
-        let lossy = LossyPlane::of(request, plane, decoded, side(plane));
+        let lossy = LossyPlane::new(request, plane, decoded, side(plane));
         lossy.check_ends()?;
         lossy.check_loss()
     })
@@ -86,7 +86,7 @@ struct LossyPlane<'a> {
 }
 
 impl<'a> LossyPlane<'a> {
-    fn of(request: &'a WriteRequest, plane: usize, decoded: &[u8], side: &[u8]) -> LossyPlane<'a> {
+    fn new(request: &'a WriteRequest, plane: usize, decoded: &[u8], side: &[u8]) -> LossyPlane<'a> {
         LossyPlane {
             request,
             plane,

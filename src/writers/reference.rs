@@ -20,7 +20,7 @@ pub enum NotWritten {
 /// The reason why there is none.
 pub fn written(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
     let recipe = recipe(request)?;
-    let model = Model::of(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
+    let model = Model::new(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
     Ok(write(&recipe, &model).bytes)
 }
 

@@ -151,7 +151,7 @@ pub(super) fn map_of(
 impl WriteRequest {
     /// Returns the values of an uncompressed map.
     #[must_use]
-    pub fn of(ptm: &Ptm) -> WriteRequest {
+    pub fn from_ptm(ptm: &Ptm) -> WriteRequest {
         let Header {
             format,
             size,

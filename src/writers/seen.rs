@@ -70,11 +70,11 @@ fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
 
 /// Returns true if `is_so` holds for a reader with these mistakes and not for one without them.
 fn tells(file: &[u8], mistakes: &[&Misreading], is_so: impl Fn(&SeenFile) -> bool) -> bool {
-    let Some(seen) = SeenFile::of(file, mistakes).filter(&is_so) else {
+    let Some(seen) = SeenFile::new(file, mistakes).filter(&is_so) else {
         return false;
     };
     let stage = seen.stage;
-    let plain = SeenFile::of(file, &[]).map(|plain| SeenFile { stage, ..plain });
+    let plain = SeenFile::new(file, &[]).map(|plain| SeenFile { stage, ..plain });
     !plain.as_ref().is_some_and(is_so)
 }
 
@@ -83,7 +83,7 @@ pub(super) fn edited(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
     let At::Bytes(edit) = mistake.at else {
         return None;
     };
-    match edit(&Anatomy::of(file, &Reading::SPEC)) {
+    match edit(&Anatomy::new(file, &Reading::SPEC)) {
         Seen::File(bytes) => Some(bytes),
         Seen::Refused => None,
     }
@@ -91,12 +91,12 @@ pub(super) fn edited(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
 
 /// Returns the bytes after the header.
 fn payload(file: &[u8]) -> &[u8] {
-    &file[Anatomy::of(file, &Reading::SPEC).payload()..]
+    &file[Anatomy::new(file, &Reading::SPEC).payload()..]
 }
 
 impl SeenFile {
     /// Reads `file` with these mistakes. Returns `None` if such a reader refuses it.
-    pub fn of(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
+    pub fn new(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
         let (mut ptm, reading) = read(mistakes, Reading::SPEC, file).ok()?;
         for edit in edits_of_planes(mistakes) {
             edit(&mut ptm);
@@ -121,7 +121,7 @@ impl SeenFile {
 
     /// Returns true if `file`, read without mistakes, has exactly the values that this reader sees.
     fn is_written_as_seen(&self, file: &[u8]) -> bool {
-        SeenFile::of(file, &[]).is_some_and(|found| {
+        SeenFile::new(file, &[]).is_some_and(|found| {
             found.ptm.planes.samples == self.ptm.planes.samples
                 && found.has_numbers_of(self, self.stage)
         })
@@ -184,8 +184,9 @@ impl SeenFile {
     /// Returns true if both look the same in a view, within the rounding of `f32`.
     fn shows(&self, other: &SeenFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
-        let frame =
-            |of: &SeenFile| Frame::edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples;
+        let frame = |of: &SeenFile| {
+            Frame::render_edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples
+        };
         match (frame(self), frame(other)) {
             (Samples::U8(one), Samples::U8(other)) => {
                 let mut pairs = one.iter().zip(&other);

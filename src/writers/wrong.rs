@@ -28,7 +28,8 @@ pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8
     let right = written(request).ok()?;
     let lost = || file(&with_values(request, &misread(request, mistake)?));
     let repaired = |start: &fn(&mut RequestHeader)| repaired(request, *start, mistake);
-    let is_right = |file: &[u8]| SeenFile::of(file, &[]).is_some_and(|seen| seen.is_right(request));
+    let is_right =
+        |file: &[u8]| SeenFile::new(file, &[]).is_some_and(|seen| seen.is_right(request));
     let shows = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
     let found = edited(&right, mistake).filter(shows);
     let found = found.or_else(|| lost().filter(shows));
@@ -44,13 +45,13 @@ fn file(request: &WriteRequest) -> Option<Vec<u8>> {
 
 /// Returns the map that a reader with this mistake gets from the reference's file.
 fn misread(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
-    let map = SeenFile::of(&file(request)?, &[mistake])?.into_effective_map();
+    let map = SeenFile::new(&file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
 }
 
 /// Returns the request with the numbers and the samples of `map`.
 fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
-    let values = WriteRequest::of(map);
+    let values = WriteRequest::from_ptm(map);
     let mut other = request.clone();
     other.samples = values.samples;
     (other.header.width, other.header.height) = (values.header.width, values.header.height);
@@ -100,7 +101,7 @@ fn repaired(
             header.bias[i] = header.bias[i].saturating_add(missing.round() as i64);
         }
         let file = file(&other)?;
-        if SeenFile::of(&file, &[mistake]).is_some_and(|seen| seen.is_right(request)) {
+        if SeenFile::new(&file, &[mistake]).is_some_and(|seen| seen.is_right(request)) {
             return Some(file);
         }
     }

@@ -21,7 +21,7 @@ pub fn jobs() -> usize {
 /// Returns the misreading of the catalog with this name.
 #[track_caller]
 pub fn misreading(slug: &str) -> &'static Misreading {
-    misreadings::named(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
+    misreadings::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
 }
 
 /// Returns the misreading of a decoder that computes formulas differently.
@@ -55,5 +55,5 @@ pub fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Request) -> Answer +
 
 /// Runs all cases against a decoder.
 pub fn run_all(suite: &Suite, decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
-    run(suite, &RunPlan::of(suite, jobs()), decoder)
+    run(suite, &RunPlan::new(suite, jobs()), decoder)
 }

@@ -180,7 +180,7 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
     open.retain(|w| {
-        FailureMode::of(&witnesses[*w]).is_none()
+        FailureMode::new(&witnesses[*w]).is_none()
             && witnesses[*w].case.expect == Expect::Decode
             && steps.get(w).is_none_or(|step| *step >= Phase::Places)
     });
@@ -566,7 +566,7 @@ fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<us
 
 /// Returns the expected values, not rounded.
 fn expected(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
-    let expected = Expected::of(&witness.built.values, &witness.observation.view)?;
+    let expected = Expected::new(&witness.built.values, &witness.observation.view)?;
     let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.want.len();
     is_pair.then_some(expected.values)
 }

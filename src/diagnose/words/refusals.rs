@@ -84,7 +84,7 @@ fn files_read(witnesses: &[Witness]) -> Vec<usize> {
 
 /// Returns the failure mode that all of these share.
 fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
-    let mode = FailureMode::of(&witnesses[*of.first()?])?;
+    let mode = FailureMode::new(&witnesses[*of.first()?])?;
     (mode.select(witnesses, of).len() == of.len()).then_some(mode)
 }
 
@@ -165,7 +165,7 @@ pub(in crate::diagnose) fn no_picture(
     let modes = FailureMode::among(witnesses, &of);
     let shown = of
         .iter()
-        .filter(|&&w| FailureMode::of(&witnesses[w]).is_none());
+        .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
     let is_the_mistake = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
     if of.is_empty() || !is_few(shown.count(), of.len()) || is_the_mistake {
         return None;
@@ -184,7 +184,7 @@ fn ways(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
     };
     let way = |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, of).len()));
     let mut ways: Vec<String> = modes.iter().map(way).collect();
-    let is_image = |w: &&usize| FailureMode::of(&witnesses[**w]).is_none();
+    let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
     match of.iter().filter(is_image).count() {
         0 => {}
         count => ways.push(format!("shows a wrong image for {}", files(count))),

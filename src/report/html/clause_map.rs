@@ -23,7 +23,7 @@ pub(super) struct ClauseTally {
 
 impl ClauseTally {
     /// Counts the results for each clause that a case of `report` tests.
-    pub(super) fn of(report: &Report) -> BTreeMap<&str, ClauseTally> {
+    pub(super) fn count(report: &Report) -> BTreeMap<&str, ClauseTally> {
         let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
         for case in &report.cases {
             for clause in &case.clauses {
@@ -63,7 +63,7 @@ pub(super) fn by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
 }
 
 pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
-    let tallies = ClauseTally::of(report);
+    let tallies = ClauseTally::count(report);
     let is_misread = |id: &str| {
         let mut causes = report.diagnoses.iter();
         causes.any(|cause| cause.blames_its_clause() && cause.clause == id)

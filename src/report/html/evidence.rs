@@ -99,7 +99,7 @@ fn of_picture(
     difference: &Difference,
     frame: &Frame,
 ) -> Markup {
-    let expected = Expected::of(&built.values, view);
+    let expected = Expected::new(&built.values, view);
     let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, difference) else {
         return beginning(built);
     };

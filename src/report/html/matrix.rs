@@ -17,7 +17,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
     if reports.iter().any(|report| report.suite != suite) {
         return Err("these reports are not of one suite".to_owned());
     }
-    let tallies: Vec<_> = reports.iter().map(ClauseTally::of).collect();
+    let tallies: Vec<_> = reports.iter().map(ClauseTally::count).collect();
     let is_first = |report: &Report| report.tool.corpus == reports[0].tool.corpus;
     let body = html! {
         header.top {

@@ -18,7 +18,7 @@ const MAX_SAMPLES: usize = 24 << 10;
 /// Returns a preview of `frame` next to the expected map; None for images under one light, which cannot be relit, for other
 /// shapes, and for large maps.
 pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
-    let expected = Expected::of(&built.values, &View::Raw)?;
+    let expected = Expected::new(&built.values, &View::Raw)?;
     let Samples::U8(stored) = expected.frame().samples else {
         return None;
     };

@@ -68,7 +68,7 @@ impl Sample {
     }
 
     pub(super) fn expected(&self, view: &View) -> Expected {
-        Expected::of(&self.values, view).expect("a painted map has every view")
+        Expected::new(&self.values, view).expect("a painted map has every view")
     }
 
     /// Returns true if a frame has the size of the map.

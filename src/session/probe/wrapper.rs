@@ -114,7 +114,7 @@ impl<'a> FirstReply<'a> {
             case,
             view: &first.view,
             file: built.file.clone(),
-            expected: Expected::of(&built.values, &first.view)?,
+            expected: Expected::new(&built.values, &first.view)?,
             reply: &first.reply,
         })
     }

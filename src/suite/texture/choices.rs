@@ -60,7 +60,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
 /// Returns a reading by its name in the `also` lists of cases; these are readings of choices and of points that are left to the
 /// implementation.
 #[must_use]
-pub fn named(reading: &str) -> Option<fn(Rules) -> Rules> {
+pub fn find(reading: &str) -> Option<fn(Rules) -> Rules> {
     Some(match reading {
         "cells" | "scalar" => |r| r,
         "points" => Rules::with_points,

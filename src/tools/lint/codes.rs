@@ -157,7 +157,7 @@ pub static ALL: LazyLock<Vec<Code>> = LazyLock::new(|| {
 impl Code {
     /// Returns the code with this id.
     #[must_use]
-    pub fn named(id: &str) -> Option<&'static Code> {
+    pub fn by_id(id: &str) -> Option<&'static Code> {
         ALL.iter().find(|code| code.id == id)
     }
 

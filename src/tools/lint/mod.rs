@@ -79,13 +79,13 @@ pub struct Lint {
 /// Returns all findings about `file`, errors first, then by position.
 #[must_use]
 pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
-    Lint::of("", file).findings
+    Lint::new("", file).findings
 }
 
 impl Lint {
     /// Returns the findings of a file, with its name.
     #[must_use]
-    pub fn of(name: &str, file: &[u8]) -> Lint {
+    pub fn new(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
         let mut findings = Findings::new(&dissection);
         errors::diagnose(&mut findings);
@@ -94,7 +94,7 @@ impl Lint {
         planes::diagnose(&mut findings, streams.as_ref());
         choices::diagnose(&mut findings, streams.as_ref());
         let mut lint = Lint {
-            status: Status::of(&dissection),
+            status: Status::new(&dissection),
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
@@ -111,7 +111,7 @@ impl Lint {
     pub fn of_other(name: &str, beginning: &[u8], bytes: u64) -> Lint {
         Lint {
             bytes: Some(bytes),
-            ..Lint::of(name, beginning)
+            ..Lint::new(name, beginning)
         }
     }
 

@@ -44,7 +44,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), String> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
-        match codes.find(|code| Code::named(code).is_none()) {
+        match codes.find(|code| Code::by_id(code).is_none()) {
             Some(unknown) => Err(format!(
                 "{unknown:?} is no code; `ptm-conform lint --codes` lists them"
             )),

@@ -51,7 +51,7 @@ impl Status {
 
     /// Returns the status of a dissected file.
     #[must_use]
-    pub fn of(dissection: &Dissection) -> Status {
+    pub fn new(dissection: &Dissection) -> Status {
         match &dissection.outcome {
             Ok(_) => Status::Sound,
             Err(_) if !dissection.file.starts_with(MAGIC) => Status::NotAPtm,
@@ -94,7 +94,7 @@ mod tests {
             (b"PTM_1.2\n", Status::Damaged),
             (SOUND, Status::Sound),
         ] {
-            assert_eq!(Status::of(&Dissection::of(file)), status);
+            assert_eq!(Status::new(&Dissection::parse(file)), status);
         }
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct LeastSquares {
 
 impl LeastSquares {
     /// Prepares the solution for these lights.
-    pub fn of(lights: &[[f64; 2]]) -> LeastSquares {
+    pub fn new(lights: &[[f64; 2]]) -> LeastSquares {
         let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
         let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));

@@ -179,7 +179,7 @@ pub(super) fn diagnose(
     let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
     let evidence = failing.iter().filter_map(|&place| {
         let (case, (file, _)) = (&suite.cases[place], wrong(place)?);
-        Some((place, WrongMap::of(case.photographs(), case.format, file)?))
+        Some((place, WrongMap::new(case.photographs(), case.format, file)?))
     });
     let evidence: BTreeMap<usize, WrongMap> = evidence.collect();
     let candidates = MISTAKES.iter().filter_map(|mistake| {

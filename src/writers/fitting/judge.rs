@@ -27,14 +27,14 @@ pub(super) fn max_error(best: f64) -> f64 {
 pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
     let ptm = decode(file).map_err(|error| refusal(file, &error))?;
     compare_map(format, set.size, &ptm)?;
-    let found = Polynomials::of(&ptm).expect("not LUM");
+    let found = Polynomials::new(&ptm).expect("not LUM");
     compare(set, format, &found)?;
     check_lint(file)
 }
 
 /// Compares the errors under each light with those of the optimum.
 fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
-    let best = Polynomials::of(&optimum(set, format)).expect("RGB or LRGB");
+    let best = Polynomials::new(&optimum(set, format)).expect("RGB or LRGB");
     let (errors, best) = (found.errors(set), best.errors(set));
     let excess = |k: &usize| errors[*k] - max_error(best[*k]);
     let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));

@@ -46,14 +46,14 @@ pub(super) struct WrongMap {
 
 impl WrongMap {
     /// Returns `None` if the file is not a map of these photographs.
-    pub fn of(set: PictureSet, format: Format, file: &[u8]) -> Option<WrongMap> {
+    pub fn new(set: PictureSet, format: Format, file: &[u8]) -> Option<WrongMap> {
         let ptm = decode(file).ok()?;
         let is_of_set = ptm.header.format == format && ptm.header.size == set.size;
         is_of_set.then_some(())?;
         Some(WrongMap {
             format,
-            found: Polynomials::of(&ptm)?,
-            best: Fitted::of(&set, &directions(&set), format),
+            found: Polynomials::new(&ptm)?,
+            best: Fitted::new(&set, &directions(&set), format),
             set,
             ptm,
         })
@@ -66,11 +66,11 @@ impl WrongMap {
                 let mut changed = self.set.clone();
                 change(&mut changed);
                 let lights = directions(&changed);
-                self.is_like(&Fitted::of(&changed, &lights, self.format))
+                self.is_like(&Fitted::new(&changed, &lights, self.format))
             }
             Sign::Lights(light) => {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
-                self.is_like(&Fitted::of(&self.set, &lights, self.format))
+                self.is_like(&Fitted::new(&self.set, &lights, self.format))
             }
             Sign::Numbers(order, value) => self.is_right(*order, *value),
             Sign::Map(shows) => shows(self),
@@ -153,7 +153,7 @@ fn has_huge_coefficients(evidence: &WrongMap) -> bool {
         let all = of.0.iter().flatten().flatten();
         all.fold(0.0_f64, |most, a| most.max(a.abs()))
     };
-    let least_squares = LeastSquares::of(&directions(&evidence.set));
+    let least_squares = LeastSquares::new(&directions(&evidence.set));
     !least_squares.is_determined
         && largest(&evidence.found) > 3.0 * largest(&evidence.best.polynomials())
 }

@@ -24,7 +24,7 @@ pub(super) struct Fitted {
 /// Returns the best map of `set` in RGB, or in LRGB.
 #[must_use]
 pub fn optimum(set: &PictureSet, format: Format) -> Ptm {
-    Fitted::of(set, &directions(set), format).in_bytes(set, format)
+    Fitted::new(set, &directions(set), format).in_bytes(set, format)
 }
 
 /// Returns `lu` and `lv` of every light.
@@ -34,8 +34,8 @@ pub(super) fn directions(set: &PictureSet) -> Vec<[f64; 2]> {
 
 impl Fitted {
     /// Returns the best fit under lights that may differ from those of the set.
-    pub fn of(set: &PictureSet, lights: &[[f64; 2]], format: Format) -> Fitted {
-        let least_squares = LeastSquares::of(lights);
+    pub fn new(set: &PictureSet, lights: &[[f64; 2]], format: Format) -> Fitted {
+        let least_squares = LeastSquares::new(lights);
         let mut fitted = Fitted {
             polynomials: Vec::new(),
             colors: Vec::new(),

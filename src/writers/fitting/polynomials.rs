@@ -11,7 +11,7 @@ pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 impl Polynomials {
     /// Returns the polynomials of a map; None for LUM, which no fitter is asked for.
     #[must_use]
-    pub fn of(ptm: &Ptm) -> Option<Polynomials> {
+    pub fn new(ptm: &Ptm) -> Option<Polynomials> {
         Polynomials::with(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
             (raw - bias) * scale
         })

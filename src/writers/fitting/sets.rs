@@ -111,7 +111,7 @@ impl SetPlan {
             width: self.size.0,
             height: self.size.1,
         };
-        let map = Polynomials::of(&self.map(size, format)).expect("a map of RGB or LRGB");
+        let map = Polynomials::new(&self.map(size, format)).expect("a map of RGB or LRGB");
         let photograph = |k: usize| {
             // 7 is not a divisor of any number of lights, so every name occurs once.
             let number = if self.in_order {

@@ -77,7 +77,7 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
     let plan = RunPlan {
         repeat: Repeat::Nothing,
         withheld: suite.cases.iter().map(withheld).collect(),
-        ..RunPlan::of(suite, 2)
+        ..RunPlan::new(suite, 2)
     };
     let ask = |request: &Request<'_>, _: usize| -> Reply {
         let key = (digest(request.file), request.view.to_string());

@@ -126,7 +126,7 @@ const STAYS_LONG: &str = "side-position-in-16-bits";
 fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
     const DRAWN: usize = 2000;
     let suite = suite();
-    let draws = Draws::of(&suite);
+    let draws = Draws::new(&suite);
     let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
     let drawn: Vec<Question> = (0..DRAWN as u64)
         .filter_map(|number| Some(Question::of(&last(&draws.file(7, number)?)?)))
@@ -194,7 +194,7 @@ proptest! {
         let built = cases[0].build(TableSpelling::default());
         let ptm = decode(&built.file).map_err(|error| TestCaseError::fail(format!("{error}: {}", draft.to_yaml("drawn", ""))))?;
         prop_assert!(matches!(built.values, Values::Painted(_)));
-        let expected = Expected::of(&built.values, &View::Raw).expect("painted");
-        prop_assert!(expected.compare(&Frame::of(&ptm, &View::Raw)).is_none());
+        let expected = Expected::new(&built.values, &View::Raw).expect("painted");
+        prop_assert!(expected.compare(&Frame::render(&ptm, &View::Raw)).is_none());
     }
 }

@@ -119,7 +119,7 @@ fn any_misreading_after_any_other_returns() {
 #[ignore = "runs for half an hour"]
 fn any_misreading_after_any_other_returns_on_drawn_files() {
     let suite = Suite::load().expect("the suite loads");
-    let draws = draws::Draws::of(&suite);
+    let draws = draws::Draws::new(&suite);
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     let tries = AtomicUsize::new(0);

@@ -258,7 +258,7 @@ fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
             continue;
         };
         let built = case.build(TableSpelling::default());
-        let Some(expected) = Expected::of(&built.values, view) else {
+        let Some(expected) = Expected::new(&built.values, view) else {
             continue;
         };
         let values = &expected.values;

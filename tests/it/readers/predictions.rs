@@ -28,7 +28,7 @@ fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
     assert_eq!(names.len(), 24);
     let slugs = profiles().iter().flat_map(|profile| &profile.misreadings);
     for known in slugs {
-        assert!(misreadings::named(&known.slug).is_some(), "{}", known.slug);
+        assert!(misreadings::find(&known.slug).is_some(), "{}", known.slug);
     }
 }
 
@@ -64,7 +64,7 @@ fn answered(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
             // An image that equals the expected one is not recorded.
             None => Shown::Right,
             Some(Answer::Decoded(frame)) => {
-                let expected = Expected::of(&built.values, view).expect("a legal file has values");
+                let expected = Expected::new(&built.values, view).expect("a legal file has values");
                 match expected.compare(frame) {
                     None => Shown::Right,
                     Some(_) => Shown::Wrong,
@@ -129,7 +129,7 @@ fn predictions_are_what_the_readers_answered() {
         let mut tally = Tally::default();
         for (place, seen) in answered(name, &cases) {
             let file = &cases[place].build(TableSpelling::default()).file;
-            let predicted = OpenedFile::of(file).predict(profile).shows;
+            let predicted = OpenedFile::new(file).predict(profile).shows;
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
@@ -172,14 +172,14 @@ fn a_file_converted_for_a_reader_is_the_same_map_and_shown_correctly() {
             continue;
         }
         *count += 1;
-        let dissection = Dissection::of(file);
+        let dissection = Dissection::parse(file);
         let ptm = dissection.outcome.as_ref().expect("a legal file");
         for name in ["cceh", "relight", "rtiviewer", "joncooper"] {
             match convert_for(&dissection, ptm, &[reader(name)]) {
                 Ok((_, made)) => {
                     let back = decode(&made.bytes).expect("a legal file");
                     assert_same_map(ptm, &back, &case.id);
-                    let shown = OpenedFile::of(&made.bytes).predict(reader(name)).shows;
+                    let shown = OpenedFile::new(&made.bytes).predict(reader(name)).shows;
                     assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
                     converted += 1;
                 }
@@ -226,7 +226,7 @@ fn a_wrong_image_is_described_by_its_look() {
             "- name: x\n  reader: x\n  reads: [RGB, LRGB]\n  evidence: code\n  misreadings: [{{ slug: {profile}, evidence: code }}]\n"
         );
         let profile = profiles_of(&yaml).expect("a profile").remove(0);
-        OpenedFile::of(&case.build(TableSpelling::default()).file)
+        OpenedFile::new(&case.build(TableSpelling::default()).file)
             .predict(&profile)
             .how
     };

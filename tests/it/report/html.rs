@@ -34,7 +34,7 @@ const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x one
 /// The run of a decoder with one mistake that prints hostile words, over every fourth case, and its report.
 fn mistaken(slug: &str) -> (Suite, Run, Report) {
     let (suite, mistake) = (suite(), misreading(slug));
-    let mut plan = RunPlan::of(&suite, 2);
+    let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 4 == 0).collect();
     let ask = |request: &Request<'_>, _: usize| Reply {
         stderr: HOSTILE.to_owned(),
@@ -43,7 +43,7 @@ fn mistaken(slug: &str) -> (Suite, Run, Report) {
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
     let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
-    let report = Report::of(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
+    let report = Report::new(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
     (suite, run, report)
 }
 
@@ -290,11 +290,11 @@ fn colors_are_shown_with_their_arithmetic() {
         }
         Reply::from(Answer::Decoded(frame))
     };
-    let mut plan = RunPlan::of(&suite, 2);
+    let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
     let mut run = check(&suite, &plan, &swap, &|_, _, _, _| ());
     run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &swap);
-    let report = Report::of(&suite, &run, &["viewer".to_owned()], Vec::new());
+    let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     keep("colors.html", &page);
     assert!(page.contains("<figure class=\"scene\">") && page.contains("The scene is for the eye"));
@@ -330,14 +330,14 @@ fn the_page_of_a_program_that_is_not_a_decoder_names_the_next_step() {
 #[test]
 fn questions_of_the_texture_stage_are_shown() {
     let suite = Suite::of_textures().expect("the texture suite");
-    let plan = RunPlan::of(&suite, 2);
+    let plan = RunPlan::new(&suite, 2);
     let mistake = misreadings::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("a case");
         Reply::from(case.answer(&mistake.change(Rules::SPEC)))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
-    let report = Report::of(&suite, &run, &["stage".to_owned()], Vec::new());
+    let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     keep("texture.html", &page);
     let failing = failures(&report);

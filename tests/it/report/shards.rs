@@ -31,7 +31,7 @@ fn circumstances() -> Circumstances {
 }
 
 fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
-    let mut plan = RunPlan::of(suite, 2);
+    let mut plan = RunPlan::new(suite, 2);
     plan.repeat = Repeat::Failures;
     for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
         *selected = part.is_none_or(|part| part.holds(&case.id));

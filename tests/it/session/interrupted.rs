@@ -202,7 +202,7 @@ fn ten_thousand_cases_take_no_more_memory_than_their_findings() {
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
     // Largest after every thousandth case; the first thousand warm the allocator up.
     let held: Vec<AtomicU64> = (0..=COUNT / 1000).map(|_| AtomicU64::new(0)).collect();
-    let run = check(&suite, &RunPlan::of(&suite, 2), &ask, &|_, _, done, _| {
+    let run = check(&suite, &RunPlan::new(&suite, 2), &ask, &|_, _, done, _| {
         if done % 100 == 0 {
             held[done / 1000].fetch_max(number_in("/proc/self/status", "VmRSS:"), Relaxed);
         }
@@ -214,7 +214,7 @@ fn ten_thousand_cases_take_no_more_memory_than_their_findings() {
     let (early, late) = (held[1], held[COUNT / 1000 - 1]);
     assert!(late < early + (COUNT as u64) + 4096, "{held:?} KiB");
     let command = ["reference".to_owned()];
-    let report = Report::of(&suite, &run, &command, vec!["none".to_owned()]);
+    let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
     assert_eq!(report.cases.len(), COUNT);
     let text = report.to_yaml().expect("a report");
     conforms(&from_yaml(&text).expect("YAML"), "report");

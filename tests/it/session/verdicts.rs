@@ -94,7 +94,7 @@ fn the_documents_show_the_table_that_decides() {
 #[test]
 fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
     let suite = suite();
-    let plan = RunPlan::of(&suite, 2);
+    let plan = RunPlan::new(&suite, 2);
     let run = run(&suite, &plan, |case| {
         case.format().has_table().then_some(Answer::Unsupported)
     });
@@ -119,7 +119,7 @@ fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
 #[test]
 fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_table() {
     let suite = suite();
-    let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+    let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
         let refused = match case.expect {
             Expect::Decode => Answer::Unsupported,
             _ => Answer::Rejected,
@@ -137,7 +137,7 @@ fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_sele
     let selected = cases.map(|case| case.expect == Expect::Spelling);
     let plan = RunPlan {
         selected: selected.collect(),
-        ..RunPlan::of(&suite, 2)
+        ..RunPlan::new(&suite, 2)
     };
     let run = run(&suite, &plan, |case| {
         case.format().has_table().then_some(Answer::Unsupported)
@@ -149,7 +149,7 @@ fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_sele
 #[test]
 fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() {
     let suite = suite();
-    let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+    let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
         matches!(
             case.expect,
             Expect::Refuse | Expect::Lenient | Expect::Robust
@@ -167,7 +167,7 @@ fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() 
 #[test]
 fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
     let suite = suite();
-    let run = run(&suite, &RunPlan::of(&suite, 3), |case| {
+    let run = run(&suite, &RunPlan::new(&suite, 3), |case| {
         (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
     });
     assert_eq!(run.ended_early, None);
@@ -190,13 +190,13 @@ fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs()
     let legal = some_legal(&suite);
     let hanging = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
     let reports = [1, 4].map(|jobs| {
-        let plan = RunPlan::of(&suite, jobs);
+        let plan = RunPlan::new(&suite, jobs);
         let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
         let not_run: Vec<usize> = run.judgement.with(Outcome::NotRun).collect();
         assert!(not_run.iter().copied().eq(legal[2] + 1..suite.cases.len()));
         assert_eq!(run.exit_status(), 1);
         let command = ["decoder".to_owned()];
-        let report = Report::of(&suite, &run, &command, vec!["none".to_owned()]);
+        let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
         let xml = junit::junit(&report).expect("XML");
         let page = html::page(&suite, &report, Some(&run)).expect("a page");
         let text = report.to_text(&suite, 10);
@@ -214,7 +214,7 @@ fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs()
 fn a_first_file_that_hangs_in_every_view_ends_no_run() {
     let suite = suite();
     for format in [Format::Rgb, Format::Lum] {
-        let run = run(&suite, &RunPlan::of(&suite, 2), |case| {
+        let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
             (case.first && case.format() == format).then(hang)
         });
         assert!(
@@ -230,7 +230,7 @@ fn which_limit_is_reached_first_is_no_nondeterminism() {
     let hoards = |case: &Case| case.expect == Expect::Decode && case.id.starts_with("hand-lrgb");
     let plan = RunPlan {
         repeat: Repeat::FailuresAndSample,
-        ..RunPlan::of(&suite, 2)
+        ..RunPlan::new(&suite, 2)
     };
     for served in [false, true] {
         let ask = |request: &Request<'_>, _: usize| {

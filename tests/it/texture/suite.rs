@@ -36,7 +36,7 @@ fn run(
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         ask(suite.case(request.name).expect("its own case is asked")).into()
     };
-    check(suite, &RunPlan::of(suite, 1), &ask, &|_, _, _, _| ())
+    check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
 }
 
 fn with(suite: &Suite<TextureCase>, run: &Run<TextureCase>, wanted: Outcome) -> Vec<String> {

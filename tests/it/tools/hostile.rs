@@ -14,7 +14,7 @@ use ptm_conform::tools::{diff, export, render};
 
 /// Runs every tool on a file; their results agree with the decoder.
 fn ask_everything(file: &[u8]) {
-    let dissection = Dissection::of(file);
+    let dissection = Dissection::parse(file);
     let decoded = ptm_conform::decode(file);
     assert_eq!(dissection.outcome, decoded);
     let inspection = inspect(file);

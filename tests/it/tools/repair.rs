@@ -17,7 +17,7 @@ fn a_repaired_file_is_its_twin_and_lints_clean() {
         let Ok(result) = repair(file) else {
             continue;
         };
-        let lint = Lint::of(&case.id, &result.bytes);
+        let lint = Lint::new(&case.id, &result.bytes);
         let left = |code: &str| lint.findings.iter().any(|finding| finding.code == code);
         assert!(
             lint.errors == 0 && !left("PTM-W110") && !left("PTM-W123"),

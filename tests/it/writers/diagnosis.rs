@@ -57,7 +57,7 @@ impl Requests {
             let file = miswritten(request, mistake.at).unwrap_or_else(|| right.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
-        let plan = RunPlan::of(&self.suite, 2);
+        let plan = RunPlan::new(&self.suite, 2);
         let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
         let failing = run.judgement.with(Outcome::Fail).count();
         match diagnose(&self.suite, &run, 2)
@@ -111,7 +111,7 @@ fn a_wrong_writer_is_named_by_its_mistake() {
     let slugs = ["rgb-blocks-bgr", "rows-top-down", "height-before-width"];
     let some: Vec<_> = slugs
         .iter()
-        .filter_map(|slug| writing::named(slug))
+        .filter_map(|slug| writing::find(slug))
         .collect();
     let (caught, _, noted) = requests.named(&some);
     assert_eq!((caught, noted), (some.len(), some.len()));
@@ -130,7 +130,7 @@ fn a_mistake_that_does_not_show_in_a_file_does_not_explain_it() {
             let file = written(&request).expect("a file");
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
-        let plan = RunPlan::of(&requests.suite, 2);
+        let plan = RunPlan::new(&requests.suite, 2);
         let run = check(&requests.suite, &plan, &ask, &|_, _, _, _| ());
         let causes = diagnose(&requests.suite, &run, 2);
         match &causes.first().expect("a cause").cause {

@@ -33,9 +33,9 @@ fn the_optimum_is_as_near_as_the_images_allow() {
         for format in FORMATS {
             let set = plan.made(format);
             let map = optimum(&set, format);
-            let file = written(&WriteRequest::of(&map)).expect("a file");
+            let file = written(&WriteRequest::from_ptm(&map)).expect("a file");
             assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
-            let errors = Polynomials::of(&map).expect("RGB or LRGB").errors(&set);
+            let errors = Polynomials::new(&map).expect("RGB or LRGB").errors(&set);
             let largest = errors.into_iter().fold(0.0, f64::max);
             // Noise, rounding, and values clamped to black and white.
             let noise = match plan.name {
@@ -52,7 +52,7 @@ fn no_other_map_of_the_same_steps_is_nearer() {
     let set = SETS[1].made(Format::Rgb);
     let best = optimum(&set, Format::Rgb);
     let total = |map: &ptm_conform::ptm::Ptm| -> f64 {
-        let errors = Polynomials::of(map).expect("RGB").errors(&set);
+        let errors = Polynomials::new(map).expect("RGB").errors(&set);
         errors.iter().map(|error| error * error).sum()
     };
     for channel in [3, 5, 9, 17] {
@@ -119,7 +119,7 @@ fn hps_fitter_is_as_good_as_its_images_allow() {
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
     assert_eq!(judge(&set, Format::Lrgb, &file), Ok(()));
     let mean = |map: &ptm_conform::ptm::Ptm| {
-        let errors = Polynomials::of(map).expect("LRGB").errors(&set);
+        let errors = Polynomials::new(map).expect("LRGB").errors(&set);
         errors.iter().sum::<f64>() / errors.len() as f64
     };
     let (hp, best) = (
