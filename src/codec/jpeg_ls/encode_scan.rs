@@ -163,10 +163,8 @@ mod tests {
     /// Checks the worked example above.
     #[test]
     fn a_run_is_written_in_pieces() {
-        let options = JpegLsOptions {
-            near: 0,
-            presets: None,
-        };
+        let (near, presets) = (0, None);
+        let options = JpegLsOptions { near, presets };
         let stream = encode(&[0, 0, 0, 0, 0, 0, 0, 1], 8, 1, &options).stream;
         assert!(stream.ends_with(&[0, 0, 0, 0xFB, 0x40, 0xFF, 0xD9]));
     }
