@@ -120,7 +120,7 @@ impl Error {
     }
 
     /// Returns the error with another clause, if the clause of the field is not the one that is broken.
-    pub(crate) const fn about(mut self, clause: &'static str) -> Error {
+    pub(crate) const fn with_clause(mut self, clause: &'static str) -> Error {
         self.clause = clause;
         self
     }

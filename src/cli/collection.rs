@@ -234,7 +234,7 @@ impl Room {
     }
 
     /// Does `work` as soon as `bytes` are free, or all bytes if it needs more.
-    pub fn with<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
+    pub fn run_with<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
         const POISONED: &str = "nothing panics while it holds the lock";
         let bytes = bytes.min(self.all);
         let left = self.left.lock().expect(POISONED);

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Command};
 use clap_complete::Shell;
 
-use super::files::named;
+use super::files::with_path;
 use super::{CommandResult, output};
 
 /// Print completions for a shell.
@@ -36,8 +36,8 @@ pub fn run(args: &CompletionsArgs, mut program: Command) -> u8 {
 
 pub fn run_man(args: &ManArgs, program: &Command) -> CommandResult {
     let directory = &args.directory;
-    fs::create_dir_all(directory).map_err(named(directory))?;
-    clap_mangen::generate_to(program.clone(), directory).map_err(named(directory))?;
+    fs::create_dir_all(directory).map_err(with_path(directory))?;
+    clap_mangen::generate_to(program.clone(), directory).map_err(with_path(directory))?;
     output::note(&format!("man pages in {}\n", directory.display()));
     Ok(0)
 }

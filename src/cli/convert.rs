@@ -59,7 +59,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         .map_or(Ok(()), Target::check)
         .map_err(|why| format!("--{why}"))?;
     let profiles = readers::known(None)?;
-    let readers = readers::asked(&profiles, &args.readers)?;
+    let readers = readers::selected(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::parse(&file);
     let ptm = files::map(&args.file, &dissection)?;
@@ -85,7 +85,7 @@ fn repaired(args: &ConvertArgs) -> CommandResult {
     if args.output.symlink_metadata().is_ok() {
         return Err(format!("{output} already exists; --repair never overwrites a file").into());
     }
-    let unrepaired = |why: String| Failed::new(1, &files::named(&args.file)(why));
+    let unrepaired = |why: String| Failed::new(1, &files::with_path(&args.file)(why));
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
     files::write_whole(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {

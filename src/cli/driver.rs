@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use super::CommandResult;
 use super::calls::RunArgs;
 use super::ending::{Ending, OutputArgs};
-use super::files::named;
+use super::files::with_path;
 use super::guard::check_trouble;
 use super::output::jobs;
 use super::progress::{self, ProgressLine};
@@ -62,7 +62,7 @@ impl<'a, C: Reported> Check<'a, C> {
     ) -> Result<Check<'a, C>, String> {
         let path = answers_path(ending.path);
         let keeper = shard.map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)));
-        let keeper = keeper.transpose().map_err(named(&path))?;
+        let keeper = keeper.transpose().map_err(with_path(&path))?;
         Ok(Check {
             suite,
             plan,
@@ -88,7 +88,9 @@ impl<'a, C: Reported> Check<'a, C> {
         let began = Instant::now();
         let mut session = Session::new(self.suite, self.plan, &recording);
         let mut contact = session.first_contact();
-        let pace = began.elapsed().div_f64(session.asked().max(1) as f64);
+        let pace = began
+            .elapsed()
+            .div_f64(session.requests_sent().max(1) as f64);
         look(&mut contact);
         // Assumed mistakes are already reported.
         if contact.is_ready() && self.circumstances.assumed.is_empty() {
@@ -169,7 +171,7 @@ impl<'a, C: Reported> Check<'a, C> {
         run.stop = Arc::clone(&stop);
         let what = "searching for first causes";
         self.progress.begin_counted(what, &run.searched, MAX_WORK);
-        let causes = within(patience, &stop, &self.plan.stop, || {
+        let causes = run_within(patience, &stop, &self.plan.stop, || {
             first_causes(self.suite, &run, |run| {
                 C::diagnose(self.suite, run, assumed, self.plan.jobs)
             })
@@ -201,7 +203,7 @@ impl<'a, C: Reported> Check<'a, C> {
                 ended_early: run.ended_early.map(str::to_owned),
             };
             let path = answers_path(self.ending.path);
-            keeper.finish(&end).map_err(named(&path))?;
+            keeper.finish(&end).map_err(with_path(&path))?;
         }
         self.progress
             .begin_counted("searching for causes", &run.searched, MAX_WORK);
@@ -272,7 +274,7 @@ impl ProgramRun<'_> {
 }
 
 /// Does the work, and sets `stop` after this time, or when the user sets `end`.
-fn within<T>(
+fn run_within<T>(
     patience: Duration,
     stop: &AtomicBool,
     end: &AtomicBool,
@@ -306,7 +308,7 @@ impl Partial {
         let mut path = report.as_os_str().to_owned();
         path.push(".partial");
         let path = PathBuf::from(path);
-        let file = fs::File::create(&path).map_err(named(&path))?;
+        let file = fs::File::create(&path).map_err(with_path(&path))?;
         Ok(Partial { path, file })
     }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::files::{can_be_written, named, write_whole};
+use super::files::{can_be_written, with_path, write_whole};
 use super::output::{complain, print};
 use super::terminal::show;
 use ptm_conform::report::Report;
@@ -159,7 +159,7 @@ impl<'a> Ending<'a> {
                 let file = fs::OpenOptions::new().append(true).create(true).open(path);
                 let text = github::summary(report, suite.cases.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
-                    .map_err(named(path))?;
+                    .map_err(with_path(path))?;
             }
         }
         Ok(())

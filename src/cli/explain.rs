@@ -249,7 +249,7 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();
-    let failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let size = |place: usize| {
         suite.cases[place]
             .build(TableSpelling::default())

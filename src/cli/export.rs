@@ -46,7 +46,7 @@ impl ExportEncoding {
             "exr" => Ok(ExportEncoding::Exr),
             "npy" => Ok(ExportEncoding::Npy),
             "png" => Ok(ExportEncoding::Png),
-            _ => Err(files::named(path)(
+            _ => Err(files::with_path(path)(
                 "expected a name that ends in .exr, .npy or .png",
             )),
         }

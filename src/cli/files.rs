@@ -16,7 +16,7 @@ use ptm_conform::tools::dissection::Dissection;
 const MAX_STREAM_BYTES: u64 = 1 << 28;
 
 /// Returns a function that names the file of an error.
-pub fn named<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
+pub fn with_path<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
     move |error| format!("{}: {}", path.display(), without_code(&error))
 }
 
@@ -33,16 +33,16 @@ pub fn path_of(bytes: Vec<u8>) -> PathBuf {
 
 /// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
-    let file = fs::File::open(path).map_err(named(path))?;
-    if file.metadata().map_err(named(path))?.is_file() {
-        return fs::read(path).map_err(named(path));
+    let file = fs::File::open(path).map_err(with_path(path))?;
+    if file.metadata().map_err(with_path(path))?.is_file() {
+        return fs::read(path).map_err(with_path(path));
     }
     let mut bytes = Vec::new();
     let read = file.take(MAX_STREAM_BYTES).read_to_end(&mut bytes);
-    if read.map_err(named(path))? as u64 == MAX_STREAM_BYTES {
+    if read.map_err(with_path(path))? as u64 == MAX_STREAM_BYTES {
         let size = MAX_STREAM_BYTES >> 20;
         let says = format!("not a regular file, and longer than {size} MiB");
-        return Err(named(path)(says));
+        return Err(with_path(path)(says));
     }
     Ok(bytes)
 }
@@ -55,11 +55,11 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     if path.exists() {
         return Ok(());
     }
-    let path = &follow_links(path).map_err(named(path))?;
+    let path = &follow_links(path).map_err(with_path(path))?;
     let directory = directory_of(path);
     match directory.is_dir() {
         true => Ok(()),
-        false => Err(named(path)(format!(
+        false => Err(with_path(path)(format!(
             "there is no directory {}",
             directory.display()
         ))),
@@ -101,13 +101,13 @@ pub fn status(error: &ptm_conform::error::Error) -> u8 {
 pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
     can_be_written(path)?;
     if path.exists() && !path.is_file() {
-        return fs::write(path, bytes).map_err(named(path));
+        return fs::write(path, bytes).map_err(with_path(path));
     }
-    let place = follow_links(path).map_err(named(path))?;
-    let mut file = new_temporary_file(directory_of(&place)).map_err(named(path))?;
-    file.write_all(bytes.as_ref()).map_err(named(path))?;
+    let place = follow_links(path).map_err(with_path(path))?;
+    let mut file = new_temporary_file(directory_of(&place)).map_err(with_path(path))?;
+    file.write_all(bytes.as_ref()).map_err(with_path(path))?;
     file.persist(&place)
-        .map_err(|error| named(path)(error.error))?;
+        .map_err(|error| with_path(path)(error.error))?;
     Ok(())
 }
 

@@ -96,7 +96,7 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
         return Err(format!("no case is called {glob:?}{hint}").into());
     }
     if let Some(directory) = out.filter(|_| cases.len() > 1) {
-        fs::create_dir_all(directory).map_err(files::named(directory))?;
+        fs::create_dir_all(directory).map_err(files::with_path(directory))?;
     }
     for case in &cases {
         let id = &case.id;

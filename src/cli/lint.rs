@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::arguments::parse_size;
 use super::collection::{FileSource, Met, Opened, Room, open, paths, walk};
-use super::files::named;
+use super::files::with_path;
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
@@ -123,7 +123,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
         (None, ..) => RowFormat::Text,
     };
     let profiles = readers::known(args.profiles.as_deref())?;
-    let readers = readers::asked(&profiles, &args.readers)?;
+    let readers = readers::selected(&profiles, &args.readers)?;
     let mut paths = args.files.iter();
     let is_collection = paths.any(|path| is_list(path) || path.is_dir());
     let rows = Rows::new(format, &readers, settings.max, is_collection);
@@ -178,7 +178,7 @@ fn status(row: &Row, settings: &Settings) -> u8 {
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {
     let file = match &args.config {
-        Some(path) => yaml::from_yaml(&yaml::text_of(path)?).map_err(named(path))?,
+        Some(path) => yaml::from_yaml(&yaml::text_of(path)?).map_err(with_path(path))?,
         None => Settings::default(),
     };
     let settings = file.and(Settings {

@@ -83,7 +83,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         let stem = Path::new(&args.file).file_stem().unwrap_or_default();
         PathBuf::from(format!("{}.small.ptm", stem.to_string_lossy()))
     });
-    std::fs::write(&out, &small).map_err(files::named(&out))?;
+    std::fs::write(&out, &small).map_err(files::with_path(&out))?;
     let (after, before, out) = (small.len(), file.len(), out.display());
     print(&format!(
         "{found}: {after} bytes instead of {before}, in {out}\n"

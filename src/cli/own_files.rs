@@ -10,7 +10,7 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FilesReport, check_file};
 
-use super::files::{named, read, write_whole};
+use super::files::{read, with_path, write_whole};
 use super::guard::check_trouble;
 use super::output::{print, with_progress};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
@@ -51,9 +51,11 @@ pub fn check(
 
 /// Returns the PTM files of a directory, by name.
 fn maps_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
-    let entries = fs::read_dir(directory).map_err(named(directory))?;
+    let entries = fs::read_dir(directory).map_err(with_path(directory))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-    let mut paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(named(directory))?;
+    let mut paths: Vec<PathBuf> = paths
+        .collect::<Result<_, _>>()
+        .map_err(with_path(directory))?;
     let is_ptm = |suffix: &OsStr| suffix.eq_ignore_ascii_case("ptm");
     paths.retain(|path| path.extension().is_some_and(is_ptm));
     paths.sort();

@@ -9,19 +9,19 @@ use ptm_conform::readers::{
 use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 
-use super::files::named;
+use super::files::with_path;
 use super::names::did_you_mean;
 
 /// Returns the profiles of a file, or the known ones.
 pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
-        Some(path) => profiles_of(&yaml::text_of(path)?).map_err(named(path)),
+        Some(path) => profiles_of(&yaml::text_of(path)?).map_err(with_path(path)),
     }
 }
 
 /// Returns the profiles of `known` that are requested by name, or all.
-pub fn asked<'a>(
+pub fn selected<'a>(
     known: &'a [ReaderProfile],
     names: &[String],
 ) -> Result<Vec<&'a ReaderProfile>, String> {

@@ -50,7 +50,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let format = ImageFormat::from_path(&args.output).ok();
     let format = format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
         let expected = "expected a name that ends in .png, .ppm, .tiff, .bmp, .webp or .jpg";
-        files::named(&args.output)(expected)
+        files::with_path(&args.output)(expected)
     })?;
     let ptm = files::read_map(&args.file)?;
     let (image, what) = match (args.sheet, args.normals, args.light) {

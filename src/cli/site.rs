@@ -7,7 +7,7 @@ use clap::Args;
 use ptm_conform::site::build;
 
 use super::CommandResult;
-use super::files::{named, read};
+use super::files::{read, with_path};
 use super::output::{jobs, note, print};
 
 /// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
@@ -38,9 +38,9 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     for file in &files {
         let path = args.out.join(&file.path);
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder).map_err(named(&path))?;
+            std::fs::create_dir_all(folder).map_err(with_path(&path))?;
         }
-        std::fs::write(&path, &file.bytes).map_err(named(&path))?;
+        std::fs::write(&path, &file.bytes).map_err(with_path(&path))?;
         bytes += file.bytes.len();
     }
     let (count, size) = (files.len(), bytes.div_ceil(1_000_000));

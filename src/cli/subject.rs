@@ -14,7 +14,7 @@ use ptm_conform::session::outputs::Outputs;
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
 use super::check_args::CheckArgs;
-use super::files::named;
+use super::files::with_path;
 
 /// The subject of a check, and the part of the suite that applies to it.
 pub struct Subject {
@@ -72,7 +72,7 @@ impl Subject {
             withheld: Vec::new(),
         };
         if let Some(socket) = &args.caller {
-            let caller = Caller::connect(socket, stop).map_err(named(socket))?;
+            let caller = Caller::connect(socket, stop).map_err(with_path(socket))?;
             let words = vec![CALLER.to_owned()];
             return Ok(subject(Answers::Caller(caller), words));
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::arguments::parse_pair;
-use super::files::{self, named, write_whole};
+use super::files::{self, with_path, write_whole};
 use super::output::print;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
@@ -122,8 +122,8 @@ pub fn run(args: &TextureArgs) -> CommandResult {
 }
 
 fn run_cases(args: &CasesArgs) -> CommandResult {
-    let text = String::from_utf8(files::read(&args.file)?).map_err(named(&args.file))?;
-    let cases = cases_of(&text).map_err(named(&args.file))?;
+    let text = String::from_utf8(files::read(&args.file)?).map_err(with_path(&args.file))?;
+    let cases = cases_of(&text).map_err(with_path(&args.file))?;
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {
@@ -179,7 +179,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let map = match &args.map {
         None => TextureMap::checkerboard(&Rules::SPEC),
         Some(path) => {
-            let ptm = ptm_conform::decode(&files::read(path)?).map_err(named(path))?;
+            let ptm = ptm_conform::decode(&files::read(path)?).map_err(with_path(path))?;
             let (lu, lv) = args.ptm_light;
             TextureMap::from_ptm(&ptm.coefficients(), lu, lv, Rounding::None, &Rules::SPEC)
         }

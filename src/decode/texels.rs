@@ -59,7 +59,7 @@ pub(super) fn read<'a>(
     let one = |&block: &Block| {
         let bytes = header.size.bytes(block.channels);
         let bytes = input.take("2.7/1", "the texels", bytes);
-        let bytes = bytes.map_err(|error| error.about("2.7/3"))?;
+        let bytes = bytes.map_err(|error| error.with_clause("2.7/3"))?;
         Ok(Channels {
             block,
             values: Values::Bytes(Cow::Borrowed(bytes)),

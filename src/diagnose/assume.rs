@@ -59,7 +59,7 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
     explained(made)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);
-            let reading = CHOICES.under(dialect, Reading::SPEC);
+            let reading = CHOICES.apply(dialect, Reading::SPEC);
             explained(&misreadings::answer(assumed, reading, file, view))
         })
 }

@@ -90,7 +90,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
             channels.push(wrong);
         }
     }
-    let with_image = |&w: &usize| (w, search.made(w, set));
+    let with_image = |&w: &usize| (w, search.answer_of(w, set));
     let firsts: Vec<(usize, Cow<Answer>)> = (probes
         .iter()
         .filter_map(|of_kind| of_kind.first())

@@ -310,7 +310,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns what a decoder with these mistakes and the assumed ones answers; of several answers the one that agrees best.
-    pub fn made(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
+    pub fn answer_of(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
         let mut answers = self.answers(w, set);
         let best = (0..answers.len())
             .min_by_key(|&at| -self.worth_of(w, &answers[at]))

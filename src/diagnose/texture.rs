@@ -22,9 +22,9 @@ use crate::texture::Rules;
 /// Returns the fewest misreadings that explain the failures of `run`; the one that explains most is first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
-    let mut failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
-    let passing: Vec<usize> = run.judgement.with(Outcome::Pass).collect();
-    let own = CHOICES.under(&run.judgement.dialect, Rules::SPEC);
+    let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
+    let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
+    let own = CHOICES.apply(&run.judgement.dialect, Rules::SPEC);
     let candidates = all().filter_map(|misreading| {
         let rules = misreading.change(own);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);

@@ -374,7 +374,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
         Certainty::Open => 0,
         _ => reading,
     });
-    let reading = CHOICES.under(&Dialect(settled.collect()), Reading::SPEC);
+    let reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
     let reading = match run.table.newline {
         true => reading.with_newline_after_table(),
         false => reading,

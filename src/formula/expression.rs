@@ -398,7 +398,7 @@ impl ExpressionParser<'_> {
             }
             Some(c) if c.is_ascii_alphabetic() => {
                 let name = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
-                self.named(&name)
+                self.parse_name(&name)
             }
             other => Err(format!("expected a value, found {other:?}")),
         }
@@ -426,7 +426,7 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn named(&mut self, name: &str) -> Result<Expression, String> {
+    fn parse_name(&mut self, name: &str) -> Result<Expression, String> {
         let place_in = |names: &[&str]| names.iter().position(|&known| known == name);
         if let Some(variable) = place_in(self.scope.variables) {
             return Ok(Expression::Variable(variable));

@@ -178,12 +178,12 @@ impl Batch {
         plan: &FuzzPlan,
     ) {
         let passed: Vec<&Draft> = self
-            .with(run, Outcome::Pass)
+            .with_outcome(run, Outcome::Pass)
             .map(|(draft, _)| draft)
             .collect();
         // Wrong images first: their causes often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
-            .with(run, Outcome::Fail)
+            .with_outcome(run, Outcome::Fail)
             .partition(|(draft, _)| draft.damage.is_some());
         for (draft, place) in others.into_iter().chain(accepted) {
             let Some(observation) = &run.observations[place] else {
@@ -220,7 +220,7 @@ impl Batch {
         plan: &FuzzPlan,
     ) -> Option<LikelyCause> {
         let mut cases = opening(&self.suite);
-        let passed = self.with(run, Outcome::Pass);
+        let passed = self.with_outcome(run, Outcome::Pass);
         let legal = passed.filter(|(draft, _)| draft.damage.is_none());
         let legal = legal.take(MAX_WITNESSES);
         cases.extend(legal.map(|(_, place)| self.suite.cases[place].clone()));
@@ -234,7 +234,7 @@ impl Batch {
     }
 
     /// Returns the drafts with this outcome, and the indices of their cases.
-    fn with<'a>(
+    fn with_outcome<'a>(
         &'a self,
         run: &'a Run,
         outcome: Outcome,

@@ -49,7 +49,7 @@ pub fn file(bytes: &[u8]) {
     // The first, the second and the third reading of every choice, or the last if there are fewer.
     let [first, second, third] = [0, 1, 2].map(|place| {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
-        CHOICES.under(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
+        CHOICES.apply(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
     });
     for reading in [first, second.with_newline_after_table(), third] {
         match decode_as(bytes, &reading, &limits) {

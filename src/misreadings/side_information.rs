@@ -77,7 +77,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "side-last-texel-skipped",
         At::Records(|block, at, texels| {
-            kept(block, at, texels, |(position, _), texels| {
+            kept_records(block, at, texels, |(position, _), texels| {
                 (position as usize) < texels - 1
             })
         }),
@@ -216,7 +216,7 @@ fn only(
 }
 
 /// Returns some of the records of a legal block.
-fn kept(
+fn kept_records(
     block: &[u8],
     at: usize,
     texels: usize,

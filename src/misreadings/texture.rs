@@ -22,7 +22,7 @@ impl Misreading<Change> {
     /// Returns `rules` with this mistake.
     #[must_use]
     pub fn change(&self, rules: Rules) -> Rules {
-        with(rules, self.at)
+        changed(rules, self.at)
     }
 }
 
@@ -121,7 +121,7 @@ const ACTS: &[(&str, Change)] = &[
         r.within_limit = |active, most| active[active.len().saturating_sub(most)..].to_vec();
     }),
     ("repeats-dropped", |r| {
-        r.within_limit = |active, most| with((SPEC.within_limit)(active, most), Vec::dedup);
+        r.within_limit = |active, most| changed((SPEC.within_limit)(active, most), Vec::dedup);
     }),
     ("limit-off-by-one", |r| {
         r.within_limit = |active, most| (SPEC.within_limit)(active, most.saturating_add(1));
@@ -160,13 +160,13 @@ const ACTS: &[(&str, Change)] = &[
     }),
     ("normal-is-not-transformed", |r| {
         r.parameterize = |entry, point, n, rules| {
-            let seen = with(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
+            let seen = changed(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
             (SPEC.parameterize)(entry, &seen, n, rules)
         };
     }),
     ("normal-in-world-always", |r| {
         r.parameterize = |entry, point, n, rules| {
-            let seen = with(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
+            let seen = changed(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
             (SPEC.parameterize)(entry, &seen, n, rules)
         };
     }),
@@ -187,7 +187,7 @@ const ACTS: &[(&str, Change)] = &[
         };
     }),
     ("spline-parameters-exchanged", |r| {
-        r.spline_parameters = |point| with((SPEC.spline_parameters)(point), |t| t.swap(0, 1));
+        r.spline_parameters = |point| changed((SPEC.spline_parameters)(point), |t| t.swap(0, 1));
     }),
     ("spline-parameters-elsewhere", |r| {
         r.spline_parameters = |point| match (&point.spline, point.mc.position) {
@@ -316,7 +316,7 @@ const ACTS: &[(&str, Change)] = &[
         r.orient = |matrix, t| (SPEC.turn)(matrix, t);
     }),
     ("orientation-of-two-coordinates", |r| {
-        r.orient = |m, t| with((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
+        r.orient = |m, t| changed((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
     }),
     ("orientation-after-sampling-range", |r| {
         r.orient = |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor()));
@@ -440,7 +440,7 @@ const ACTS: &[(&str, Change)] = &[
         r.modulate = |x| with_alpha((SPEC.modulate)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
     ("modulate-doubles", |r| {
-        r.modulate = |x| with((SPEC.modulate)(x), |y| y.color = y.color.map(|c| 2.0 * c));
+        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = y.color.map(|c| 2.0 * c));
     }),
     ("modulate-adds", |r| {
         r.modulate = |x| {
@@ -449,11 +449,11 @@ const ACTS: &[(&str, Change)] = &[
         };
     }),
     ("modulate-lit-twice", |r| {
-        r.modulate = |x| with((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
+        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
     }),
     ("blend-the-other-way", |r| {
         r.blend_env_color =
-            |x| (SPEC.blend_env_color)(&with(*x, |x| x.gamma = x.gamma.map(|g| 1.0 - g)));
+            |x| (SPEC.blend_env_color)(&changed(*x, |x| x.gamma = x.gamma.map(|g| 1.0 - g)));
     }),
     ("blend-adds", |r| {
         r.blend_env_color = |x| {
@@ -484,7 +484,7 @@ const ACTS: &[(&str, Change)] = &[
                 Channel::Blue => Channel::Red,
                 other => other,
             };
-            (SPEC.gamma)(&with(entry.clone(), |e| e.channel = other), texel)
+            (SPEC.gamma)(&changed(entry.clone(), |e| e.channel = other), texel)
         };
     }),
     ("channels-from-alpha", |r| {
@@ -495,7 +495,7 @@ const ACTS: &[(&str, Change)] = &[
                 Channel::Green => Channel::Blue,
                 Channel::Blue => Channel::Alpha,
             };
-            (SPEC.gamma)(&with(entry.clone(), |e| e.channel = other), texel)
+            (SPEC.gamma)(&changed(entry.clone(), |e| e.channel = other), texel)
         };
     }),
     ("gray-of-the-texel", |r| {
@@ -631,14 +631,14 @@ const ACTS: &[(&str, Change)] = &[
     }),
     ("between-is-the-mean", |r| {
         r.levels = |depth, top| {
-            with((SPEC.levels)(depth, top), |at| {
+            changed((SPEC.levels)(depth, top), |at| {
                 at.2 = if at.2 > 0.0 { 0.5 } else { 0.0 }
             })
         };
     }),
     ("between-the-other-way", |r| {
         r.levels = |depth, top| {
-            with((SPEC.levels)(depth, top), |at| {
+            changed((SPEC.levels)(depth, top), |at| {
                 at.2 = if at.2 > 0.0 { 1.0 - at.2 } else { 0.0 }
             })
         };
@@ -744,8 +744,11 @@ const ACTS: &[(&str, Change)] = &[
         r.clamp = |_| Fetched::Discontinued;
     }),
     ("clamp-color-is-background", |r| {
-        r.clamp =
-            |entry| (SPEC.clamp)(&with(entry.clone(), |e| e.clamp_color = e.background_color));
+        r.clamp = |entry| {
+            (SPEC.clamp)(&changed(entry.clone(), |e| {
+                e.clamp_color = e.background_color
+            }))
+        };
     }),
     ("clamp-color-always", |r| {
         r.clamp = |entry| Fetched::Clamped(Texel::rgb(entry.clamp_color));
@@ -770,14 +773,14 @@ const ACTS: &[(&str, Change)] = &[
 ];
 
 /// Returns `value` after `change`.
-fn with<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
+fn changed<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     change(&mut value);
     value
 }
 
 /// Returns the fallback values of a reader with other values in some fields.
 fn fallback(change: fn(&mut Entry)) -> Entry {
-    with(Entry::default(), change)
+    changed(Entry::default(), change)
 }
 
 /// Returns `shade` with another color.

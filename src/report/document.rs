@@ -181,7 +181,7 @@ impl LikelyCause {
 
 impl Report {
     /// Returns the cases with this outcome.
-    pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
+    pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();
         cases.filter(move |case| case.outcome == outcome)
     }

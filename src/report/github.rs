@@ -45,7 +45,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
     errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
     // Known failures are not reported again.
-    let failures = report.with(Outcome::Fail);
+    let failures = report.with_outcome(Outcome::Fail);
     let news: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
     for cause in &report.diagnoses {
         let stands = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
@@ -66,7 +66,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
 /// Returns the job's summary in Markdown; `all` is the number of cases of the suite.
 #[must_use]
 pub fn summary(report: &Report, all: usize) -> String {
-    let failures: Vec<&CaseResult> = report.with(Outcome::Fail).collect();
+    let failures: Vec<&CaseResult> = report.with_outcome(Outcome::Fail).collect();
     let mut text = String::new();
     let mut write = || {
         write_head(report, &mut text)?;

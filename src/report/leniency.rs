@@ -84,7 +84,7 @@ pub(super) fn passing<C: TestCase>(
     run: &Run<C>,
     is: impl Fn(usize) -> bool,
 ) -> Vec<String> {
-    let passed = run.judgement.with(Outcome::Pass).filter(|&i| is(i));
+    let passed = run.judgement.with_outcome(Outcome::Pass).filter(|&i| is(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
     ids.take(MAX_NAMED).collect()
 }

@@ -23,7 +23,7 @@ impl Report {
         let page = Page {
             report: self,
             suite,
-            failing: self.with(Outcome::Fail).collect(),
+            failing: self.with_outcome(Outcome::Fail).collect(),
         };
         page.write(shown, &mut text)
             .expect("writing to memory does not fail");
@@ -47,7 +47,7 @@ impl Report {
     /// Returns the number of cases with each outcome, in words.
     #[must_use]
     pub fn counts(&self) -> String {
-        let count = |outcome: Outcome| match self.with(outcome).count() {
+        let count = |outcome: Outcome| match self.with_outcome(outcome).count() {
             0 => None,
             count => Some(format!("{count} {outcome}")),
         };
@@ -65,7 +65,7 @@ const MAX_FIRST_CAUSES: usize = 5;
 #[must_use]
 pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
     let judged = run.judgement.cases.iter().flatten().count();
-    let failed = run.judgement.with(Outcome::Fail).count();
+    let failed = run.judgement.with_outcome(Outcome::Fail).count();
     if failed == 0 {
         return None;
     }
@@ -246,11 +246,11 @@ impl<C: TestCase> Page<'_, C> {
             true => "the valid twin was not decoded",
             false => "the valid twin was not decoded, or was misread too",
         };
-        let count = self.report.with(Outcome::Inconclusive).count();
+        let count = self.report.with_outcome(Outcome::Inconclusive).count();
         if count > 0 {
             reasons.insert((Outcome::Inconclusive, twins), count);
         }
-        for case in self.report.with(Outcome::NotJudged) {
+        for case in self.report.with_outcome(Outcome::NotJudged) {
             let key = (Outcome::NotJudged, &*case.says);
             *reasons.entry(key).or_default() += 1;
         }

@@ -128,7 +128,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Returns true if a case is the first legal one of its kind that counts as unsupported.
     fn is_first_unsupported(&self, judgement: &Judgement<C>, i: usize) -> bool {
         let cases = &self.suite.cases;
-        let mut unsupported = judgement.with(Outcome::Unsupported);
+        let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
         unsupported.find(|&place| {
             cases[place].kind() == cases[i].kind() && cases[place].expect() == Expect::Decode
         }) == Some(i)

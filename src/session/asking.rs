@@ -80,7 +80,7 @@ impl<'a, C: TestCase> Session<'a, C> {
 
     /// Returns the number of requests so far.
     #[must_use]
-    pub fn asked(&self) -> usize {
+    pub fn requests_sent(&self) -> usize {
         self.tally.counts().0
     }
 
@@ -120,7 +120,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         worker: usize,
         timeout_factor: Option<u32>,
     ) -> (Observation<C>, ReplyTo<C>) {
-        let built = case.made(table);
+        let built = case.make(table);
         let request = Request {
             name: case.id(),
             view,

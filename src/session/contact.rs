@@ -238,7 +238,7 @@ impl<C: TestCase> Session<'_, C> {
             .filter(|case| case.expect() == Expect::Decode && case.has_table())
             .collect();
         // Each file is made once.
-        probes.sort_by_cached_key(|case| C::file(&case.made(TableSpelling::default())).len());
+        probes.sort_by_cached_key(|case| C::file(&case.make(TableSpelling::default())).len());
         probes.truncate(PROBES);
         let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
         for table in TableSpelling::all() {

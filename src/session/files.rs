@@ -226,7 +226,7 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             };
             let open: Vec<usize> = (0..CHOICES.len()).filter(is_open).collect();
             let fits = |dialect: &&Dialect| {
-                let right = right(&CHOICES.under(dialect, Reading::SPEC));
+                let right = right(&CHOICES.apply(dialect, Reading::SPEC));
                 right.is_some_and(|right| right.compare(shown).is_none())
             };
             match CHOICES.combinations(&open).iter().skip(1).find(fits) {

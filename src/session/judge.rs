@@ -31,7 +31,7 @@ pub struct Judgement<C: TestCase = Case> {
 
 impl<C: TestCase> Judgement<C> {
     /// Returns the indices of the cases with this outcome.
-    pub fn with(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
+    pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
         let judged = self.cases.iter().enumerate();
         judged
             .filter(move |(_, judged)| judged.as_ref().is_some_and(|j| j.outcome == outcome))

@@ -66,7 +66,7 @@ fn passes(reading: Reading, counts: &Counts) {
         misreadings::answer(&[], reading, request.file, request.view).into()
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
-    let failed: Vec<_> = (run.judgement.with(Outcome::Fail))
+    let failed: Vec<_> = (run.judgement.with_outcome(Outcome::Fail))
         .map(|i| (&suite.cases[i].id, &run.judgement.cases[i]))
         .collect();
     let [read, left] = [0, 1].map(|i: usize| counts[i].load(Ordering::Relaxed));

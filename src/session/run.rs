@@ -255,7 +255,10 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let (not_run, asked) = (self.judgement.with(Outcome::NotRun).count(), self.asked);
+        let (not_run, asked) = (
+            self.judgement.with_outcome(Outcome::NotRun).count(),
+            self.asked,
+        );
         self.remarks.push(Remark::failure(format!(
             "{why}; {not_run} cases were not run; {asked} requests were sent"
         )));
@@ -264,7 +267,7 @@ impl<C: TestCase> Run<C> {
     /// Returns the scores of this run.
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
-        let count = |outcome: Outcome| self.judgement.with(outcome).count();
+        let count = |outcome: Outcome| self.judgement.with_outcome(outcome).count();
         let judged = suite.cases.iter().zip(&self.judgement.cases);
         let judged = judged.filter(|(_, judged)| judged.is_some());
         let features: BTreeSet<C::Feature> = judged
@@ -283,7 +286,7 @@ impl<C: TestCase> Run<C> {
     /// Returns the exit status of `check`: 0, 1 or 3.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        self.status(self.judgement.with(Outcome::Fail).next().is_some())
+        self.status(self.judgement.with_outcome(Outcome::Fail).next().is_some())
     }
 
     /// Returns the exit status if not every failure counts: `failed` is true if one does.

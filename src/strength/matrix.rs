@@ -84,7 +84,7 @@ fn row<C: TestCase, A: 'static>(
     });
     MatrixRow {
         misreading,
-        killed_by: run.judgement.with(Outcome::Fail).collect(),
+        killed_by: run.judgement.with_outcome(Outcome::Fail).collect(),
         answers: digests.map(Option::unwrap_or_default).collect(),
     }
 }

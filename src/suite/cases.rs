@@ -257,7 +257,7 @@ impl Case {
 
     fn make(&self, table: TableSpelling) -> Built {
         match &self.source {
-            Source::Recipe { recipe, damage } => self.made(recipe.clone(), *damage, table),
+            Source::Recipe { recipe, damage } => self.build_recipe(recipe.clone(), *damage, table),
             Source::Hand { pieces, values, .. } => {
                 let bytes = pieces.iter().flat_map(|piece| checked(piece, table));
                 Built {
@@ -270,7 +270,12 @@ impl Case {
         }
     }
 
-    fn made(&self, mut recipe: Recipe, damage: Option<&Damage>, table: TableSpelling) -> Built {
+    fn build_recipe(
+        &self,
+        mut recipe: Recipe,
+        damage: Option<&Damage>,
+        table: TableSpelling,
+    ) -> Built {
         if self.expect != Expect::Spelling {
             recipe.spelling.count = table.count;
             recipe.spelling.newline_after_table = table.newline;

@@ -136,7 +136,7 @@ pub(crate) fn pictures(built: &Built, view: &View, reference: Expected, axes: &[
     let make = || {
         let others = CHOICES.combinations(axes).into_iter().skip(1);
         let others = others.map(|dialect| {
-            Expected::from_file(&built.file, view, &CHOICES.under(&dialect, Reading::SPEC))
+            Expected::from_file(&built.file, view, &CHOICES.apply(&dialect, Reading::SPEC))
         });
         Arc::new(std::iter::once(Some(reference)).chain(others).collect())
     };

@@ -54,7 +54,7 @@ impl<R> Choices<R> {
 
     /// Returns `decisions` under the dialect.
     #[must_use]
-    pub fn under(&self, dialect: &Dialect, decisions: R) -> R {
+    pub fn apply(&self, dialect: &Dialect, decisions: R) -> R {
         let taken = self.iter().zip(&dialect.0);
         taken.fold(decisions, |decisions, (choice, &taken)| {
             (choice.readings[taken].1)(decisions)

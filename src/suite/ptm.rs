@@ -90,7 +90,7 @@ impl TestCase for Case {
         })
     }
 
-    fn made(&self, table: TableSpelling) -> Arc<Built> {
+    fn make(&self, table: TableSpelling) -> Arc<Built> {
         self.build(table)
     }
 

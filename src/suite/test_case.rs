@@ -86,7 +86,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         None
     }
     /// Makes the file and its values.
-    fn made(&self, table: TableSpelling) -> Self::Built;
+    fn make(&self, table: TableSpelling) -> Self::Built;
     /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
     /// Returns the maximum number of bytes of a right answer.

@@ -72,7 +72,7 @@ pub fn ask<C: WritingCase>(
     timeout_factor: u32,
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
-    let built = case.made(TableSpelling::default());
+    let built = case.make(TableSpelling::default());
     let sent = C::sent(&built);
     let call = WriteCall {
         request: &sent.json,

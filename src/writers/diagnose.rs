@@ -54,7 +54,7 @@ pub fn diagnose(
     run: &Run<WriterCase>,
     threads: usize,
 ) -> Vec<WriterDiagnosis> {
-    let mut failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     if failing.is_empty() {
         return Vec::new();
     }
@@ -62,7 +62,7 @@ pub fn diagnose(
     let exhibits = in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
     let exhibits = exhibits.into_iter().enumerate();
     let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
-    let passing: Vec<usize> = run.judgement.with(Outcome::Pass).collect();
+    let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
     let single = single(&exhibits, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();

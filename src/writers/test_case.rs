@@ -132,7 +132,7 @@ impl TestCase for WriterCase {
         features
     }
 
-    fn made(&self, _: TableSpelling) -> BuiltRequest {
+    fn make(&self, _: TableSpelling) -> BuiltRequest {
         let request = self.request();
         BuiltRequest {
             json: request.header.to_json().into_bytes(),

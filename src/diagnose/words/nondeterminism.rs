@@ -71,7 +71,7 @@ pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
         let how = observation.and_then(|observation| observation.nondeterminism.as_ref());
         how.is_some_and(|how| !how.served)
     };
-    let failed: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let failed: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let differing = failed.iter().filter(|place| differs(place)).count();
     is_much(differing, failed.len())
 }

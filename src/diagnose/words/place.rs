@@ -358,7 +358,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Phase {
     let Some(received) = witness.shown() else {
         return Phase::Choice;
     };
-    let made = search.made(w, set);
+    let made = search.answer_of(w, set);
     let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
     else {
         return Phase::NoReading;
@@ -447,8 +447,8 @@ fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
 pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
     let (with, without) = (
-        search.made(w, set),
-        search.made(w, &without_id(set, member)),
+        search.answer_of(w, set),
+        search.answer_of(w, &without_id(set, member)),
     );
     let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
         return false;
@@ -473,7 +473,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
 /// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
 pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
     let shown = search.witnesses[w].shown()?;
-    match &*search.made(w, set) {
+    match &*search.answer_of(w, set) {
         Answer::Decoded(wanted) => ImagePair::new(wanted, shown),
         _ => None,
     }

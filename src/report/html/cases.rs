@@ -50,7 +50,7 @@ impl Group<'_> {
 pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     let mut groups = Vec::new();
     for cause in report.diagnoses.iter().map(Some).chain([None]) {
-        let failing = report.with(Outcome::Fail);
+        let failing = report.with_outcome(Outcome::Fail);
         let is_caused = |case: &&CaseResult| report.cause_of(case) == cause;
         let cases: Vec<_> = failing.filter(is_caused).collect();
         if !cases.is_empty() {

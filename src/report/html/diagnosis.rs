@@ -12,7 +12,7 @@ use crate::suite::clauses::Clause;
 
 /// Returns the causes, the one that explains most first.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
-    let failures = report.with(Outcome::Fail).count();
+    let failures = report.with_outcome(Outcome::Fail).count();
     html! {
         section #main tabindex="-1" aria-labelledby="diagnosis" {
             h2 #diagnosis { "Diagnosis" }

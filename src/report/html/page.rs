@@ -44,7 +44,7 @@ pub fn page<C: Reported>(
                 (dialect::<C>(report)?)
                 (others(report))
             }
-            (about(report))
+            (footer(report))
         }
     };
     Ok(page_with_head(&title, &body))
@@ -89,7 +89,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
         }
         p.counts {
             @for outcome in Outcome::ALL {
-                @let count = report.with(outcome).count();
+                @let count = report.with_outcome(outcome).count();
                 @if count > 0 {
                     button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (slug(outcome)) } title="Show these cases alone" {
                         (mark(outcome)) " " span.count { (count) } " " (outcome.name())
@@ -127,7 +127,7 @@ fn others(report: &Report) -> Markup {
         section aria-labelledby="others" {
             h2 #others { "All other cases" }
             @for outcome in Outcome::ALL {
-                @let cases: Vec<&CaseResult> = report.with(outcome).collect();
+                @let cases: Vec<&CaseResult> = report.with_outcome(outcome).collect();
                 @if outcome != Outcome::Fail && !cases.is_empty() {
                     details.others data-outcome=(slug(outcome)) {
                         summary { span.mark { (mark(outcome)) } " " span.count { (cases.len()) } " " (outcome.name()) }
@@ -181,7 +181,7 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
     })
 }
 
-fn about(report: &Report) -> Markup {
+fn footer(report: &Report) -> Markup {
     html! {
         footer {
             p {

@@ -40,7 +40,7 @@ impl TextureCase {
         if *dialect == CHOICES.reference() {
             return self.expect.clone();
         }
-        let rules = CHOICES.under(dialect, Rules::SPEC);
+        let rules = CHOICES.apply(dialect, Rules::SPEC);
         match self.answer(&rules) {
             Answer::Decoded(value) => value,
             _ => self.expect.clone(),

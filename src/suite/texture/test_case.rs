@@ -99,7 +99,7 @@ impl TestCase for TextureCase {
         features
     }
 
-    fn made(&self, _: TableSpelling) -> Vec<u8> {
+    fn make(&self, _: TableSpelling) -> Vec<u8> {
         format!("{}\n", self.question()).into_bytes()
     }
 

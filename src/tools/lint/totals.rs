@@ -36,14 +36,15 @@ impl Totals {
 
     /// Returns the number of files of this status.
     #[must_use]
-    pub fn of(&self, status: Status) -> usize {
+    pub fn count(&self, status: Status) -> usize {
         self.statuses.get(&status).copied().unwrap_or_default()
     }
 
     /// Returns text for a terminal: a line for all files, one for each format and one for each code.
     #[must_use]
     pub fn to_text(&self) -> String {
-        let statuses = Status::ALL.map(|status| format!("{} {}", self.of(status), status.words()));
+        let statuses =
+            Status::ALL.map(|status| format!("{} {}", self.count(status), status.words()));
         let mut out = format!("{} files: {}\n", self.files, statuses.join(", "));
         let width = self.files.to_string().len();
         for (format, count) in &self.formats {

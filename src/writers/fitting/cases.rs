@@ -76,7 +76,7 @@ impl FitCase {
     #[must_use]
     pub fn photographs(&self) -> PictureSet {
         match &self.source {
-            PictureSource::Made(plan) => plan.made(self.format),
+            PictureSource::Made(plan) => plan.make(self.format),
             PictureSource::Given(set) => set.clone(),
         }
     }
@@ -125,7 +125,7 @@ impl TestCase for FitCase {
         Feature::Format(self.format)
     }
 
-    fn made(&self, _: TableSpelling) -> BuiltFit {
+    fn make(&self, _: TableSpelling) -> BuiltFit {
         let set = self.photographs();
         let request = FitRequest {
             format: self.format.name().to_owned(),
@@ -175,7 +175,7 @@ pub(super) fn diagnose(
     suite: &Suite<FitCase>,
     run: &Run<FitCase>,
 ) -> Vec<Diagnosis<&'static Misreading>> {
-    let mut failing: Vec<usize> = run.judgement.with(Outcome::Fail).collect();
+    let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
     let evidence = failing.iter().filter_map(|&place| {
         let (case, (file, _)) = (&suite.cases[place], wrong(place)?);

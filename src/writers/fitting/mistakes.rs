@@ -87,7 +87,8 @@ impl WrongMap {
     /// Returns true if the map fits when its coefficients are read in this order and in this way.
     fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
         let best = self.best.polynomials().errors(&self.set);
-        let found = Polynomials::with(&self.ptm, order, value).map(|found| found.errors(&self.set));
+        let found =
+            Polynomials::with_values(&self.ptm, order, value).map(|found| found.errors(&self.set));
         found.is_some_and(|found| {
             // An integer offset rounds more than a bias does.
             let mut pairs = found.iter().zip(best);

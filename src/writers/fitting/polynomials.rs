@@ -12,13 +12,13 @@ impl Polynomials {
     /// Returns the polynomials of a map; None for LUM, which no fitter is asked for.
     #[must_use]
     pub fn new(ptm: &Ptm) -> Option<Polynomials> {
-        Polynomials::with(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
+        Polynomials::with_values(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
             (raw - bias) * scale
         })
     }
 
     /// Returns those of a map with coefficient `i` at place `order[i]`: `value` of raw value, scale and bias.
-    pub(super) fn with(
+    pub(super) fn with_values(
         ptm: &Ptm,
         order: [usize; 6],
         value: fn(f64, f64, f64) -> f64,

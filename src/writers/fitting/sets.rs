@@ -106,7 +106,7 @@ pub const SETS: [SetPlan; 9] = [
 impl SetPlan {
     /// Makes the photographs, which have one color and one luminance per texel if `format` is LRGB.
     #[must_use]
-    pub fn made(&self, format: Format) -> PictureSet {
+    pub fn make(&self, format: Format) -> PictureSet {
         let size = Size {
             width: self.size.0,
             height: self.size.1,

@@ -25,7 +25,7 @@ fn causes(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
 }
 
 fn failures(run: &Run) -> Vec<usize> {
-    run.judgement.with(Outcome::Fail).collect()
+    run.judgement.with_outcome(Outcome::Fail).collect()
 }
 
 /// Returns the misreadings that are named, or said to look the same.
@@ -143,7 +143,7 @@ fn a_format_of_which_no_file_is_decoded_is_unsupported_though_some_are_refused()
         },
         other => other,
     });
-    let count = |outcome| run.judgement.with(outcome).count();
+    let count = |outcome| run.judgement.with_outcome(outcome).count();
     let (refused, unsupported) = (count(Outcome::Fail), count(Outcome::Unsupported));
     assert!(unsupported > 3 * refused, "{refused} {unsupported}");
     let lum = (suite.cases.iter()).filter(|case| case.format() == Format::Lum);

@@ -98,7 +98,7 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
 /// Every cause that is named for a reader.
 fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
     let run = replayed(suite, reader);
-    let failures = run.judgement.with(Outcome::Fail).count();
+    let failures = run.judgement.with_outcome(Outcome::Fail).count();
     let found = diagnose(suite, &run, &[], 2);
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
@@ -206,7 +206,7 @@ fn judged(suite: &Suite, run: &Run) -> String {
         .into_iter()
         .filter(|&outcome| outcome != Outcome::Pass)
     {
-        let mut cases = run.judgement.with(outcome).peekable();
+        let mut cases = run.judgement.with_outcome(outcome).peekable();
         if cases.peek().is_some() {
             text += &format!("  {}:\n", outcome.name());
         }

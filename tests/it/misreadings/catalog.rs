@@ -80,7 +80,7 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
             .collect();
         let some = Suite { cases };
         let (run, _) = ask_all(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
-        run.judgement.with(Outcome::Fail).next().is_some()
+        run.judgement.with_outcome(Outcome::Fail).next().is_some()
     })
 }
 

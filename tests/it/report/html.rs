@@ -379,8 +379,8 @@ fn junit_is_read_by_a_consumer() {
     report.cases[last - 1].outcome = Outcome::Unsupported;
     let xml = junit::junit(&report).expect("XML");
     keep("junit.xml", &xml);
-    let with = |outcome: Outcome| report.with(outcome).count();
-    let passed = report.with(Outcome::Pass);
+    let with = |outcome: Outcome| report.with_outcome(outcome).count();
+    let passed = report.with_outcome(Outcome::Pass);
     let lenient = passed.filter(|case| case.expect == "lenient").count();
     let skipped =
         report.cases.len() - with(Outcome::Pass) - with(Outcome::Fail) - with(Outcome::NotRun)

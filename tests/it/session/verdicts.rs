@@ -26,7 +26,9 @@ fn hang() -> Answer {
 }
 
 fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<Item = &'a Case> {
-    run.judgement.with(outcome).map(|place| &suite.cases[place])
+    run.judgement
+        .with_outcome(outcome)
+        .map(|place| &suite.cases[place])
 }
 
 /// The rows of the table of outcomes in a document: the words of a row, and its outcomes.
@@ -112,7 +114,7 @@ fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
         assert!(cases(&suite, &run, Outcome::Unsupported).any(|case| case.expect == expect));
     }
     let others = suite.cases.len() - unsupported.len();
-    assert_eq!(run.judgement.with(Outcome::Pass).count(), others);
+    assert_eq!(run.judgement.with_outcome(Outcome::Pass).count(), others);
     assert_eq!(run.exit_status(), 0);
 }
 
@@ -127,7 +129,7 @@ fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_tabl
         case.format().has_table().then_some(refused)
     });
     assert!(!cases(&suite, &run, Outcome::Pass).any(|case| case.format().has_table()));
-    assert_eq!(run.judgement.with(Outcome::Fail).count(), 0);
+    assert_eq!(run.judgement.with_outcome(Outcome::Fail).count(), 0);
 }
 
 #[test]
@@ -142,8 +144,8 @@ fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_sele
     let run = run(&suite, &plan, |case| {
         case.format().has_table().then_some(Answer::Unsupported)
     });
-    assert_eq!(run.judgement.with(Outcome::Pass).count(), 0);
-    assert!(run.judgement.with(Outcome::Unsupported).count() > 0);
+    assert_eq!(run.judgement.with_outcome(Outcome::Pass).count(), 0);
+    assert!(run.judgement.with_outcome(Outcome::Unsupported).count() > 0);
 }
 
 #[test]
@@ -171,10 +173,13 @@ fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
         (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
     });
     assert_eq!(run.ended_early, None);
-    assert_eq!(run.judgement.with(Outcome::NotRun).count(), 0);
+    assert_eq!(run.judgement.with_outcome(Outcome::NotRun).count(), 0);
     let is_hung = |case: &&Case| !matches!(case.expect, Expect::Decode | Expect::Spelling);
     let hung = suite.cases.iter().filter(is_hung);
-    assert_eq!(run.judgement.with(Outcome::Fail).count(), hung.count());
+    assert_eq!(
+        run.judgement.with_outcome(Outcome::Fail).count(),
+        hung.count()
+    );
 }
 
 /// The places of the first legal cases after the first files and the spellings.
@@ -192,7 +197,7 @@ fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs()
     let reports = [1, 4].map(|jobs| {
         let plan = RunPlan::new(&suite, jobs);
         let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
-        let not_run: Vec<usize> = run.judgement.with(Outcome::NotRun).collect();
+        let not_run: Vec<usize> = run.judgement.with_outcome(Outcome::NotRun).collect();
         assert!(not_run.iter().copied().eq(legal[2] + 1..suite.cases.len()));
         assert_eq!(run.exit_status(), 1);
         let command = ["decoder".to_owned()];

@@ -40,7 +40,7 @@ fn run(
 }
 
 fn with(suite: &Suite<TextureCase>, run: &Run<TextureCase>, wanted: Outcome) -> Vec<String> {
-    let with = run.judgement.with(wanted);
+    let with = run.judgement.with_outcome(wanted);
     with.map(|i| suite.cases[i].id.clone()).collect()
 }
 
@@ -135,7 +135,7 @@ fn a_stage_with_one_listed_reading_passes_and_one_that_mixes_them_fails() {
         for (reading, (name, _)) in choice.readings.iter().enumerate() {
             let mut dialect = CHOICES.reference();
             dialect.0[axis] = reading;
-            let rules = CHOICES.under(&dialect, Rules::SPEC);
+            let rules = CHOICES.apply(&dialect, Rules::SPEC);
             let kept = run(&suite, |case| case.answer(&rules));
             let failed = with(&suite, &kept, Outcome::Fail);
             assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);

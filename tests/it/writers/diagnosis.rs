@@ -59,7 +59,7 @@ impl Requests {
         };
         let plan = RunPlan::new(&self.suite, 2);
         let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
-        let failing = run.judgement.with(Outcome::Fail).count();
+        let failing = run.judgement.with_outcome(Outcome::Fail).count();
         match diagnose(&self.suite, &run, 2)
             .first()
             .map(|first| &first.cause)

@@ -31,7 +31,7 @@ fn real() -> Option<String> {
 fn the_optimum_is_as_near_as_the_images_allow() {
     for plan in &SETS {
         for format in FORMATS {
-            let set = plan.made(format);
+            let set = plan.make(format);
             let map = optimum(&set, format);
             let file = written(&WriteRequest::from_ptm(&map)).expect("a file");
             assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
@@ -49,7 +49,7 @@ fn the_optimum_is_as_near_as_the_images_allow() {
 
 #[test]
 fn no_other_map_of_the_same_steps_is_nearer() {
-    let set = SETS[1].made(Format::Rgb);
+    let set = SETS[1].make(Format::Rgb);
     let best = optimum(&set, Format::Rgb);
     let total = |map: &ptm_conform::ptm::Ptm| -> f64 {
         let errors = Polynomials::new(map).expect("RGB").errors(&set);
@@ -71,7 +71,7 @@ fn no_other_map_of_the_same_steps_is_nearer() {
 
 #[test]
 fn a_set_is_read_back_from_its_files() {
-    let set = SETS[7].made(Format::Lrgb);
+    let set = SETS[7].make(Format::Lrgb);
     let folder = tempfile::tempdir().expect("a directory");
     for of in &set.photographs {
         fs::write(folder.path().join(&of.name), of.png(set.size)).expect("a file");
@@ -93,7 +93,7 @@ fn a_request_conforms_to_its_schema_and_is_read_back() {
     let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     for format in FORMATS {
-        let size = SETS[0].made(format).size;
+        let size = SETS[0].make(format).size;
         let request = FitRequest {
             format: format.name().to_owned(),
             width: size.width,
