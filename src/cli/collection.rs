@@ -193,7 +193,7 @@ pub fn open<T>(
         true => length.saturating_add(planes(&bytes).saturating_mul(2)),
         false => length.saturating_mul(2),
     };
-    room.with(needed, || {
+    room.run_with(needed, || {
         // A shorter file ended within its beginning.
         if bytes.len() as u64 == HEAD_BYTES {
             let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
