@@ -10,7 +10,7 @@
 //! ```
 
 use super::bits::{Bits, ReadBits, data_bits, truncated};
-use super::stream_error::Result;
+use super::stream_error::StreamResult;
 
 pub(super) struct BitBuffer<'a, const AFTER_FF: u32> {
     stream: &'a [u8],
@@ -36,7 +36,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
     }
 
     #[inline]
-    fn receive(&mut self, count: u32) -> Result<u32> {
+    fn receive(&mut self, count: u32) -> StreamResult<u32> {
         self.require(count);
         let number = leading_bits(self.window, count);
         self.skip(count)?;
@@ -81,7 +81,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
 
     /// Skips bits that were required, if they exist.
     #[inline]
-    pub fn skip(&mut self, bits: u32) -> Result<()> {
+    pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {
             return Err(truncated(self.at));
         }

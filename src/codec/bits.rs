@@ -19,7 +19,7 @@
 //! - Less than a byte may be left over. If there is more, the decoder has lost synchronization or the encoder
 //!   has written samples that do not exist.
 
-use super::stream_error::{Result, StreamError, malformed};
+use super::stream_error::{StreamError, StreamResult, malformed};
 
 /// The operations of a decoder on an entropy-coded segment. [`Bits`] implements them as the standards describe,
 /// [`BitBuffer`](super::bit_buffer::BitBuffer) faster.
@@ -28,7 +28,7 @@ pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
     fn new(stream: &'a [u8], at: usize) -> Self;
 
     /// RECEIVE (T.81 F.2.2.4): reads the next `count` bits, at most 16, as a number.
-    fn receive(&mut self, count: u32) -> Result<u32>;
+    fn receive(&mut self, count: u32) -> StreamResult<u32>;
 
     /// Returns the same position as [`Bits`], for rare operations: offsets of errors and the end of the segment.
     fn plain(&self) -> Bits<'a, AFTER_FF>;
@@ -50,7 +50,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
         Bits { stream, at, unread }
     }
 
-    fn receive(&mut self, count: u32) -> Result<u32> {
+    fn receive(&mut self, count: u32) -> StreamResult<u32> {
         let mut number = 0;
         for _ in 0..count {
             number = number << 1 | self.bit()?;
@@ -65,7 +65,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
 
 impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     /// NEXTBIT (T.81 F.2.2.5): reads one bit.
-    pub fn bit(&mut self) -> Result<u32> {
+    pub fn bit(&mut self) -> StreamResult<u32> {
         // A loop, because the stuffed byte of T.81 has no data bits.
         while self.unread == 0 {
             self.unread =
@@ -82,7 +82,7 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     }
 
     /// Skips the bits that pad the last byte. Returns the position of the marker that ends the segment.
-    pub fn finish(self) -> Result<usize> {
+    pub fn finish(self) -> StreamResult<usize> {
         let (mut at, mut padding) = (self.at, self.unread);
         while let Some(bits) = data_bits::<AFTER_FF>(self.stream, at) {
             padding += bits;

@@ -21,7 +21,7 @@
 //!   transform.
 
 use super::markers::Cursor;
-use super::stream_error::{Result, malformed, unsupported};
+use super::stream_error::{StreamResult, malformed, unsupported};
 
 /// The frame header (T.81 B.2.2), without the values that are known of a plane.
 pub(super) struct FrameHeader {
@@ -40,7 +40,7 @@ impl FrameHeader {
         width: u32,
         height: u32,
         other_precisions: &[u8],
-    ) -> Result<FrameHeader> {
+    ) -> StreamResult<FrameHeader> {
         let mut header = stream.segment("the frame header")?;
         expect_8_bits(&mut header, other_precisions)?;
         expect_size(&mut header, width, height)?;
@@ -56,7 +56,7 @@ impl FrameHeader {
     }
 }
 
-fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> Result<()> {
+fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<()> {
     let at = header.at;
     match header.byte("the sample precision")? {
         8 => Ok(()),
@@ -72,7 +72,7 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> Result<()> {
 }
 
 /// plane-stream: a plane has the size of its PTM. Nothing has been allocated yet.
-fn expect_size(header: &mut Cursor, width: u32, height: u32) -> Result<()> {
+fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()> {
     let at = header.at;
     let (rows, columns) = (header.u16("the height")?, header.u16("the width")?);
     if rows == 0 {
@@ -86,7 +86,7 @@ fn expect_size(header: &mut Cursor, width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-fn expect_one_component(header: &mut Cursor) -> Result<()> {
+fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
     match header.byte("the number of components")? {
         1 => Ok(()),
@@ -98,7 +98,7 @@ fn expect_one_component(header: &mut Cursor) -> Result<()> {
 }
 
 /// Checks horizontal and vertical factor, four bits each (B.2.2): legal ones have no effect.
-fn check_sampling_factors(header: &mut Cursor) -> Result<()> {
+fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
     let factors = header.byte("the sampling factors")?;
     let (horizontal, vertical) = (factors >> 4, factors & 15);
@@ -118,7 +118,7 @@ pub(super) struct ScanHeader {
 }
 
 impl ScanHeader {
-    pub fn read(stream: &mut Cursor, frame: &FrameHeader) -> Result<ScanHeader> {
+    pub fn read(stream: &mut Cursor, frame: &FrameHeader) -> StreamResult<ScanHeader> {
         let mut header = stream.segment("the scan header")?;
         expect_one_component(&mut header)?;
         let at = header.at;
@@ -152,7 +152,7 @@ pub(super) fn room_for_samples(
     width: u32,
     height: u32,
     least_bits: u64,
-) -> Result<Vec<u8>> {
+) -> StreamResult<Vec<u8>> {
     let remaining = stream.stream.len() - stream.at;
     if (remaining as u64 * 8) < least_bits {
         let what = format!("{width} x {height} samples do not fit in the {remaining} bytes left");

@@ -23,7 +23,7 @@
 
 use std::fmt;
 
-use super::stream_error::{Result, malformed};
+use super::stream_error::{StreamResult, malformed};
 
 // The markers that both standards use, by their second byte (T.81 Table B.1, T.87 Table C.1).
 pub(super) const RST0: u8 = 0xD0;
@@ -67,7 +67,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the first marker, SOI, which is at the first byte (B.2.1).
-    pub fn open(stream: &'a [u8]) -> Result<Self> {
+    pub fn open(stream: &'a [u8]) -> StreamResult<Self> {
         match stream {
             [] => Err(malformed(0, "the stream is empty")),
             [0xFF, SOI, ..] => Ok(Cursor::new(stream, 2)),
@@ -78,7 +78,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    pub fn byte(&mut self, what: &str) -> Result<u8> {
+    pub fn byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
             return Err(malformed(
                 self.at,
@@ -89,7 +89,7 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
-    pub fn u16(&mut self, what: &str) -> Result<u16> {
+    pub fn u16(&mut self, what: &str) -> StreamResult<u16> {
         Ok(u16::from_be_bytes([self.byte(what)?, self.byte(what)?]))
     }
 
@@ -98,7 +98,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Checks that no bytes are left in a segment.
-    pub fn expect_end(&self) -> Result<()> {
+    pub fn expect_end(&self) -> StreamResult<()> {
         match self.stream.len() - self.at {
             0 => Ok(()),
             left => Err(malformed(
@@ -109,7 +109,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the next marker, after any fill bytes (B.1.1.2).
-    pub fn marker(&mut self) -> Result<Marker> {
+    pub fn marker(&mut self) -> StreamResult<Marker> {
         let first = self.byte("a marker")?;
         if first != 0xFF {
             let what = format!("expected a marker, found byte {first:02X}");
@@ -125,7 +125,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the next marker other than those of comments and application data, which are skipped (B.2.4.5, B.2.4.6).
-    pub fn marker_after_comments(&mut self) -> Result<Marker> {
+    pub fn marker_after_comments(&mut self) -> StreamResult<Marker> {
         let mut marker = self.marker()?;
         while matches!(marker.code, COM | APP0..=APP15) {
             self.segment("a comment or application segment")?;
@@ -136,14 +136,14 @@ impl<'a> Cursor<'a> {
 
     /// Reads the next marker and its segment: the code, and the bytes after the length.
     #[cfg(feature = "generate")]
-    pub fn marker_segment(&mut self) -> Result<(u8, &'a [u8])> {
+    pub fn marker_segment(&mut self) -> StreamResult<(u8, &'a [u8])> {
         let code = self.marker()?.code;
         let segment = self.segment("a segment")?;
         Ok((code, &segment.stream[segment.at..]))
     }
 
     /// Reads the segment of the marker that was just read (B.1.1.4); this cursor continues after it.
-    pub fn segment(&mut self, name: &'static str) -> Result<Cursor<'a>> {
+    pub fn segment(&mut self, name: &'static str) -> StreamResult<Cursor<'a>> {
         let start = self.at;
         let length = self.u16("the length of a segment")?;
         if length < 2 {

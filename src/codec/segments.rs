@@ -4,11 +4,11 @@
 //! (B.1.1.2) belong to no segment and are not restored.
 
 use super::markers::{Cursor, SOS};
-use super::stream_error::Result;
+use super::stream_error::StreamResult;
 use super::writer::Writer;
 
 /// A marker segment.
-pub(crate) struct Segment {
+pub(crate) struct MarkerSegment {
     /// The second byte of its marker.
     pub code: u8,
     /// The bytes after its length.
@@ -20,13 +20,13 @@ pub(crate) struct Segment {
 /// # Errors
 ///
 /// If a marker or a segment is truncated.
-pub(crate) fn split_segments(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
+pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
         let (code, content) = cursor.marker_segment()?;
         let content = content.to_vec();
-        segments.push(Segment { code, content });
+        segments.push(MarkerSegment { code, content });
         if code == SOS {
             return Ok((segments, &stream[cursor.at..]));
         }
@@ -34,7 +34,7 @@ pub(crate) fn split_segments(stream: &[u8]) -> Result<(Vec<Segment>, &[u8])> {
 }
 
 /// Returns the stream of these segments, followed by `data`.
-pub(crate) fn join_segments(segments: &[Segment], data: &[u8]) -> Vec<u8> {
+pub(crate) fn join_segments(segments: &[MarkerSegment], data: &[u8]) -> Vec<u8> {
     let mut writer = Writer::new();
     for segment in segments {
         writer.segment(segment.code, &segment.content);

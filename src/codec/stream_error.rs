@@ -30,7 +30,7 @@ impl fmt::Display for StreamError {
 
 impl std::error::Error for StreamError {}
 
-pub(super) type Result<T> = std::result::Result<T, StreamError>;
+pub(super) type StreamResult<T> = std::result::Result<T, StreamError>;
 
 pub(super) fn malformed(offset: usize, what: impl Into<String>) -> StreamError {
     StreamError {

@@ -24,11 +24,11 @@ pub(super) struct Channels<'a> {
     /// The channels.
     pub block: Block,
     /// Their values.
-    pub values: Values<'a>,
+    pub values: ValueLayout<'a>,
 }
 
 /// The form of the values: texel after texel, row after stored row.
-pub(super) enum Values<'a> {
+pub(super) enum ValueLayout<'a> {
     /// Plain bytes.
     Bytes(Cow<'a, [u8]>),
     /// Entries of a table. Every index has been checked.
@@ -39,8 +39,8 @@ impl Channels<'_> {
     /// Returns the values of the stored texel `at`.
     pub fn of_texel(&self, at: usize, reading: &Reading) -> &[u8] {
         match &self.values {
-            Values::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
-            Values::Entries(indices, table) => {
+            ValueLayout::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
+            ValueLayout::Entries(indices, table) => {
                 let entry = entry(indices, table, at, reading).expect("every index was checked");
                 &table.bytes[entry * table.entry_size..][..table.entry_size]
             }
@@ -58,7 +58,7 @@ impl Channels<'_> {
     /// Returns the number of bytes that it holds in addition to the file.
     pub fn held_bytes(&self) -> usize {
         match &self.values {
-            Values::Bytes(Cow::Owned(bytes)) => bytes.len(),
+            ValueLayout::Bytes(Cow::Owned(bytes)) => bytes.len(),
             _ => 0,
         }
     }

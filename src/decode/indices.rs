@@ -16,7 +16,7 @@
 //! - The colors of `PTM_LUT` follow the indices of *all* texels: the two are not interleaved (clause 2.8.1/4).
 //! - Every index is checked before the first texel is made, so that a file is either refused or decoded whole.
 
-use super::channels::{Channels, Values, entry as entry_of};
+use super::channels::{Channels, ValueLayout, entry as entry_of};
 use super::texels;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
@@ -40,7 +40,7 @@ pub(super) fn read<'a>(
             channel: 0,
             channels: table.entry_size,
         },
-        values: Values::Entries(indices, table),
+        values: ValueLayout::Entries(indices, table),
     };
     Ok(std::iter::once(looked_up).chain(colors).collect())
 }

@@ -17,7 +17,10 @@ pub(super) fn displace_rows(
     sample: impl Fn(i64, i64) -> u8,
 ) -> Vec<u8> {
     let width = size.width as usize;
-    let (across, down) = (Axis::new(mx, size.width), Axis::new(my, size.height));
+    let (across, down) = (
+        DisplacedAxis::new(mx, size.width),
+        DisplacedAxis::new(my, size.height),
+    );
     let row = |y: i64| &plane[y as usize * width..][..width];
     let mut texels = Vec::with_capacity(plane.len());
     for y in 0..i64::from(size.height) {
@@ -43,21 +46,21 @@ pub(super) fn displace_rows(
 }
 
 /// One axis of a plane and the displacement along it.
-struct Axis {
+struct DisplacedAxis {
     /// The offsets of the first and the second of two samples.
     offsets: [i64; 2],
     /// The positions at which both samples lie inside the plane.
     inside: Range<i64>,
 }
 
-impl Axis {
-    fn new(displacement: i64, length: u32) -> Axis {
+impl DisplacedAxis {
+    fn new(displacement: i64, length: u32) -> DisplacedAxis {
         // A half lies between a texel and the next one, so the second sample is never before the first.
         let length = i64::from(length);
         let first = displacement.div_euclid(2);
         let second = first + displacement.rem_euclid(2);
         let start = first.saturating_neg().clamp(0, length);
-        Axis {
+        DisplacedAxis {
             offsets: [first, second],
             inside: start..length.saturating_sub(second).clamp(start, length),
         }

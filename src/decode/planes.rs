@@ -28,7 +28,7 @@
 
 use std::borrow::Cow;
 
-use super::channels::{Channels, Values};
+use super::channels::{Channels, ValueLayout};
 use super::predict;
 use crate::codec::{StreamFault, jpeg, jpeg_ls};
 use crate::error::{Error, Kind, Result};
@@ -99,7 +99,7 @@ pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
             channel,
             channels: 1,
         },
-        values: Values::Bytes(Cow::Owned(plane)),
+        values: ValueLayout::Bytes(Cow::Owned(plane)),
     };
     planes.into_iter().enumerate().map(one).collect()
 }

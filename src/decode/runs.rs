@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use super::channels::{Channels, Values, entry};
+use super::channels::{Channels, ValueLayout, entry};
 use crate::reading::Reading;
 
 /// Does the same as [`Channels::put`].
@@ -18,7 +18,7 @@ pub(super) fn put(
 ) {
     let (channel, count) = (channels.block.channel, channels.block.channels);
     match &channels.values {
-        Values::Bytes(bytes) => {
+        ValueLayout::Bytes(bytes) => {
             let bytes = &bytes[run.start * count..run.end * count];
             match count {
                 _ if count == size => texels.copy_from_slice(bytes),
@@ -28,7 +28,7 @@ pub(super) fn put(
                 _ => channels.put(run, texels, size, reading),
             }
         }
-        Values::Entries(indices, table) => {
+        ValueLayout::Entries(indices, table) => {
             let entries =
                 run.map(|at| entry(indices, table, at, reading).expect("all were checked"));
             if count == 6 {
@@ -77,8 +77,8 @@ mod tests {
             let index_bytes: Vec<u8> = indices.iter().flat_map(index).collect();
             let count = entry_size.unwrap_or(count);
             let values = match entry_size {
-                None => Values::Bytes(Cow::Borrowed(&bytes)),
-                Some(entry_size) => Values::Entries(
+                None => ValueLayout::Bytes(Cow::Borrowed(&bytes)),
+                Some(entry_size) => ValueLayout::Entries(
                     IndexBlock { bytes: &index_bytes, width },
                     LookupTable { entries: 300, entry_size, bytes: &bytes[..300 * entry_size] },
                 ),

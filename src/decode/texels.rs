@@ -22,7 +22,7 @@
 
 use std::borrow::Cow;
 
-use super::channels::{Channels, Values};
+use super::channels::{Channels, ValueLayout};
 use crate::error::Result;
 use crate::input::Input;
 use crate::parts::Block;
@@ -62,7 +62,7 @@ pub(super) fn read<'a>(
         let bytes = bytes.map_err(|error| error.with_clause("2.7/3"))?;
         Ok(Channels {
             block,
-            values: Values::Bytes(Cow::Borrowed(bytes)),
+            values: ValueLayout::Bytes(Cow::Borrowed(bytes)),
         })
     };
     (reading.blocks)(header.format).iter().map(one).collect()

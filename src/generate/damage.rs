@@ -47,7 +47,7 @@ pub struct Damage {
     end: Option<DamagePlace>,
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
-    index: BTreeMap<Texel, Index>,
+    index: BTreeMap<TexelPlace, Index>,
     /// True if compressed sizes and side sizes are adjusted to the edited planes.
     fit: bool,
     reads_as: Option<DamageChange>,
@@ -65,7 +65,7 @@ struct Needs {
 /// A texel whose index is set, in stored order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Texel {
+enum TexelPlace {
     First,
     Middle,
     Last,
@@ -289,15 +289,15 @@ fn add_to_number(file: &Named, place: &DamagePlace, more: &str) -> Result<Splice
 }
 
 /// Sets an index to a value that no entry has.
-fn set_index(file: &Named, texel: Texel, index: Index) -> Result<Splice, String> {
+fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, String> {
     let entries = file.model.entries();
     let width = if entries > 256 { 2 } else { 1 };
     let spot = file.spot(&"indices".parse()?)?;
     let count = spot.range.len() / width;
     let texel = match texel {
-        Texel::First => 0,
-        Texel::Middle => count / 2,
-        Texel::Last => count - 1,
+        TexelPlace::First => 0,
+        TexelPlace::Middle => count / 2,
+        TexelPlace::Last => count - 1,
     };
     let largest = (1 << (8 * width)) - 1;
     let index: usize = match index {

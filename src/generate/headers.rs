@@ -1,7 +1,7 @@
 //! Rewriting of the headers of a stream: another order, another component id.
 
 use super::plan::Stream;
-use crate::codec::segments::{Segment, join_segments, split_segments};
+use crate::codec::segments::{MarkerSegment, join_segments, split_segments};
 
 // A marker, and offsets after the length of a segment.
 const JFIF: u8 = 0xe0;
@@ -14,7 +14,7 @@ pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
     if !style.jfif {
         segments.retain(|segment| segment.code != JFIF);
     }
-    let is_frame = |segment: &Segment| matches!(segment.code, 0xc0 | 0xc1 | 0xf7);
+    let is_frame = |segment: &MarkerSegment| matches!(segment.code, 0xc0 | 0xc1 | 0xf7);
     if let Some(frame) = segments.iter().position(is_frame) {
         segments[frame].content[COMPONENT_OF_FRAME] = style.component;
         // DQT of JPEG, LSE of JPEG-LS.

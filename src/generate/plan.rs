@@ -97,12 +97,12 @@ pub enum Residuals {
 /// Additional records of side information that no texel needs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Records {
-    planes: Planes,
+    planes: PlaneSelection,
     texels: Texels,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Planes {
+enum PlaneSelection {
     All,
     Predicted,
     Intra,
@@ -131,10 +131,10 @@ impl FromStr for Records {
         let wrong = || format!("expected records such as 0:first, found {text:?}");
         let (planes, texels) = text.split_once(':').ok_or_else(wrong)?;
         let planes = match planes {
-            "all" => Planes::All,
-            "predicted" => Planes::Predicted,
-            "intra" => Planes::Intra,
-            number => Planes::One(number.parse().map_err(|_| wrong())?),
+            "all" => PlaneSelection::All,
+            "predicted" => PlaneSelection::Predicted,
+            "intra" => PlaneSelection::Intra,
+            number => PlaneSelection::One(number.parse().map_err(|_| wrong())?),
         };
         let texels = match texels {
             "first" => Texels::First,
@@ -336,12 +336,12 @@ impl Compression {
             .any(|records| self.includes(records.planes, plane) && records.texels == *texels)
     }
 
-    fn includes(&self, planes: Planes, plane: usize) -> bool {
+    fn includes(&self, planes: PlaneSelection, plane: usize) -> bool {
         match planes {
-            Planes::All => true,
-            Planes::Predicted => self.reference(plane).is_some(),
-            Planes::Intra => self.reference(plane).is_none(),
-            Planes::One(number) => number == plane,
+            PlaneSelection::All => true,
+            PlaneSelection::Predicted => self.reference(plane).is_some(),
+            PlaneSelection::Intra => self.reference(plane).is_none(),
+            PlaneSelection::One(number) => number == plane,
         }
     }
 

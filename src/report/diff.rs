@@ -28,7 +28,7 @@ impl Report {
 }
 
 /// A case before and after; equal if only one report has it.
-type Pair<'a> = (&'a CaseResult, &'a CaseResult);
+type ChangedCase<'a> = (&'a CaseResult, &'a CaseResult);
 
 /// Kinds of change, in the order in which they are described.
 const KINDS: [&str; 6] = [
@@ -52,7 +52,7 @@ fn kind_of_change(old: &CaseResult, new: &CaseResult) -> Option<&'static str> {
 }
 
 /// Returns the cases in which two reports differ, by kind of change.
-fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<Pair<'a>>); 6] {
+fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<ChangedCase<'a>>); 6] {
     // The last one of a duplicate id counts.
     let [before, after] = [old, new].map(|report| -> HashMap<&str, &CaseResult> {
         (report.cases.iter().map(|case| (&*case.id, case))).collect()
@@ -121,7 +121,7 @@ const HEADS: [(&str, fn(&Report) -> String); 10] = [
 ];
 
 /// Returns the kind of change of a case, and its cause or its section.
-fn key(old: &Report, new: &Report, &(before, after): &Pair) -> String {
+fn key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> String {
     if before == after {
         return after.outcome.to_string();
     }
@@ -166,7 +166,7 @@ fn write_counts<'a>(
 }
 
 /// Writes a change in full.
-fn write_change(out: &mut String, (old, new): &Pair) -> std::fmt::Result {
+fn write_change(out: &mut String, (old, new): &ChangedCase) -> std::fmt::Result {
     if old.outcome == new.outcome {
         writeln!(out, "  {}: {}", new.id, new.outcome)?;
     } else {

@@ -16,7 +16,7 @@ use crate::protocol::frame::Answer;
 use crate::report::conclude::conclude;
 use crate::report::document::Report;
 use crate::report::reported::Reported;
-use crate::report::shards::{self, End, Kept, OtherRemarks, Record, Shard};
+use crate::report::shards::{self, AnswerRecord, End, Kept, OtherRemarks, Shard};
 use crate::runner::run::{Reply, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::remark::Remark;
@@ -143,8 +143,8 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String>
     for (number, line) in BufReader::new(file).lines().enumerate() {
         let line = line.map_err(|error| error.to_string())?;
         match serde_json::from_str(&line) {
-            Ok(Record::Answer(kept)) => answers.push(*kept),
-            Ok(Record::End(end)) => return Ok((answers, *end)),
+            Ok(AnswerRecord::Answer(kept)) => answers.push(*kept),
+            Ok(AnswerRecord::End(end)) => return Ok((answers, *end)),
             Err(error) => return Err(format!("line {}: {error}", number + 1)),
         }
     }

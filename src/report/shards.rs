@@ -141,7 +141,7 @@ pub struct Kept<T> {
 /// A line of the file.
 #[derive(Deserialize)]
 #[serde(untagged, bound = "T: DeserializeOwned")]
-pub(super) enum Record<T> {
+pub(super) enum AnswerRecord<T> {
     Answer(Box<Kept<T>>),
     End(Box<End>),
 }

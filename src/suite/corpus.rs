@@ -48,11 +48,11 @@ pub struct ExpectedFile {
 }
 
 /// A file to write: path and contents.
-pub type Output = (String, Vec<u8>);
+pub type CorpusFile = (String, Vec<u8>);
 
 /// Returns the entry of a case, and its files.
 #[must_use]
-pub fn entry(case: &Case) -> (ManifestEntry, Vec<Output>) {
+pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     let built = case.build(TableSpelling::default());
     let place = case.format().short_name().to_lowercase();
     let file = format!("{place}/{}.ptm", case.id);

@@ -130,10 +130,10 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
 /// Products of two numbers of this size are exact.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
-type Texel = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
+type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel, or reports the first one that the target cannot hold.
-fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: Texel) -> Result<Vec<u8>, String> {
+fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: TexelRule) -> Result<Vec<u8>, String> {
     let set = &ptm.header.scale_bias;
     if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(

@@ -172,7 +172,7 @@ pub struct ProfiledAnswer {
     pub shows: Vec<&'static str>,
 }
 
-type Output = (String, Vec<u8>);
+type ProfileFile = (String, Vec<u8>);
 
 /// Writes the corpus below `directory`, which must be empty or missing. The output does not depend on `jobs`.
 ///
@@ -214,7 +214,7 @@ pub fn write(
     Ok(manifest)
 }
 
-fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<Output>), String> {
+fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>), String> {
     let built = case.build(TableSpelling::default());
     let place = case.format().short_name().to_lowercase();
     let file = format!("files/{place}/{}.ptm", case.id);
@@ -253,7 +253,7 @@ fn answers(
     view: &View,
     expected: &Expected,
     profile: Profile,
-    outputs: &mut Vec<Output>,
+    outputs: &mut Vec<ProfileFile>,
 ) -> Result<Vec<ProfiledAnswer>, String> {
     let axes = concerned(case, view).into_iter();
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();

@@ -28,7 +28,7 @@
 
 use super::huffman::ReadSymbols;
 use super::zigzag::ZIGZAG;
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 /// Decodes a block and dequantizes it (A.3.4): its DCT coefficients in row order.
 ///
@@ -41,7 +41,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     ac: &B::Table,
     steps: &[u16; 64],
     previous_dc: &mut i32,
-) -> Result<[i32; 64]> {
+) -> StreamResult<[i32; 64]> {
     let mut block = [0; 64];
     *previous_dc += decode_dc_difference(bits, dc)?;
     // The sum of 64 samples of at most 128, over 8, needs eleven bits; quantization only makes it
@@ -78,7 +78,10 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
 
 /// Decodes the size of the difference, then the difference (F.2.2.1).
 #[inline]
-fn decode_dc_difference<'a, B: ReadSymbols<'a>>(bits: &mut B, table: &B::Table) -> Result<i32> {
+fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
+    bits: &mut B,
+    table: &B::Table,
+) -> StreamResult<i32> {
     let size = bits.symbol(table)?;
     if size > 11 {
         let what = format!("a DC difference of {size} bits does not exist");

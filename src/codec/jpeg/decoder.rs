@@ -17,7 +17,7 @@ use super::tables::Tables;
 use crate::codec::bit_buffer::BitBuffer;
 use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, EOI, SOS};
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 /// Frame headers of JPEG only (Table B.1): baseline and extended sequential, Huffman coded.
 const SOF0: u8 = 0xC0;
@@ -31,7 +31,7 @@ const SOF1: u8 = 0xC1;
 /// another size or another number of components;
 /// [`StreamFault::Unsupported`](crate::codec::StreamFault) for the processes of T.81 other than
 /// sequential Huffman with 8 bits.
-pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
+pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let mut tables = Tables::default();
     let scan_tables = read_headers(&mut stream, &mut tables, width, height)?;
@@ -47,7 +47,7 @@ pub(super) fn read_headers(
     tables: &mut Tables,
     width: u32,
     height: u32,
-) -> Result<ScanTables> {
+) -> StreamResult<ScanTables> {
     expect(stream, tables, &[SOF0, SOF1], "a frame header")?;
     let frame = FrameHeader::read(stream, width, height, &[12])?;
     expect(stream, tables, &[SOS], "the scan header")?;
@@ -56,7 +56,7 @@ pub(super) fn read_headers(
 }
 
 /// Reads tables up to one of these markers.
-fn expect(stream: &mut Cursor, tables: &mut Tables, codes: &[u8], what: &str) -> Result<()> {
+fn expect(stream: &mut Cursor, tables: &mut Tables, codes: &[u8], what: &str) -> StreamResult<()> {
     let marker = tables.read(stream)?;
     match codes.contains(&marker.code) {
         true => Ok(()),
@@ -65,7 +65,11 @@ fn expect(stream: &mut Cursor, tables: &mut Tables, codes: &[u8], what: &str) ->
 }
 
 /// Returns the tables that the headers name (B.2.3).
-fn tables_of_scan(tables: &Tables, frame: &FrameHeader, scan: &ScanHeader) -> Result<ScanTables> {
+fn tables_of_scan(
+    tables: &Tables,
+    frame: &FrameHeader,
+    scan: &ScanHeader,
+) -> StreamResult<ScanTables> {
     // The whole spectrum at once, and no successive approximation: the rest is for progressive
     // frames (Table B.3).
     if scan.parameters != [0, 63, 0] {

@@ -14,7 +14,7 @@
 
 use super::huffman_table::HuffmanTable;
 use crate::codec::bits::{Bits, ReadBits};
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 /// The operations of block decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
 /// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
@@ -23,13 +23,13 @@ pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
     type Table: for<'t> From<&'t HuffmanTable>;
 
     /// DECODE (F.2.2.3): reads the next code of the table and returns its symbol.
-    fn symbol(&mut self, table: &Self::Table) -> Result<u8>;
+    fn symbol(&mut self, table: &Self::Table) -> StreamResult<u8>;
 }
 
 impl<'a> ReadSymbols<'a> for Bits<'a, 0> {
     type Table = HuffmanTable;
 
-    fn symbol(&mut self, table: &HuffmanTable) -> Result<u8> {
+    fn symbol(&mut self, table: &HuffmanTable) -> StreamResult<u8> {
         decode_symbol(self, table)
     }
 }
@@ -44,7 +44,7 @@ impl From<&HuffmanTable> for HuffmanTable {
 pub(super) fn decode_symbol<'a>(
     bits: &mut impl ReadBits<'a, 0>,
     table: &HuffmanTable,
-) -> Result<u8> {
+) -> StreamResult<u8> {
     let start = bits.plain();
     let mut code = 0;
     let mut first = 0; // MINCODE: the first code of this length

@@ -17,20 +17,20 @@
 use super::huffman::{ReadSymbols, decode_symbol};
 use super::huffman_table::HuffmanTable;
 use crate::codec::bit_buffer::{BitBuffer, leading_bits};
-use crate::codec::stream_error::Result;
+use crate::codec::stream_error::StreamResult;
 
 /// Longer codes are rare, and two tables of ten bits still fit in the L1 cache.
 const SHORT_BITS: u32 = 10;
 
 /// A Huffman table and, for each value of the next bits, the code that they begin with.
-pub(super) struct LookupTable {
+pub(super) struct CodeTable {
     table: HuffmanTable,
     /// Length (high byte) and symbol (low byte); 0 if the code is longer or there is none.
     short: [u16; 1 << SHORT_BITS],
 }
 
-impl From<&HuffmanTable> for LookupTable {
-    fn from(table: &HuffmanTable) -> LookupTable {
+impl From<&HuffmanTable> for CodeTable {
+    fn from(table: &HuffmanTable) -> CodeTable {
         let mut short = [0; 1 << SHORT_BITS];
         for code in table.codes() {
             if code.length <= SHORT_BITS {
@@ -42,15 +42,15 @@ impl From<&HuffmanTable> for LookupTable {
             }
         }
         let table = table.clone();
-        LookupTable { table, short }
+        CodeTable { table, short }
     }
 }
 
 impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
-    type Table = LookupTable;
+    type Table = CodeTable;
 
     #[inline]
-    fn symbol(&mut self, table: &LookupTable) -> Result<u8> {
+    fn symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
         // Enough for the longest code and for the number that follows it.
         self.require(16 + 16);
         let entry = table.short[leading_bits(self.window(), SHORT_BITS) as usize];
@@ -63,7 +63,7 @@ impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
 }
 
 #[cold]
-fn long_symbol(bits: &mut BitBuffer<0>, table: &HuffmanTable) -> Result<u8> {
+fn long_symbol(bits: &mut BitBuffer<0>, table: &HuffmanTable) -> StreamResult<u8> {
     decode_symbol(bits, table)
 }
 

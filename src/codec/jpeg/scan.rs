@@ -25,7 +25,7 @@ use super::narrow_dct::fast_inverse_dct;
 use super::processes::unexpected;
 use crate::codec::headers::room_for_samples;
 use crate::codec::markers::{Cursor, RST0};
-use crate::codec::stream_error::Result;
+use crate::codec::stream_error::StreamResult;
 
 /// The parameters of a scan.
 pub(super) struct ScanTables {
@@ -43,7 +43,7 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     tables: &ScanTables,
     width: u32,
     height: u32,
-) -> Result<Vec<u8>> {
+) -> StreamResult<Vec<u8>> {
     let columns = width.div_ceil(8) as usize;
     let (blocks, interval) = intervals(tables, width, height);
     // No code is shorter than a bit, and a block is at least a DC code and an end of block.
@@ -77,7 +77,7 @@ pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize,
 }
 
 /// Checks the end of an interval and the number in its marker (E.2.4). Returns the start of the next interval.
-pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> Result<usize> {
+pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
     let bits = bits.plain();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
     let marker = stream.marker()?;

@@ -20,7 +20,7 @@
 use super::huffman_table::HuffmanTable;
 use super::scan::ScanTables;
 use crate::codec::markers::{Cursor, DRI, Marker};
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 // Markers of JPEG only (Table B.1).
 const DHT: u8 = 0xC4;
@@ -40,7 +40,7 @@ pub(super) struct Tables {
 impl Tables {
     /// Reads table segments, skips comments and application data, and returns the first other
     /// marker.
-    pub fn read(&mut self, stream: &mut Cursor) -> Result<Marker> {
+    pub fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
             let marker = stream.marker_after_comments()?;
             match marker.code {
@@ -53,7 +53,7 @@ impl Tables {
     }
 
     /// Reads tables, each a byte of precision and number, then 64 steps (B.2.4.1).
-    fn read_quantization(&mut self, mut segment: Cursor) -> Result<()> {
+    fn read_quantization(&mut self, mut segment: Cursor) -> StreamResult<()> {
         while !segment.at_end() {
             let (precision, number) = precision_and_number(&mut segment, "quantization table")?;
             let mut table = [0; 64];
@@ -73,7 +73,7 @@ impl Tables {
     }
 
     /// Reads tables, each a byte of class (0 for DC, 1 for AC) and number, then the table (B.2.4.2).
-    fn read_huffman(&mut self, mut segment: Cursor) -> Result<()> {
+    fn read_huffman(&mut self, mut segment: Cursor) -> StreamResult<()> {
         while !segment.at_end() {
             let (class, number) = precision_and_number(&mut segment, "Huffman table")?;
             self.huffman[usize::from(class)][number] = Some(read_huffman_table(&mut segment)?);
@@ -82,13 +82,13 @@ impl Tables {
     }
 
     /// Reads the number of blocks between restart markers (B.2.4.4).
-    fn read_interval(&mut self, mut segment: Cursor) -> Result<()> {
+    fn read_interval(&mut self, mut segment: Cursor) -> StreamResult<()> {
         self.restart_interval = segment.u16("the restart interval")?;
         segment.expect_end()
     }
 
     /// Returns the tables that the headers name; `at` is the position of these numbers in the scan header.
-    pub fn of_scan(&self, quantization: u8, dc: u8, ac: u8, at: usize) -> Result<ScanTables> {
+    pub fn of_scan(&self, quantization: u8, dc: u8, ac: u8, at: usize) -> StreamResult<ScanTables> {
         let [dc_tables, ac_tables] = &self.huffman;
         Ok(ScanTables {
             quantization: find_table(&self.quantization, quantization, "quantization table", at)?,
@@ -99,13 +99,18 @@ impl Tables {
     }
 }
 
-fn find_table<T: Clone>(tables: &[Option<T>; 4], number: u8, kind: &str, at: usize) -> Result<T> {
+fn find_table<T: Clone>(
+    tables: &[Option<T>; 4],
+    number: u8,
+    kind: &str,
+    at: usize,
+) -> StreamResult<T> {
     let table = tables.get(usize::from(number)).cloned().flatten();
     table.ok_or_else(|| malformed(at, format!("{kind} {number} was not defined")))
 }
 
 /// Reads the byte before a table: its precision or class, 0 or 1, and its number, 0 … 3.
-fn precision_and_number(segment: &mut Cursor, kind: &str) -> Result<(u8, usize)> {
+fn precision_and_number(segment: &mut Cursor, kind: &str) -> StreamResult<(u8, usize)> {
     let at = segment.at;
     let byte = segment.byte(kind)?;
     let (precision, number) = (byte >> 4, byte & 15);
@@ -117,7 +122,7 @@ fn precision_and_number(segment: &mut Cursor, kind: &str) -> Result<(u8, usize)>
 }
 
 /// Reads the numbers of codes of 1 … 16 bits, then the symbols (B.2.4.2).
-fn read_huffman_table(segment: &mut Cursor) -> Result<HuffmanTable> {
+fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     let at = segment.at;
     let mut counts = [0; 16];
     for count in &mut counts {

@@ -27,7 +27,7 @@ use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
 use crate::codec::headers::room_for_samples;
 use crate::codec::markers::Cursor;
-use crate::codec::stream_error::{Result, StreamError, malformed};
+use crate::codec::stream_error::{StreamError, StreamResult, malformed};
 
 /// Decodes the entropy-coded data that begins at the cursor, up to the marker that ends it.
 pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
@@ -35,7 +35,7 @@ pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
     parameters: &Parameters,
     width: u32,
     height: u32,
-) -> Result<Vec<u8>> {
+) -> StreamResult<Vec<u8>> {
     // A line that continues the run of the previous line still takes a bit.
     let mut samples = room_for_samples(stream, width, height, u64::from(height))?;
     let mut scan = ScanDecoder {
@@ -64,7 +64,7 @@ struct ScanDecoder<'p, B> {
 
 impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
     /// Decodes each sample of a line in the mode of its neighborhood (A.3.2).
-    fn decode_line(&mut self, lines: &mut Lines) -> Result<()> {
+    fn decode_line(&mut self, lines: &mut Lines) -> StreamResult<()> {
         let width = lines.width();
         let mut x = 0;
         let mut neighbors = lines.neighbors(x);
@@ -90,7 +90,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
 
     /// Decodes one sample in regular mode (A.4 – A.6).
     #[inline]
-    fn decode_regular(&mut self, context: i32, neighbors: Neighbors) -> Result<i32> {
+    fn decode_regular(&mut self, context: i32, neighbors: Neighbors) -> StreamResult<i32> {
         let parameters = self.parameters;
         let sign = context.signum();
         let context = &mut self.contexts[context.unsigned_abs() as usize];
@@ -112,7 +112,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
     }
 
     /// Returns the number of samples equal to a (A.7.1), at most the `left` samples up to the end of the line.
-    fn decode_run_length(&mut self, left: usize) -> Result<usize> {
+    fn decode_run_length(&mut self, left: usize) -> StreamResult<usize> {
         let mut run = 0;
         while self.bits.receive(1)? == 1 {
             let piece = 1 << self.run_mode.j();
@@ -134,7 +134,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
     }
 
     /// Decodes the sample that interrupts a run (A.7.2).
-    fn decode_interruption(&mut self, neighbors: Neighbors) -> Result<i32> {
+    fn decode_interruption(&mut self, neighbors: Neighbors) -> StreamResult<i32> {
         let parameters = self.parameters;
         let interruption = Interruption::new(parameters, neighbors.a, neighbors.b);
         let limit = self.run_mode.limit(parameters);

@@ -15,7 +15,7 @@ use super::parameters::{Parameters, PresetParameters};
 use crate::codec::bit_buffer::BitBuffer;
 use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, DNL, DRI, EOI, Marker, SOS};
-use crate::codec::stream_error::{Result, StreamError, malformed, unsupported};
+use crate::codec::stream_error::{StreamError, StreamResult, malformed, unsupported};
 
 // Markers of JPEG-LS only (Table C.1).
 const SOF55: u8 = 0xF7;
@@ -30,7 +30,7 @@ const LSE: u8 = 0xF8;
 /// another size or another number of components;
 /// [`StreamFault::Unsupported`](crate::codec::StreamFault) for other precisions, mapping tables,
 /// point transforms, oversize images and restart intervals.
-pub fn decode(stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>> {
+pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let (parameters, mut presets) = read_headers(&mut stream, width, height)?;
     // The fast version; `Bits<7>` in place of `BitBuffer<7>` is the plain one.
@@ -44,7 +44,7 @@ pub(super) fn read_headers(
     stream: &mut Cursor,
     width: u32,
     height: u32,
-) -> Result<(Parameters, StoredPresets)> {
+) -> StreamResult<(Parameters, StoredPresets)> {
     let mut presets = StoredPresets::default();
     expect(stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
     let frame = FrameHeader::read(stream, width, height, &OTHER_PRECISIONS)?;
@@ -57,7 +57,7 @@ pub(super) fn read_headers(
 const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
 
 /// Reads the parameters of a scan: no mapping table, NEAR, the interleave mode, the point transform (C.2.3).
-fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> Result<Parameters> {
+fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {
         let what = "samples that a mapping table translates are not implemented";
@@ -75,7 +75,12 @@ fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> Result<Para
 }
 
 /// Reads preset parameters up to this marker.
-fn expect(stream: &mut Cursor, presets: &mut StoredPresets, code: u8, what: &str) -> Result<()> {
+fn expect(
+    stream: &mut Cursor,
+    presets: &mut StoredPresets,
+    code: u8,
+    what: &str,
+) -> StreamResult<()> {
     let marker = presets.read(stream)?;
     match marker.code == code {
         true => Ok(()),
@@ -101,7 +106,7 @@ pub(super) struct StoredPresets {
 impl StoredPresets {
     /// Reads preset parameters, skips comments and application data, and returns the first other
     /// marker.
-    fn read(&mut self, stream: &mut Cursor) -> Result<Marker> {
+    fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
             let marker = stream.marker_after_comments()?;
             match marker.code {
@@ -113,7 +118,7 @@ impl StoredPresets {
     }
 
     /// Reads a segment of preset parameters (C.2.4.1).
-    fn read_segment(&mut self, mut segment: Cursor) -> Result<()> {
+    fn read_segment(&mut self, mut segment: Cursor) -> StreamResult<()> {
         let at = segment.at;
         let not_implemented = match segment.byte("its type")? {
             1 => {
@@ -143,7 +148,7 @@ impl StoredPresets {
 }
 
 /// Accepts an interval of 0, which means none.
-fn read_restart_interval(mut segment: Cursor) -> Result<()> {
+fn read_restart_interval(mut segment: Cursor) -> StreamResult<()> {
     let at = segment.at;
     match segment.u16("the restart interval")? {
         0 => segment.expect_end(),

@@ -9,11 +9,11 @@
 
 use super::golomb::{ReadGolomb, decode_golomb};
 use crate::codec::bit_buffer::{BitBuffer, leading_bits};
-use crate::codec::stream_error::Result;
+use crate::codec::stream_error::StreamResult;
 
 impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
     #[inline]
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
         // More than the length of a code that is not limited: its zeros, a one and k bits.
         self.require(48);
         let zeros = self.window().leading_zeros();
@@ -27,7 +27,7 @@ impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
 }
 
 #[cold]
-fn limited_golomb(bits: &mut BitBuffer<7>, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+fn limited_golomb(bits: &mut BitBuffer<7>, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
     decode_golomb(bits, k, limit, qbpp)
 }
 

@@ -12,17 +12,17 @@
 //! ```
 
 use crate::codec::bits::{Bits, ReadBits};
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 /// The operations of scan decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
 /// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
     /// Reads the next code and returns its number.
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32>;
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
 }
 
 impl<'a> ReadGolomb<'a> for Bits<'a, 7> {
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> Result<i32> {
+    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
         decode_golomb(self, k, limit, qbpp)
     }
 }
@@ -33,7 +33,7 @@ pub(super) fn decode_golomb<'a>(
     k: u32,
     limit: u32,
     qbpp: u32,
-) -> Result<i32> {
+) -> StreamResult<i32> {
     let start = bits.plain();
     let longest = limit - qbpp - 1;
     let mut zeros = 0;

@@ -17,7 +17,7 @@
 //! - LIMIT follows from MAXVAL, not from the precision in the frame header.
 //! - T1 = T2 = T3 is legal.
 
-use crate::codec::stream_error::{Result, malformed};
+use crate::codec::stream_error::{StreamResult, malformed};
 
 /// The preset coding parameters of an LSE segment (C.2.4.1.1). 0 stands for the default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -60,7 +60,7 @@ impl Parameters {
         presets_at: usize,
         near: u8,
         near_at: usize,
-    ) -> Result<Parameters> {
+    ) -> StreamResult<Parameters> {
         let near = i32::from(near);
         let maxval = or_default(presets.maxval, 255);
         if maxval > 255 {
@@ -113,7 +113,7 @@ fn thresholds(
     presets_at: usize,
     maxval: i32,
     near: i32,
-) -> Result<[i32; 3]> {
+) -> StreamResult<[i32; 3]> {
     let mut thresholds = default_thresholds(maxval, near);
     let mut least = near + 1;
     for (i, stored) in [presets.t1, presets.t2, presets.t3].into_iter().enumerate() {

@@ -17,7 +17,7 @@ use crate::suite::compare::Expected;
 const MAX_SIDE: usize = 48;
 
 /// Two frames of one shape, compared sample by sample.
-struct Pair<'a> {
+struct ImageComparison<'a> {
     expected: &'a Expected,
     received: Vec<f64>,
     /// The first texel that differs, and its first channel that does.
@@ -50,7 +50,7 @@ pub(super) fn figure(
         let from = spot.min(all.saturating_sub(MAX_SIDE));
         from..all.min(from + MAX_SIDE)
     };
-    let mut pair = Pair {
+    let mut pair = ImageComparison {
         expected,
         received,
         spot,
@@ -67,7 +67,7 @@ pub(super) fn figure(
     })
 }
 
-impl Pair<'_> {
+impl ImageComparison<'_> {
     /// Returns the images in color.
     fn colored(&self) -> Markup {
         let places = || {
@@ -130,7 +130,7 @@ impl Pair<'_> {
 
     /// Names the part of the image that is shown, if it is not all of it.
     fn part(&self) -> Markup {
-        let Pair { columns, rows, .. } = self;
+        let ImageComparison { columns, rows, .. } = self;
         html! {
             @if columns.len() * rows.len() < self.expected.size.texels() {
                 "Columns " (columns.start) "–" (columns.end - 1) " and rows " (rows.start) "–" (rows.end - 1) " of " (self.expected.size) ". "

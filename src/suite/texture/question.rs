@@ -20,7 +20,7 @@ use crate::texture::{
 
 /// One question.
 #[derive(Clone, Debug)]
-pub struct Question(Arc<Step>);
+pub struct Question(Arc<TextureStep>);
 
 /// Why a question has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -137,7 +137,7 @@ fn malformed(message: impl Into<String>) -> Refusal {
 /// A step of the pipeline with its arguments: the `op` and the `given` of a question.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
-enum Step {
+enum TextureStep {
     /// Requests the fallback values.
     Defaults {},
     /// Selects entries for a facet.
@@ -232,51 +232,51 @@ enum Step {
     },
 }
 
-impl Step {
+impl TextureStep {
     fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
         Ok(match self {
-            Step::Defaults {} => entry_json(&rules.fallback_entry()),
-            Step::Select(surface) => match texture::select(surface, rules) {
+            TextureStep::Defaults {} => entry_json(&rules.fallback_entry()),
+            TextureStep::Select(surface) => match texture::select(surface, rules) {
                 Selection::Untextured => json!({ "entries": "untextured" }),
                 Selection::Default => json!({ "entries": ["default"] }),
                 Selection::Entries(entries) => json!({ "entries": entries }),
             },
-            Step::Resolve { table, index } => {
+            TextureStep::Resolve { table, index } => {
                 let table = table.iter();
                 let table: Table = table
                     .map(|(&index, given)| (index, given.entry(rules)))
                     .collect();
                 entry_json(&texture::resolve(&table, *index, rules)?)
             }
-            Step::Parameterize { dim, .. } if !(1..=3).contains(dim) => {
+            TextureStep::Parameterize { dim, .. } if !(1..=3).contains(dim) => {
                 return Err(malformed("dim: 1, 2 or 3").into());
             }
-            Step::Parameterize { entry, point, dim } => {
+            TextureStep::Parameterize { entry, point, dim } => {
                 let (entry, point) = (entry.entry(rules), &point.0);
                 let t = texture::parameterize(&entry, point, *dim, rules)?;
                 json!({ "t": numbers(&t) })
             }
-            Step::Reflect { i, n } => json!({ "s": numbers(&rules.reflected(*i, *n)) }),
-            Step::Orient { matrix, t } => {
+            TextureStep::Reflect { i, n } => json!({ "s": numbers(&rules.reflected(*i, *n)) }),
+            TextureStep::Orient { matrix, t } => {
                 json!({ "t": numbers(&texture::orient(matrix, *t, rules)) })
             }
-            Step::Interpolate {
+            TextureStep::Interpolate {
                 ts,
                 b,
                 w,
                 correction,
             } => interpolate(ts, b, w.as_deref(), *correction, rules)?,
-            Step::Sites { interp, frequency } => {
+            TextureStep::Sites { interp, frequency } => {
                 let site = texture::site(*interp, *frequency, rules);
                 json!({ "site": site.name().to_lowercase() })
             }
-            Step::Depth {
+            TextureStep::Depth {
                 size, dtdx, dtdy, ..
             } if !(1..=3).contains(&size.len()) || dtdx.len() > 3 || dtdy.len() > 3 => {
                 let expected = "size: one number for each of 1 to 3 directions";
                 return Err(malformed(expected).into());
             }
-            Step::Depth {
+            TextureStep::Depth {
                 size,
                 dtdx,
                 dtdy,
@@ -293,14 +293,16 @@ impl Step {
                 };
                 json!({ "depth": number(depth), "mode": mode })
             }
-            Step::Index { size, .. } if !(1..=1 << 31).contains(size) => {
+            TextureStep::Index { size, .. } if !(1..=1 << 31).contains(size) => {
                 return Err(malformed("size: from 1 to 2^31").into());
             }
-            Step::Index { boundary, size, t } => {
+            TextureStep::Index { boundary, size, t } => {
                 let index = |&t: &f64| texture::texel_index(*boundary, t, *size, rules);
                 json!({ "index": t.iter().map(index).collect::<Vec<usize>>() })
             }
-            Step::Sample { .. } | Step::Compose { .. } | Step::Stage { .. } => {
+            TextureStep::Sample { .. }
+            | TextureStep::Compose { .. }
+            | TextureStep::Stage { .. } => {
                 return self.color(rules);
             }
         })
@@ -309,7 +311,7 @@ impl Step {
     /// Answers the steps that return a texel or a color.
     fn color(&self, rules: &Rules) -> Result<Value, Unanswered> {
         Ok(match self {
-            Step::Sample {
+            TextureStep::Sample {
                 map,
                 t,
                 depth,
@@ -323,7 +325,7 @@ impl Step {
                     None => json!({ "texel": "discontinue" }),
                 }
             }
-            &Step::Compose {
+            &TextureStep::Compose {
                 ref entry,
                 ref texel,
                 color,
@@ -334,7 +336,7 @@ impl Step {
                 let input = Shade { color, alpha };
                 shade_json(texture::compose(&entry, &fetched, input, cw, rules))
             }
-            Step::Stage {
+            TextureStep::Stage {
                 surface,
                 interp,
                 frequency,
