@@ -32,6 +32,9 @@ pub struct OutputArgs {
     /// Also write the report as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Leave the passing cases out of the report, and add a digest of all results: to keep the report in a repository.
+    #[arg(long)]
+    short: bool,
     /// Print GitHub annotations, and append the job summary to the file named by `GITHUB_STEP_SUMMARY`.
     #[arg(long)]
     github: bool,
@@ -103,7 +106,11 @@ impl<'a> Ending<'a> {
     ) -> Result<(), String> {
         let known = self.known.as_ref();
         report.baseline = known.map(|known| known.news(suite, &run.judgement.cases));
-        write_whole(self.path, report.to_yaml()?)
+        let text = match self.args.short {
+            true => report.clone().shortened()?.to_yaml(),
+            false => report.to_yaml(),
+        };
+        write_whole(self.path, text?)
     }
 
     /// Writes and prints the report in all its forms; returns the exit status.

@@ -5,6 +5,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
+use crate::kit::digest::sha256;
+use crate::kit::yaml::to_yaml;
 use crate::report::baseline::BaselineNews;
 use crate::report::leniency::Leniency;
 use crate::session::outcome::Outcome;
@@ -46,6 +48,9 @@ pub struct Report {
     pub baseline: Option<BaselineNews>,
     /// Likely causes, the one that explains most first.
     pub diagnoses: Vec<LikelyCause>,
+    /// The digest of all results, if the passing cases are left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub results: Option<String>,
     /// Every selected case, in the order of the suite.
     pub cases: Vec<CaseResult>,
 }
@@ -180,6 +185,16 @@ impl LikelyCause {
 }
 
 impl Report {
+    /// Returns the short form: without the passing cases, but with a digest of all results.
+    ///
+    /// # Errors
+    /// No error that depends on the report.
+    pub fn shortened(mut self) -> Result<Report, String> {
+        self.results = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
+        self.cases.retain(|case| case.outcome != Outcome::Pass);
+        Ok(self)
+    }
+
     /// Returns the cases with this outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();

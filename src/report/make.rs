@@ -66,6 +66,7 @@ impl Report {
             lenient: leniency(suite, run),
             baseline: None,
             diagnoses: Vec::new(),
+            results: None,
             cases: case_results(suite, run),
         }
     }

@@ -66,8 +66,12 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     details.extend(partly.map(|before| detail(before, "", "")));
     if let Some(passing) = cause.except.first() {
         let (subject, count) = (suite.subject(), cause.except.len());
+        let passing_cases = match count {
+            1 => "1 case that passes".to_owned(),
+            _ => format!("{count} cases that pass"),
+        };
         let before = format!(
-            "But not everywhere: such a {subject} would fail {count} cases that pass, for example "
+            "But not everywhere: a {subject} with this mistake would fail {passing_cases}, for example "
         );
         details.push(detail(before, passing, ""));
     }

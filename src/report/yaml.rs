@@ -39,7 +39,15 @@ impl Report {
         };
         let form = from_yaml::<Form>(&text).map_err(|error| named(error + hint))?;
         match form.schema {
-            Some(SCHEMA) => from_yaml(&text).map_err(named),
+            Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(named)? {
+                Report {
+                    results: Some(_), ..
+                } => Err(named(
+                    "a short report does not list the passing cases; run check without --short"
+                        .to_owned(),
+                )),
+                report => Ok(report),
+            },
             Some(other) => Err(named(format!(
                 "line 1: a report of schema {other}, and this program reads schema {SCHEMA}"
             ))),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::LazyLock;
 
-use crate::common::{Workspace, have_python, repository_text, rows, stdout};
+use crate::common::{Workspace, have_python, rows, stdout};
 use crate::in_process::{misread, misreading, right, suite};
 use data_encoding::BASE64;
 use ptm_conform::diagnose::{Category, diagnose};
@@ -416,7 +416,7 @@ fn the_program_writes_them_all() {
         .env("GITHUB_STEP_SUMMARY", here.path("summary.md"))
         .status();
     assert!(checked.expect("the program starts").success());
-    here.write("published.yaml", repository_text("reports/reference.yaml"));
+    here.succeeds("check --report published.yaml");
     assert!(here.text("report.html").starts_with("<!DOCTYPE html>"));
     assert!(here.text("summary.md").starts_with("## ✅ PTM 1.2"));
     for [line, begins] in rows(

@@ -24,10 +24,8 @@ fn the_page_works_in_a_browser() {
     let cases = "--case *lrgb* --case hand-*";
     here.check(&format!("{cases} --html report.html -- ./decoder"))
         .ends(1, "");
-    let published = repository("reports/reference.yaml");
-    here.succeeds(&format!(
-        "report html report.yaml report.yaml {published} -o matrix.html"
-    ));
+    here.succeeds("check --report published.yaml");
+    here.succeeds("report html report.yaml report.yaml published.yaml -o matrix.html");
     let output = Command::new("node")
         .arg(repository("tests/it/report/html_browser.mjs"))
         .args([here.path("report.html"), here.path("matrix.html")])

@@ -2,12 +2,13 @@
 
 use std::fs;
 
-use crate::common::{Workspace, assert_says, repository_text, rows, zoo};
+use crate::common::{Workspace, assert_says, rows, zoo};
 
-/// A workspace with the published report of the reference.
+/// A workspace with the report of the reference.
 fn with_published() -> (Workspace, String) {
-    let (here, published) = (Workspace::new(), repository_text("reports/reference.yaml"));
-    here.write("old.yaml", &published);
+    let here = Workspace::new();
+    here.succeeds("check --report old.yaml");
+    let published = here.text("old.yaml");
     (here, published)
 }
 
