@@ -26,7 +26,7 @@ pub struct OutputArgs {
     /// Also write the report as an HTML page with images of the failures.
     #[arg(long, value_name = "FILE")]
     pub html: Option<PathBuf>,
-    /// Also write the report as `JUnit` XML.
+    /// Also write the report as JUnit XML.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
     /// Also write the report as JSON.
@@ -35,7 +35,7 @@ pub struct OutputArgs {
     /// Leave the passing cases out of the report, and add a digest of all results: to keep the report in a repository.
     #[arg(long)]
     short: bool,
-    /// Print GitHub annotations, and append the job summary to the file named by `GITHUB_STEP_SUMMARY`.
+    /// Print GitHub annotations, and append the job summary to the file named by GITHUB_STEP_SUMMARY.
     #[arg(long)]
     github: bool,
     /// A list of known failures; only new failures fail the run.
@@ -194,9 +194,9 @@ impl<'a> Ending<'a> {
 fn news_to_text(news: &BaselineNews) -> String {
     let list = |what: &str, ids: &[String]| match ids.len() {
         0 => String::new(),
-        count => format!("; {what}: {count}\n  {}", ids.join("\n  ")),
+        count => format!("{what}: {count}\n  {}\n", ids.join("\n  ")),
     };
-    let new = list("new, not in the list", &news.new);
+    let new = list("new failures, not in the list", &news.new);
     let stale = list("stale, listed but passing", &news.stale);
-    format!("known failures: {}{new}{stale}\n", news.known.len())
+    format!("known failures: {}\n{new}{stale}", news.known.len())
 }

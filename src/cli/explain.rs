@@ -132,7 +132,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
             .iter()
             .filter(|case| case.clauses.contains(&clause.id));
         let cases = abbreviated(about, "cases");
-        let _ = writeln!(text, "clause {}\n  {cases}", rule_to_text(clause, "it "));
+        let _ = writeln!(text, "clause {}\n  {cases}", rule_to_text(clause));
         text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
     }
     for ruling in clauses::rulings()?.iter().filter(|ruling| ruling.id == id) {
@@ -195,7 +195,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
             .iter()
             .filter(|case| case.clauses.contains(&clause.id));
         let cases: Vec<&str> = about.map(|case| case.id.as_str()).collect();
-        let (rule, cases) = (rule_to_text(clause, ""), cases.join(", "));
+        let (rule, cases) = (rule_to_text(clause), cases.join(", "));
         let _ = writeln!(text, "requirement {rule}\n  cases: {cases}");
         text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
     }
@@ -210,14 +210,14 @@ fn explain_texture(id: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// Returns a clause with its ruling, and why it is not tested if it is not; `untested` begins that reason.
-fn rule_to_text(clause: &Clause, untested: &str) -> String {
+/// Returns a clause with its ruling, and why it is not tested if it is not.
+fn rule_to_text(clause: &Clause) -> String {
     let mut text = format!("{}: {}", clause.id, clause.rule);
     if let Some(ruling) = &clause.ruling {
         let _ = write!(text, " Ruling: {ruling}.");
     }
     if let Some(why) = &clause.why {
-        let _ = write!(text, " Not tested: {untested}{why}.");
+        let _ = write!(text, " Not tested: {why}.");
     }
     text
 }
@@ -321,7 +321,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
         .chain(codes::ALL.iter().map(|code| code.id));
     let near = nearest(id, known);
     let hint = match near.is_empty() {
-        true => "explain 2.8 lists the clauses of that section, and their cases".to_owned(),
+        true => "ptm-conform explain lists all sections, misreadings, rulings and codes".to_owned(),
         false => format!("did you mean {}?", near.join(" or ")),
     };
     Ok(format!("unknown id {id:?}; {hint}"))

@@ -33,6 +33,7 @@ pub fn path_of(bytes: Vec<u8>) -> PathBuf {
 
 /// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
+    refuse_pipe(path)?;
     let file = fs::File::open(path).map_err(with_path(path))?;
     if file.metadata().map_err(with_path(path))?.is_file() {
         return fs::read(path).map_err(with_path(path));
@@ -66,6 +67,19 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     }
 }
 
+/// Refuses a named pipe, which may never have a writer. A shell passes the output of a command as a link to a pipe.
+fn refuse_pipe(path: &Path) -> Result<(), String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = fs::symlink_metadata(path).map(|found| found.file_type());
+        if kind.is_ok_and(|kind| kind.is_fifo()) {
+            return Err(with_path(path)("a named pipe, not a file"));
+        }
+    }
+    Ok(())
+}
+
 /// Returns the directory of a file.
 fn directory_of(path: &Path) -> &Path {
     path.parent()
@@ -76,7 +90,8 @@ fn directory_of(path: &Path) -> &Path {
 /// Returns the map in a file, or the reason why there is none with a suggestion.
 pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Failed> {
     dissection.outcome.as_ref().map_err(|error| {
-        let path = path.display();
+        let name = path.to_string_lossy();
+        let path = shlex::try_quote(&name).unwrap_or(std::borrow::Cow::Borrowed(&name));
         let next = format!("`ptm-conform inspect {path}` shows the file up to there, `ptm-conform lint {path}` what to fix");
         Failed::new(status(error), &format!("{path}: {error}\n  {next}"))
     })

@@ -48,7 +48,7 @@ pub struct FuzzArgs {
     /// Stop after this many seconds.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
-    /// Only files of this format, such as LRGB or `JPEG_RGB`. Repeatable.
+    /// Only files of this format, such as LRGB or JPEG_RGB. Repeatable.
     #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
     /// Request only this view. Repeatable.

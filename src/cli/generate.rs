@@ -28,7 +28,7 @@ use ptm_conform::tools::profiles::{self, Profile};
 )]
 pub struct GenerateArgs {
     /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
-    /// matches one case, the output file.
+    /// matches one case, the output file (by default ID.ptm).
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
@@ -36,7 +36,7 @@ pub struct GenerateArgs {
     ///
     /// Save the images in DIR/outputs/; `check --outputs DIR` judges them.
     #[cfg(unix)]
-    #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
+    #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "case", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
     /// Write only the files of the cases whose id matches, each as ID.ptm; * and ? are wildcards.
     #[arg(long, value_name = "GLOB", conflicts_with_all = ["all", "profile"])]

@@ -170,8 +170,8 @@ fn status(row: &Row, settings: &Settings) -> u8 {
     match row.lint.status {
         _ if row.failed => 2,
         Status::NotAPtm if fails => 3,
+        Status::NotJudged if fails || row.lint.reason.is_some() => 4,
         _ if fails => 1,
-        Status::NotJudged if row.lint.reason.is_some() => 4,
         _ => 0,
     }
 }

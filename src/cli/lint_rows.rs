@@ -122,8 +122,9 @@ impl Rows {
 
 fn text(lint: &Lint) -> io::Result<()> {
     let (least, summary) = match output::quiet() {
-        true => (Severity::Error, String::new()),
-        false => (Severity::Info, lint.summary()),
+        // Without a finding, the summary is the only line about the file.
+        true if lint.reason.is_none() => (Severity::Error, String::new()),
+        _ => (Severity::Info, lint.summary()),
     };
     let text = linked(&(lint.to_text(least) + &summary + &lint.shown()));
     whole(anstream::stdout().lock(), &text)

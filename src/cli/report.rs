@@ -56,7 +56,7 @@ enum ReportCommand {
         #[arg(short, long = "out", alias = "output", value_name = "FILE")]
         output: PathBuf,
     },
-    /// Write a report as `JUnit` XML.
+    /// Write a report as JUnit XML.
     #[command(after_help = "Example:\n  ptm-conform report junit report.yaml -o junit.xml")]
     Junit(Made),
     /// Write an SVG badge with the three scores.

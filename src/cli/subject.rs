@@ -141,7 +141,7 @@ fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let strangers = &outputs.strangers;
     if !strangers.is_empty() {
         super::output::complain(&format!(
-            "ptm-conform: {} files in the outputs belong to no request: {}",
+            "ptm-conform: files in the outputs that belong to no request: {}: {}",
             strangers.len(),
             strangers[..strangers.len().min(5)].join(", ")
         ));

@@ -49,7 +49,7 @@ pub fn because(find: &Find) -> String {
     match &find.cause {
         Explanation::Misreading(suspects) => {
             format!(
-                "A decoder {}. (clause {})",
+                "A decoder {} (clause {}).",
                 suspects[0].effect, suspects[0].clause
             )
         }
@@ -57,7 +57,7 @@ pub fn because(find: &Find) -> String {
             format!("A decoder accepts a file with this damage: {damage}.")
         }
         Explanation::Other(symptom) => match &find.diagnosis {
-            Some(cause) => format!("A decoder {}. (clause {})", cause.effect, cause.clause),
+            Some(cause) => format!("A decoder {} (clause {}).", cause.effect, cause.clause),
             None => format!("A decoder fails: {symptom}."),
         },
     }
@@ -77,10 +77,15 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
         let _ = writeln!(out, "Fix: {}.", cause.fix);
     }
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
+    let (drawn, small) = (&find.drawn, &find.small);
+    let reduced = match drawn == small {
+        true => "; not reduced, because the time limit was reached or every smaller file passes",
+        false => ", reduced here",
+    };
     let _ = writeln!(
         out,
-        "\nAsked for {view}. First seen in a drawn file of {}x{}, here made small.",
-        find.drawn.width, find.drawn.height
+        "\nRequested view: {view}. First seen in a random file of {}x{}{reduced}.",
+        drawn.width, drawn.height
     );
     let difference = expected
         .zip(find.received.as_ref())

@@ -257,7 +257,7 @@ fn test_markup(paper: Paper, clause: &Clause) -> Markup {
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {
-            @if let Some(why) = &clause.why { "Not tested by itself: it " (why) ". " }
+            @if let Some(why) = &clause.why { "Not tested by itself: " (why) ". " }
             @if !cases.is_empty() {
                 (cases.len()) @if cases.len() == 1 { " case: " } @else { " cases: " } (paper.links(first))
                 @if cases.len() > 6 { " … " a href={ (paper.root) "cases/index.html?" (clause.id) } { "all" } }

@@ -513,7 +513,13 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         channel_name(pair.channels, channel),
     );
-    text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}")));
+    let is_limited = pair.view == ViewKind::Rgb && (pair.want[i] <= 0.0 || pair.want[i] >= 255.0);
+    let limited = if is_limited {
+        ", limited to 0…255"
+    } else {
+        ""
+    };
+    text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}{limited}")));
     if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()
     {

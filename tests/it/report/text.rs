@@ -194,7 +194,10 @@ fn known_failures_are_not_reported_as_new() {
     let fewer = known.replacen("- id: version-1-3-lrgb\n", "", 1);
     here.write("fewer.yaml", &fewer);
     let text = here.exits(1, &wrong("--baseline fewer.yaml"));
-    assert_says(&text, "new, not in the list: 1\n  version-1-3-lrgb\n");
+    assert_says(
+        &text,
+        "new failures, not in the list: 1\n  version-1-3-lrgb\n",
+    );
 
     // One passes: stale. Those that were not selected are left alone.
     let stale = "- id: header-plain-lrgb\n  reason: |\n    two\n    lines\n";
