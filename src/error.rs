@@ -257,7 +257,7 @@ impl fmt::Display for Kind {
             ),
             Kind::PositionOutOfRange { position, texels } => write!(
                 f,
-                "a record for texel {position}, the last texel is {}",
+                "a record for texel {position}, but the last texel is {}",
                 texels - 1
             ),
             Kind::NotRead { what } => write!(f, "{what} are not read"),

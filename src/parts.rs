@@ -94,7 +94,7 @@ pub struct Step {
     pub reference: Option<usize>,
     /// True if the reference is inverted first.
     pub inverted: bool,
-    /// True if the reference is displaced first.
+    /// True if the reference is displaced before it is used as the predictor.
     pub moved: bool,
     /// The displacement along x and y, in half texels.
     pub motion: (i64, i64),

@@ -1,10 +1,10 @@
 //! The types of the format, with a glossary.
 //!
 //! - **texel**: one position of the map.
-//! - **plane**: one byte for every texel; the planes of a map come in the order of the text.
+//! - **plane**: one byte for every texel; the planes of a map come in the order of the specification.
 //! - **coefficient**: one of the six values a0…a5 of a polynomial. *Raw* as stored, *final* after scale and bias (2.4).
 //! - **channel**: one plane seen as a component of a texel; a texel of an RGB map has 18 of them.
-//! - **entry**, **index**: a row of the lookup table (2.5) and the number of one (2.8).
+//! - **entry**, **index**: a row of the lookup table (2.5) and its number (2.8).
 //! - **`lu`, `lv`**: the light, projected into the plane of the texture (1.0).
 //!
 //! Rows count from the top and columns from the left everywhere in this library; files store the bottom row first.

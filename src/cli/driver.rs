@@ -43,7 +43,7 @@ pub struct Check<'a, C: Reported> {
     plan: &'a RunPlan,
     circumstances: Circumstances,
     ending: Ending<'a>,
-    partial: Partial,
+    partial: PartialResults,
     progress: ProgressLine,
     /// A hint for faster answers; empty if there is none.
     pub faster: &'static str,
@@ -67,7 +67,7 @@ impl<'a, C: Reported> Check<'a, C> {
             suite,
             plan,
             circumstances,
-            partial: Partial::new(ending.path)?,
+            partial: PartialResults::new(ending.path)?,
             ending,
             progress: ProgressLine::new("first contact"),
             faster: "",
@@ -297,19 +297,19 @@ fn run_within<T>(
 }
 
 /// The results so far, in a file next to the report: a list in YAML, valid after every case.
-struct Partial {
+struct PartialResults {
     path: PathBuf,
     file: fs::File,
 }
 
-impl Partial {
+impl PartialResults {
     /// Creates the list for a run with the report `report`.
-    fn new(report: &Path) -> Result<Partial, String> {
+    fn new(report: &Path) -> Result<PartialResults, String> {
         let mut path = report.as_os_str().to_owned();
         path.push(".partial");
         let path = PathBuf::from(path);
         let file = fs::File::create(&path).map_err(with_path(&path))?;
-        Ok(Partial { path, file })
+        Ok(PartialResults { path, file })
     }
 
     /// Adds a case.

@@ -241,7 +241,7 @@ impl Judge<'_> {
         let (path, judged) = match met {
             Met::File(path) => {
                 let judged = catch_unwind(AssertUnwindSafe(|| self.judge(&path)));
-                let own = |_| Err(io::Error::other("a mistake of ptm-conform's own"));
+                let own = |_| Err(io::Error::other("internal error in ptm-conform"));
                 let judged = judged.unwrap_or_else(own);
                 (path, judged)
             }

@@ -114,7 +114,7 @@ pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
     }
 }
 
-/// Returns a progress bar on standard error, if that is a terminal and progress is to be shown.
+/// Returns a progress bar on standard error; it is hidden if that is not a terminal or progress is off.
 pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     let bar = match (quiet(), length) {
         (true, _) => ProgressBar::hidden(),

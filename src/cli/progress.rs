@@ -24,7 +24,7 @@ struct Doing {
     done: Arc<AtomicUsize>,
     /// The number of items; 0 if unknown.
     all: usize,
-    /// True if `all` is a limit, so that `done` is of no interest to a user.
+    /// True if `all` is an upper bound on the work, not a number of items; `done` is then not shown.
     is_limit: bool,
     wrong: usize,
     since: Instant,

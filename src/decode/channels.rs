@@ -47,8 +47,8 @@ impl Channels<'_> {
         }
     }
 
-    /// Copies the values of the stored texels of `run` to their places in `texels`, which have `size` channels each.
-    pub fn put(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
+    /// Copies the values of the stored texels `run` into `texels`, which has `size` samples per texel.
+    pub fn copy_to(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
         for (at, texel) in run.zip(texels.chunks_exact_mut(size)) {
             let values = self.of_texel(at, reading);
             texel[self.block.channel..][..values.len()].copy_from_slice(values);
@@ -64,7 +64,7 @@ impl Channels<'_> {
     }
 }
 
-/// Returns the number of the entry that the index of the stored texel `at` names, if there is one.
+/// Returns the number of the table entry for the stored texel `at`, or `None` if its index has no entry.
 pub(super) fn entry(
     indices: &IndexBlock,
     table: &LookupTable,

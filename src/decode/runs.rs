@@ -25,7 +25,7 @@ pub(super) fn put(
                 1 => spread(bytes.as_chunks::<1>().0.iter(), channel, texels, size),
                 3 => spread(bytes.as_chunks::<3>().0.iter(), channel, texels, size),
                 6 => spread(bytes.as_chunks::<6>().0.iter(), channel, texels, size),
-                _ => channels.put(run, texels, size, reading),
+                _ => channels.copy_to(run, texels, size, reading),
             }
         }
         ValueLayout::Entries(indices, table) => {
@@ -87,7 +87,7 @@ mod tests {
             let (run, size) = (start.min(end)..end, channel + count);
             let mut plain = vec![99; run.len() * size];
             let mut fast = plain.clone();
-            channels.put(run.clone(), &mut plain, size, &Reading::SPEC);
+            channels.copy_to(run.clone(), &mut plain, size, &Reading::SPEC);
             put(&channels, run, &mut fast, size, &Reading::SPEC);
             prop_assert_eq!(plain, fast);
         }

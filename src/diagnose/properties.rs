@@ -200,10 +200,9 @@ pub(super) const PROPERTIES: &[Property] = &[
     property("with the matrix on several lines", |f| {
         f.format == Format::Lum && f.is_made(|r| r.spelling.matrix_line < 16)
     }),
-    property(
-        "with the number of entries written as a number alone",
-        |f| f.format.has_table() && f.is_made(|r| r.spelling.count == Count::Number),
-    ),
+    property("with an entry count that is a bare number", |f| {
+        f.format.has_table() && f.is_made(|r| r.spelling.count == Count::Number)
+    }),
     property(
         "with the numbers of a list on several lines or of several lists on one",
         |f| f.format.is_compressed() && f.is_made(|r| r.spelling.lists != Lists::default()),

@@ -189,7 +189,7 @@ impl<'a> Search<'a> {
                 edit_passes += 1;
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
-                    self.note(&*panic);
+                    self.record_panic(&*panic);
                 }
                 single = self.best_single(&set, &left);
             }
@@ -384,7 +384,7 @@ impl<'a> Search<'a> {
             None => answer,
         });
         answer.unwrap_or_else(|panic| {
-            self.note(&*panic);
+            self.record_panic(&*panic);
             Cow::Borrowed(&witness.right)
         })
     }
@@ -392,7 +392,7 @@ impl<'a> Search<'a> {
     /// Returns the result of `work`. If it panics, keeps the message and returns the default.
     pub fn guarded<T: Default>(&self, work: impl FnOnce() -> T) -> T {
         catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-            self.note(&*panic);
+            self.record_panic(&*panic);
             T::default()
         })
     }
@@ -408,8 +408,8 @@ impl<'a> Search<'a> {
         faults.unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Keeps the message of a panic.
-    pub fn note(&self, panic: &(dyn Any + Send)) {
+    /// Records the message of a panic.
+    pub fn record_panic(&self, panic: &(dyn Any + Send)) {
         let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
@@ -854,7 +854,7 @@ impl<'a> Search<'a> {
         in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
             let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
             done.unwrap_or_else(|panic| {
-                self.note(&*panic);
+                self.record_panic(&*panic);
                 resume_unwind(panic)
             })
         })

@@ -33,7 +33,7 @@ pub(super) struct Witness<'a> {
     pub failed: bool,
     /// The legal files of its format that were judged.
     pub legal_files: usize,
-    /// The reading of the open questions in which mistakes are made.
+    /// The reading of the open questions to which mistakes are applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
     pub right: Answer,

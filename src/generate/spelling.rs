@@ -115,7 +115,7 @@ pub enum Lists {
     /// Each list on its own line, motion on two (ruling `list-layout`).
     #[default]
     Lines,
-    /// Motion on one line too (ruling `list-lines`, as for all variants below).
+    /// Each list on its own line, with all motion vectors on one line (ruling `list-lines`, as for all variants below).
     MotionOnOneLine,
     /// All numbers on one line.
     OneLine,

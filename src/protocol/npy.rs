@@ -76,7 +76,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
         ([1..=3, 0], ..) => return Err(cut()),
         _ => {
             return Err(format!(
-                "its version is {}.{}; versions 1.0, 2.0 and 3.0 are read",
+                "its version is {}.{}; supported versions are 1.0, 2.0 and 3.0",
                 version[0], version[1]
             ));
         }
@@ -156,7 +156,7 @@ impl<'a> DictionaryText<'a> {
     fn string(&mut self) -> Result<&'a str, String> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =
-            quote.ok_or_else(|| format!("its header should have a string before {self}"))?;
+            quote.ok_or_else(|| format!("expected a string in its header, found {self}"))?;
         let (string, after) = self
             .0
             .split_once(quote)

@@ -76,7 +76,7 @@ const LIMITS: [Limit; 9] = [
         slug: "motion-not-applied",
         words: "does not move planes that have motion vectors",
         effect: Effect::Wrong("planes with motion vectors are not moved"),
-        is_exceeded: |file| file.moves() && file.numbers("2.9.3/1").any(|vector| vector != 0),
+        is_exceeded: |file| file.moves() && file.field_values("2.9.3/1").any(|vector| vector != 0),
     },
     Limit {
         slug: "colors-lost-after-a-space",
@@ -169,8 +169,8 @@ impl<'a> Marks<'a> {
         self.format.is_some_and(Format::is_compressed)
     }
 
-    /// Returns the numbers of a clause in the header.
-    fn numbers<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = i64> + 's {
+    /// Returns the numbers in the header fields that `clause` describes.
+    fn field_values<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = i64> + 's {
         self.of_clause(clause).filter_map(|field| {
             std::str::from_utf8(&self.file[field.range.clone()])
                 .ok()?
@@ -196,7 +196,8 @@ impl<'a> Marks<'a> {
     }
 
     fn moves(&self) -> bool {
-        self.numbers("2.9.2/1").any(|transform| transform & 2 != 0)
+        self.field_values("2.9.2/1")
+            .any(|transform| transform & 2 != 0)
     }
 
     /// Returns the end of the last value.

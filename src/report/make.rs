@@ -62,7 +62,7 @@ impl Report {
             reason: run.not_a_decoder.clone(),
             scores: run.scores(suite),
             remarks: remarks.chain(allowances(run)).collect(),
-            dialect: dialect(suite, run),
+            dialect: followed_readings(suite, run),
             lenient: leniency(suite, run),
             baseline: None,
             diagnoses: Vec::new(),
@@ -110,8 +110,8 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
     results
 }
 
-/// Returns the reading of each choice that some case showed, with the cases that show it.
-fn dialect<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+/// Returns, for each choice that the run settled, the decoder's reading and the cases that show it.
+fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let followed = run.judgement.dialect.0.iter().zip(&run.judgement.certain);
     let choices = followed.zip(C::CHOICES.iter()).enumerate();
     let choices = choices.filter(|(_, ((_, certain), _))| **certain == Certainty::Settled);

@@ -51,7 +51,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         } else {
             "misreadings"
         };
-        let before = format!("Would look the same: {more} other {misreadings}, see the report");
+        let before = format!("{more} other {misreadings} would look the same; see the report");
         details.push(detail(before, "", ""));
     }
     for (slug, _, effect) in known(suite, &cause.with) {

@@ -169,8 +169,8 @@ impl Template {
         self.words.iter().map(joined).collect()
     }
 
-    /// Returns the file that a call writes, if it writes one. Called before the call: `workplace` is opened and kept open, so
-    /// that a directory that the program puts in its place has no effect.
+    /// Returns the file that a call writes, if it writes one. Call this before the program starts: it opens
+    /// `workplace`, so replacing that directory later has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {
             return Ok(None);

@@ -35,7 +35,7 @@ pub type Undoing<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 pub struct Undo<C: TestCase> {
     /// The view.
     pub view: &'static str,
-    /// The function that undoes it.
+    /// Maps a received output to the output before the change.
     pub undo: Arc<Undoing<C::Output>>,
 }
 

@@ -50,7 +50,11 @@ impl WorkedExample {
         let channels = match numbers(self.channels.as_deref().unwrap_or_default())? {
             all if all.is_empty() => (0..count).collect(),
             some if some.iter().all(|&channel| channel < count) => some,
-            _ => return Err(format!("a texel has {count} channels")),
+            _ => {
+                return Err(format!(
+                    "channel out of range: a texel has {count} channels"
+                ));
+            }
         };
         let size = ptm.header.size;
         let (width, height) = (size.width as usize, size.height as usize);

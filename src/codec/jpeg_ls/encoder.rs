@@ -1,4 +1,4 @@
-//! T.87 C.2: the order of a stream, written
+//! T.87 C.2: writes a JPEG-LS stream, with its segments in this order
 
 use super::encode_scan::encode_scan;
 use super::parameters::{Parameters, PresetParameters};

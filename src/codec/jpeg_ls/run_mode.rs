@@ -46,7 +46,7 @@ pub(super) struct RunContext {
 /// The prediction of the sample that interrupts a run (A.7.2).
 pub(super) struct Interruption {
     pub predicted: i32,
-    /// −1 if errors have the opposite sign.
+    /// 1, or −1 if the sign of prediction errors is inverted.
     pub sign: i32,
     /// `RItype`: 1 if |a − b| ≤ NEAR, else 0.
     pub kind: i32,

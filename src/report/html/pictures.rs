@@ -121,7 +121,7 @@ impl ImageComparison<'_> {
                 (self.scale())
                 figcaption {
                     (self.part())
-                    @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is as it should be. " }
+                    @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is correct. " }
                     "The frame marks texel (" (self.spot.0) ", " (self.spot.1) "), the first that differs."
                 }
             }

@@ -57,8 +57,8 @@ impl Arrangement {
         })
     }
 
-    /// Returns the index of each sample of a right image, from the top left on, in an image with this arrangement.
-    fn places(&self, (width, height, channels): (usize, usize, usize)) -> Vec<usize> {
+    /// Returns, for each sample of a correct image in order, its index in an image with this arrangement.
+    fn sample_indices(&self, (width, height, channels): (usize, usize, usize)) -> Vec<usize> {
         let order = (self.order).and_then(|name| channel_order(name, channels));
         let order = order.unwrap_or_else(|| (0..channels).collect());
         let mut places = Vec::with_capacity(width * height * channels);
@@ -77,7 +77,7 @@ impl Arrangement {
     pub(in crate::session) fn undo(&self, frame: &Frame) -> Frame {
         let [width, height, channels] =
             [frame.width, frame.height, frame.channels].map(|count| count as usize);
-        let places = self.places((width, height, channels)).into_iter();
+        let places = self.sample_indices((width, height, channels)).into_iter();
         let samples = match &frame.samples {
             Samples::U8(bytes) => Samples::U8(places.map(|place| bytes[place]).collect()),
             Samples::F32(values) => Samples::F32(places.map(|place| values[place]).collect()),
@@ -111,7 +111,7 @@ pub(super) fn arrangements(
     let is_order =
         |of: &Arrangement| (of.order).is_none_or(|name| channel_order(name, channels).is_some());
     let ordered = |of: Arrangement| {
-        let places = of.places((width, height, channels)).into_iter();
+        let places = of.sample_indices((width, height, channels)).into_iter();
         (places.map(|place| values[place]).collect(), of.mistakes())
     };
     Arrangement::all().filter(is_order).map(ordered).collect()

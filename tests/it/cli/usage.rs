@@ -50,7 +50,7 @@ fn command_lines_end_with_their_status_and_output() {
 2 | explain hand-lom | did you mean hand-lum
 2 | explain row-top-down | rows-top-down
 2 | explain ptm-e07 | PTM-E070
-2 | explain zzz | explain 2.8 lists
+2 | explain zzz | explain lists all
 3 | check --case hand-lum --report /dev/null -- sh -c 'exit 127' | not a decoder
 0 | check --help | DECODER && VIEW && 65 && 69 && Exit status && Examples
 0 | explain | 2.9.8 && lut-count && rows-top-down && PTM-W102
