@@ -143,7 +143,7 @@ impl Draft {
     }
 
     fn draw_compression(&mut self, u: &mut Unstructured) -> Result<()> {
-        let jpeg = matches!(self.format, Format::JpegRgb | Format::JpegLrgb);
+        let jpeg = self.format.is_jpeg();
         let lossy = jpeg || u.ratio(1, 3)?;
         if jpeg {
             let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
@@ -292,7 +292,7 @@ impl Draft {
     fn draw_views(&mut self, u: &mut Unstructured) -> Result<()> {
         let mut views = vec!["raw".to_owned()];
         let rounds = self.compression.get("residuals").map(String::as_str) == Some("natural")
-            && matches!(self.format, Format::JpegRgb | Format::JpegLrgb);
+            && self.format.is_jpeg();
         if !rounds {
             let (lu, lv) = (u.int_in_range(-65..=65)?, u.int_in_range(-65..=65)?);
             let light = format!("rgb:{},{}", f64::from(lu) / 100.0, f64::from(lv) / 100.0);

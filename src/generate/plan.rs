@@ -239,7 +239,7 @@ impl Compression {
     /// JPEG-LS.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {
-        let jpeg = matches!(format, Format::JpegRgb | Format::JpegLrgb);
+        let jpeg = format.is_jpeg();
         let count = format.channels();
         let (references, order) = Structure::Intra.lists(count as i64);
         Compression {

@@ -6,7 +6,6 @@ use serde::Deserialize;
 use super::model::Model;
 use super::place::segment;
 use crate::codec::{jpeg, jpeg_ls};
-use crate::ptm::Format;
 
 /// A gray plane, 128 everywhere: `gray-one-wider` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -23,7 +22,7 @@ impl StandIn {
     /// Returns its bytes, for a file of these values.
     pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
         let (width, height) = (model.size.width, model.size.height);
-        let is_jpeg = matches!(model.format, Format::JpegRgb | Format::JpegLrgb);
+        let is_jpeg = model.format.is_jpeg();
         Ok(match self {
             StandIn::OneWider => gray(width + 1, height, is_jpeg),
             StandIn::OneHigher => gray(width, height + 1, is_jpeg),
