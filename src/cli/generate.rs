@@ -28,7 +28,7 @@ use ptm_conform::tools::profiles::{self, Profile};
 )]
 pub struct GenerateArgs {
     /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
-    /// matches one case, the output file (by default ID.ptm).
+    /// matches one case, the output file (by default ID.ptm), or a directory that exists or ends in /.
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
@@ -95,14 +95,17 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
         let hint = did_you_mean(glob, suite.cases.iter().map(|case| case.id.as_str()));
         return Err(format!("no case is called {glob:?}{hint}").into());
     }
-    if let Some(directory) = out.filter(|_| cases.len() > 1) {
+    let is_directory =
+        |path: &&Path| path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
+    let directory = out.filter(|path| cases.len() > 1 || is_directory(path));
+    if let Some(directory) = directory {
         fs::create_dir_all(directory).map_err(files::with_path(directory))?;
     }
     for case in &cases {
         let id = &case.id;
-        let path = match out {
-            Some(file) if cases.len() == 1 && !file.is_dir() => file.to_path_buf(),
-            out => out.unwrap_or(Path::new("")).join(format!("{id}.ptm")),
+        let path = match (directory, out) {
+            (None, Some(file)) => file.to_path_buf(),
+            (directory, _) => directory.unwrap_or(Path::new("")).join(format!("{id}.ptm")),
         };
         let file = &case.build(TableSpelling::default()).file;
         files::write_whole(&path, file)?;

@@ -746,7 +746,7 @@ const ACTS: &[(&str, Change)] = &[
     ("clamp-color-is-background", |r| {
         r.clamp = |entry| {
             (SPEC.clamp)(&changed(entry.clone(), |e| {
-                e.clamp_color = e.background_color
+                e.clamp_color = e.background_color;
             }))
         };
     }),

@@ -304,17 +304,17 @@ fn encoded(
                 _ => vec![npy, png(stacked_planes(&bytes, size, channels))?],
             }
         }
-        ViewKind::Coef if profile == Profile::Exhaustive => {
-            vec![
-                floats,
-                ("exr", exr_of(values, size, channels, description)?),
-            ]
-        }
+        ViewKind::Coef => match profile {
+            Profile::Exhaustive => {
+                let exr = exr_of(values, size, channels, description)?;
+                vec![floats, ("exr", exr)]
+            }
+            _ => vec![floats],
+        },
         ViewKind::Rgb => {
             let bytes = values.iter().map(|value| value.round() as u8);
             vec![floats, png(Image::rgb(size, bytes.collect()))?]
         }
-        _ => vec![floats],
     })
 }
 

@@ -29,7 +29,7 @@ pub(super) fn look(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.good("serve: it ends when its input ends"),
         Err(None) => {
-            list.absent("serve: not offered, and not needed; ptm-conform example shows both modes")
+            list.absent("serve: not offered, and not needed; ptm-conform example shows both modes");
         }
         Err(Some((count, fault))) => {
             list.fault(&"serve", fault, requests(first, count));

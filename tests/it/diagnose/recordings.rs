@@ -208,7 +208,7 @@ fn judged(suite: &Suite, run: &Run) -> String {
     {
         let mut cases = run.judgement.with_outcome(outcome).peekable();
         if cases.peek().is_some() {
-            text += &format!("  {}:\n", outcome.name());
+            text.extend(["  ", outcome.name(), ":\n"]);
         }
         text.extend(cases.map(|i| format!("    - {}\n", suite.cases[i].id)));
     }
