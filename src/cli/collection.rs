@@ -10,6 +10,8 @@ use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
 
+#[cfg(unix)]
+use super::files::is_named_pipe;
 use super::files::path_of;
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
@@ -87,7 +89,9 @@ fn meet_named(named: FileSource) -> WalkStep {
     let (FileSource::Directly(path) | FileSource::Listed(path)) = named;
     match fs::metadata(&path) {
         Ok(data) if data.is_dir() => Err(path),
-        // Opening a pipe would block until its writer opens it.
+        // Opening a named pipe would block until its writer opens it.
+        #[cfg(unix)]
+        _ if is_named_pipe(&path) => Ok(Met::Skipped(path, NO_FILE)),
         Ok(data) if is_listed && !data.is_file() => Ok(Met::Skipped(path, NO_FILE)),
         _ => Ok(Met::File(path)),
     }

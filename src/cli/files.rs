@@ -33,7 +33,10 @@ pub fn path_of(bytes: Vec<u8>) -> PathBuf {
 
 /// Reads a file; the error is a sentence.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
-    refuse_pipe(path)?;
+    #[cfg(unix)]
+    if is_named_pipe(path) {
+        return Err(with_path(path)("a named pipe, not a file"));
+    }
     let file = fs::File::open(path).map_err(with_path(path))?;
     if file.metadata().map_err(with_path(path))?.is_file() {
         return fs::read(path).map_err(with_path(path));
@@ -67,17 +70,11 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Refuses a named pipe, which may never have a writer. A shell passes the output of a command as a link to a pipe.
-fn refuse_pipe(path: &Path) -> Result<(), String> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::FileTypeExt;
-        let kind = fs::symlink_metadata(path).map(|found| found.file_type());
-        if kind.is_ok_and(|kind| kind.is_fifo()) {
-            return Err(with_path(path)("a named pipe, not a file"));
-        }
-    }
-    Ok(())
+/// Returns true for a named pipe, which may never have a writer. A shell passes the output of a command as a link to a pipe.
+#[cfg(unix)]
+pub fn is_named_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_fifo())
 }
 
 /// Returns the directory of a file.
