@@ -343,7 +343,11 @@ impl Frame {
             width: ptm.planes.size.width,
             height: ptm.planes.size.height,
             channels: kind.channels(ptm.planes.shape.channels()) as u32,
-            samples: kind.samples(&view.values(ptm, reading, edits)),
+            samples: match view {
+                // Bytes need no detour by real numbers.
+                View::Raw => Samples::U8(formula::stored(ptm, edits).planes.samples.clone()),
+                _ => kind.samples(&view.values(ptm, reading, edits)),
+            },
             lossy: false,
         }
     }
