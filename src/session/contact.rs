@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-use crate::protocol::frame::Answer;
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::runner::run::Reply;
 use crate::session::asking::{ReplyTo, Session, is_hang, trouble_of_serving};
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
@@ -11,6 +12,7 @@ use crate::session::plan::Repeat;
 use crate::session::remark::Remark;
 use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::compare::Expected;
 use crate::suite::dialect::Right;
 use crate::suite::test_case::TestCase;
 
@@ -32,6 +34,47 @@ impl<C: TestCase> First<C> {
 
     fn is_unsupported(&self) -> bool {
         matches!(self.reply.answer, Answer::Unsupported)
+    }
+}
+
+/// A reply to a first file, and the answer of a correct decoder.
+pub(super) struct FirstReply<'a> {
+    pub(super) case: &'a Case,
+    pub(super) view: &'a View,
+    pub(super) file: Vec<u8>,
+    pub(super) expected: Expected,
+    pub(super) reply: &'a Reply,
+}
+
+impl FirstReply<'_> {
+    /// Returns the received frame, if there is one.
+    pub(super) fn frame(&self) -> Option<&Frame> {
+        match &self.reply.answer {
+            Answer::Decoded(frame) => Some(frame),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_right(&self) -> bool {
+        (self.frame()).is_some_and(|frame| self.expected.compare(frame).is_none())
+    }
+}
+
+impl Contact {
+    /// Returns the replies to the first files whose right answers are known.
+    pub(super) fn replies<'a>(&'a self, suite: &'a Suite) -> Vec<FirstReply<'a>> {
+        let reply = |first: &'a First| {
+            let case = &suite.cases[first.case];
+            let built = case.build(TableSpelling::default());
+            Some(FirstReply {
+                case,
+                view: &first.view,
+                file: built.file.clone(),
+                expected: Expected::new(&built.values, &first.view)?,
+                reply: &first.reply,
+            })
+        };
+        self.first.iter().filter_map(reply).collect()
     }
 }
 
