@@ -121,7 +121,7 @@ impl<'a, C: Reported> Check<'a, C> {
             self.partial
                 .append(case.id(), &view, observation.response.name());
             // Answers that are changed before comparison stay recorded as received.
-            if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
+            if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
                 keeper.observed(case, observation);
             }
             if observation.is_wrong_for(case) {
@@ -240,8 +240,6 @@ pub struct ProgramRun<'a> {
     pub written: &'a OutputArgs,
     /// The part of the suite, if it is not the whole.
     pub shard: Option<Shard>,
-    /// Set when the user ends the run.
-    pub stop: &'a Arc<AtomicBool>,
 }
 
 impl ProgramRun<'_> {
@@ -256,7 +254,7 @@ impl ProgramRun<'_> {
         let plan = RunPlan {
             selected,
             repeat: Repeat::Failures,
-            stop: Arc::clone(self.stop),
+            stop: Arc::clone(&self.program.stop),
             ..RunPlan::new(suite, jobs(self.args.jobs)?)
         };
         let ending = Ending::new(suite, &self.args.report, self.written)?;

@@ -80,7 +80,8 @@ impl<C: TestCase> Session<'_, C> {
             let place = places[at];
             let first = lock().0[place].clone();
             let mut first = first.expect("only observations are repeated");
-            let ask = || self.observe_alone(&self.suite.cases[place], &first.view, table, worker);
+            let case = &self.suite.cases[place];
+            let ask = || self.request(case, &first.view, table, worker, None).0;
             let alone = ask();
             // A crash, a timeout or truncated output may be an accident of that one process.
             let is_no_answer =

@@ -10,7 +10,7 @@ use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
 /// The plan of a run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunPlan {
     /// The cases that are judged, one slot per case of the suite.
     pub selected: Vec<bool>,
@@ -59,14 +59,7 @@ impl RunPlan {
         RunPlan {
             selected: vec![true; suite.cases.len()],
             jobs,
-            views: Vec::new(),
-            soonest: Vec::new(),
-            withheld: Vec::new(),
-            precomputed: false,
-            declared_views: Vec::new(),
-            declared_kinds: Vec::new(),
-            repeat: Repeat::Nothing,
-            stop: Arc::default(),
+            ..RunPlan::default()
         }
     }
 

@@ -126,7 +126,9 @@ impl<C: TestCase> Session<'_, C> {
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                self.tally.forget(observation.is_violation());
+                let is_violation = observation.is_violation();
+                self.tally.calls.fetch_sub(1, Ordering::Relaxed);
+                (self.tally.violation).fetch_sub(is_violation.into(), Ordering::Relaxed);
             }
         }
     }
@@ -171,7 +173,7 @@ impl<C: TestCase> Session<'_, C> {
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
-        let why_over = self.tally.why_over();
+        let why_over = self.why_over();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, why_over),
             None => (&self.plan.selected, contact.ends.or(why_over)),
@@ -199,7 +201,6 @@ impl<C: TestCase> Session<'_, C> {
         observations: Vec<Option<Observation<C>>>,
         judgement: Judgement<C>,
     ) -> Run<C> {
-        let (asked, violation) = self.tally.counts();
         Run {
             observations,
             judgement,
@@ -207,8 +208,8 @@ impl<C: TestCase> Session<'_, C> {
             offer: contact.offer,
             table: contact.table,
             remarks: contact.remarks,
-            asked,
-            violation,
+            asked: self.tally.calls.load(Ordering::Relaxed),
+            violation: self.tally.violation.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
             scene: None,
