@@ -111,7 +111,6 @@ fn check<C: WritingCase>(
         args: &args.run,
         written: &args.written,
         shard: None,
-        stop,
     };
     run.check(suite, selected, &ask, &asking::reword)
 }
