@@ -172,7 +172,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::of_textures()?;
     let selected = args.selection(&suite, &vec![true; suite.cases.len()])?;
     let (mut decoder, words) = program(&args.decoder)?;
-    args.run.limit(&mut decoder, stop)?;
+    args.run.calls.limit(&mut decoder, stop)?;
     let guarded = Guarded::new()?;
     let run = ProgramRun {
         program: &decoder,
@@ -238,7 +238,7 @@ fn plan(
             (false, false) => Repeat::Failures,
         },
         stop: Arc::clone(stop),
-        ..RunPlan::new(suite, jobs(args.run.jobs)?)
+        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
     })
 }
 

@@ -165,7 +165,7 @@ impl CheckArgs {
             true => ", and what has left it, are",
             false => " is",
         };
-        let mut limits = self.run.limits_to_text();
+        let mut limits = self.run.calls.limits_to_text();
         limits.extend([
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),

@@ -107,32 +107,30 @@ fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
 /// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all names are read, so that a
 /// deep walk keeps no folder open.
 fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
-    let (mut folder, mut chunk) = (Some(folder), VecDeque::new());
+    let (mut folder, mut chunk) = (
+        Some(folder),
+        VecDeque::<io::Result<(OsString, FileType)>>::new(),
+    );
     std::iter::from_fn(move || {
         if chunk.is_empty()
             && let Some(open) = &mut folder
         {
-            chunk = next_chunk(open);
+            let named = |entry: io::Result<fs::DirEntry>| {
+                let entry = entry?;
+                Ok((entry.file_name(), entry.file_type()?))
+            };
+            chunk.extend(open.take(CHUNK).map(named));
+            // Unreadable ones first.
+            chunk.make_contiguous().sort_by(|a, b| match (a, b) {
+                (Ok((a, _)), Ok((b, _))) => a.cmp(b),
+                (a, b) => a.is_ok().cmp(&b.is_ok()),
+            });
             if chunk.len() < CHUNK {
                 folder = None;
             }
         }
         chunk.pop_front()
     })
-}
-
-/// Reads the next entries of a folder, sorted by name, unreadable ones first.
-fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>> {
-    let named = |entry: io::Result<fs::DirEntry>| {
-        let entry = entry?;
-        Ok((entry.file_name(), entry.file_type()?))
-    };
-    let mut chunk: Vec<io::Result<_>> = folder.take(CHUNK).map(named).collect();
-    chunk.sort_by(|a, b| match (a, b) {
-        (Ok((a, _)), Ok((b, _))) => a.cmp(b),
-        (a, b) => a.is_ok().cmp(&b.is_ok()),
-    });
-    chunk.into()
 }
 
 /// Returns the paths of a list, each ended by `end`; a line that is too long for a path ends the list.

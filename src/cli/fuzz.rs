@@ -78,7 +78,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     let plan = FuzzPlan {
         seed: args.seed,
         executions: args.executions,
-        jobs: jobs(args.call.jobs)?,
+        jobs: jobs(args.call.limits.jobs)?,
         views: args.views.clone(),
         declared,
         formats: args.formats.clone(),

@@ -108,7 +108,15 @@ impl<C: TestCase> Session<'_, C> {
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
-        let mut remarks: Vec<Remark> = first_trouble(self.suite, &first).into_iter().collect();
+        // The first file that was not answered in serve mode.
+        let trouble = first.iter().find_map(|First { case, view, reply }| {
+            let (id, says) = (
+                self.suite.cases[*case].id(),
+                trouble_of_serving(reply)?.says,
+            );
+            Some(Remark::failure(format!("{id} in {view}, {says}")))
+        });
+        let mut remarks: Vec<Remark> = trouble.into_iter().collect();
         let mut contact = Contact {
             offer: self.offered(&first, &mut remarks),
             first,
@@ -313,15 +321,6 @@ impl<C: TestCase> Session<'_, C> {
         let best = scores.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         (best.0 > ordinary + PROBES as f64 / 4.0).then_some(best.1)
     }
-}
-
-/// Returns a remark on the first of the first files that was not answered in serve mode.
-fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
-    first.iter().find_map(|First { case, view, reply }| {
-        let id = suite.cases[*case].id();
-        let says = trouble_of_serving(reply)?.says;
-        Some(Remark::failure(format!("{id} in {view}, {says}")))
-    })
 }
 
 /// Returns the reason why the program that sent these replies is not a decoder, if it is not.

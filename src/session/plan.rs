@@ -104,20 +104,6 @@ impl RunPlan {
         withheld
     }
 
-    /// Returns the selected cases with the twins that they depend on, and those of them that are requested first.
-    pub(super) fn with_twins<C: TestCase>(&self, suite: &Suite<C>) -> (Vec<bool>, Vec<bool>) {
-        let mut wanted = self.selected.clone();
-        let mut soonest = self.soonest.clone();
-        soonest.resize(suite.cases.len(), false);
-        for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
-            if let (true, Some(&twin)) = (self.selected[i], twins.first()) {
-                wanted[twin] = true;
-                soonest[twin] |= soonest[i];
-            }
-        }
-        (wanted, soonest)
-    }
-
     /// Returns the plan for a decoder with these capabilities.
     #[must_use]
     pub fn declared_by(self, capabilities: &Capabilities) -> RunPlan {

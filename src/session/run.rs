@@ -73,7 +73,14 @@ impl<C: TestCase> Session<'_, C> {
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
-        let (wanted, soonest) = plan.with_twins(suite);
+        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.soonest.clone());
+        soonest.resize(suite.cases.len(), false);
+        for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
+            if let (true, Some(&twin)) = (plan.selected[i], twins.first()) {
+                wanted[twin] = true;
+                soonest[twin] |= soonest[i];
+            }
+        }
         let is_asked = |&i: &usize| {
             contact.is_ready()
                 && wanted[i]
@@ -108,7 +115,7 @@ impl<C: TestCase> Session<'_, C> {
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
             };
-            if watch.is_over_at(place) || stop.load(Ordering::Relaxed) {
+            if watch.last().is_some_and(|last| place > last) || stop.load(Ordering::Relaxed) {
                 return false;
             }
             let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);

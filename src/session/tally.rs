@@ -58,11 +58,6 @@ impl HangWatch {
     pub fn last(&self) -> Option<usize> {
         Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
     }
-
-    /// Returns true if no file at this index is requested any more.
-    pub fn is_over_at(&self, place: usize) -> bool {
-        place > self.last.load(Relaxed)
-    }
 }
 
 #[cfg(test)]
