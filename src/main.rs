@@ -2,26 +2,9 @@
 
 mod cli;
 
-#[cfg(unix)]
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
-
-#[cfg(unix)]
-use cli::check_args::CheckArgs;
-use cli::completions::{CompletionsArgs, ManArgs};
-use cli::convert::ConvertArgs;
-use cli::diff::DiffArgs;
-#[cfg(not(unix))]
-use cli::elsewhere::UnsupportedArgs as CheckArgs;
-use cli::explain::ExplainArgs;
-use cli::export::ExportArgs;
-use cli::generate::GenerateArgs;
-use cli::inspect::InspectArgs;
-use cli::lint::LintArgs;
-use cli::output::Global;
-use cli::render::RenderArgs;
 
 /// Conformance suite and reference decoder for Polynomial Texture Maps (PTM 1.2).
 #[derive(Parser)]
@@ -33,7 +16,7 @@ use cli::render::RenderArgs;
 )]
 struct Cli {
     #[command(flatten)]
-    global: Global,
+    global: cli::output::Global,
     #[command(subcommand)]
     command: Command,
 }
@@ -42,26 +25,29 @@ struct Cli {
 enum Command {
     #[cfg(unix)]
     Probe(cli::probe::ProbeArgs),
-    Check(CheckArgs),
+    #[cfg(unix)]
+    Check(cli::check_args::CheckArgs),
+    #[cfg(not(unix))]
+    Check(cli::elsewhere::UnsupportedArgs),
     #[cfg(unix)]
     CheckWriter(cli::check_writer::CheckWriterArgs),
     Reference(cli::reference::Args),
     Example(cli::example::ExampleArgs),
-    Generate(GenerateArgs),
-    Explain(ExplainArgs),
+    Generate(cli::generate::GenerateArgs),
+    Explain(cli::explain::ExplainArgs),
     #[cfg(unix)]
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
     #[command(name = "minimize", alias = "minimise")]
     Minimise(cli::minimise::MinimiseArgs),
-    Inspect(InspectArgs),
-    Lint(LintArgs),
-    Render(RenderArgs),
-    Export(ExportArgs),
-    Convert(ConvertArgs),
-    Diff(DiffArgs),
-    Completions(CompletionsArgs),
-    Man(ManArgs),
+    Inspect(cli::inspect::InspectArgs),
+    Lint(cli::lint::LintArgs),
+    Render(cli::render::RenderArgs),
+    Export(cli::export::ExportArgs),
+    Convert(cli::convert::ConvertArgs),
+    Diff(cli::diff::DiffArgs),
+    Completions(cli::completions::CompletionsArgs),
+    Man(cli::completions::ManArgs),
     #[cfg(unix)]
     Texture(cli::texture::TextureArgs),
     #[cfg(unix)]
@@ -75,7 +61,7 @@ enum Command {
     #[command(hide = true)]
     Watch {
         run: u32,
-        directories: Vec<PathBuf>,
+        directories: Vec<std::path::PathBuf>,
     },
 }
 

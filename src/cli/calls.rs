@@ -13,14 +13,22 @@ use ptm_conform::runner::run::Decoder;
 
 /// Options of the run of a suite.
 #[derive(Args)]
+#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit of a call; the first call gets three times as much")))]
 pub struct RunArgs {
     /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
     pub report: PathBuf,
+    #[command(flatten)]
+    pub calls: LimitArgs,
+}
+
+/// Limits of calls, and their number in parallel.
+#[derive(Args)]
+pub struct LimitArgs {
     /// Calls in parallel; by default one per processor.
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
-    /// Wall-clock limit of a call; the first call gets three times as much.
+    /// Wall-clock limit of a call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
     /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
@@ -28,10 +36,13 @@ pub struct RunArgs {
     memory: u64,
 }
 
-impl RunArgs {
+impl LimitArgs {
     /// Applies the limits to a program, which stops when `stop` is set.
     pub fn limit(&self, program: &mut Decoder, stop: &Arc<AtomicBool>) -> Result<(), String> {
-        limit(program, self.timeout, self.memory, stop)
+        program.timeout = positive_seconds(self.timeout)?;
+        program.memory = self.memory;
+        program.stop = Arc::clone(stop);
+        Ok(())
     }
 
     /// Returns the limits in force, in words.
@@ -51,15 +62,8 @@ impl RunArgs {
 /// Options for calls of a decoder.
 #[derive(Args)]
 pub struct CallArgs {
-    /// Calls in parallel; by default one per processor.
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<usize>,
-    /// Wall-clock limit of a call.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
-    timeout: f64,
-    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
-    #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
-    memory: u64,
+    #[command(flatten)]
+    pub limits: LimitArgs,
     /// Another exit status that means "malformed", in addition to 65.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     reject_exit: Option<i32>,
@@ -70,22 +74,10 @@ impl CallArgs {
     pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
-        limit(&mut decoder, self.timeout, self.memory, stop)?;
+        self.limits.limit(&mut decoder, stop)?;
         decoder.reject_exit = self.reject_exit;
         Ok(decoder)
     }
-}
-
-fn limit(
-    program: &mut Decoder,
-    seconds: f64,
-    memory: u64,
-    stop: &Arc<AtomicBool>,
-) -> Result<(), String> {
-    program.timeout = positive_seconds(seconds)?;
-    program.memory = memory;
-    program.stop = Arc::clone(stop);
-    Ok(())
 }
 
 /// Returns a command quoted for a shell.

@@ -14,7 +14,7 @@ use super::output::{jobs, print};
 use super::probe::keep_files;
 use super::subject::{Answers, Subject, program};
 use super::terminal::show;
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed, own_files};
+use super::{CommandResult, own_files};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::reported::find_misreadings;
@@ -31,7 +31,6 @@ use ptm_conform::session::run::Run;
 use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::test_case::TestCase;
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -39,7 +38,10 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     let stop = stop_on_signals()?;
     processes::prepare();
     args.written.check(&args.run.report)?;
-    let is_reference = args.is_of_reference();
+    let is_reference = args.decoder.is_empty()
+        && args.cmd.is_none()
+        && args.outputs.is_none()
+        && args.caller.is_none();
     if is_reference {
         print("No decoder is given: checking the built-in reference.\n");
     }
@@ -62,7 +64,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         true => smoke::selection(&suite)?,
         false => vec![true; suite.cases.len()],
     };
-    let selected = selected(args, &suite, &among)?;
+    let selected = args.selection(&suite, &among)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
         find_misreadings(std::slice::from_ref(slug))
@@ -168,9 +170,9 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
 fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
     let suite = Suite::of_textures()?;
-    let selected = selected(args, &suite, &vec![true; suite.cases.len()])?;
+    let selected = args.selection(&suite, &vec![true; suite.cases.len()])?;
     let (mut decoder, words) = program(&args.decoder)?;
-    args.run.limit(&mut decoder, stop)?;
+    args.run.calls.limit(&mut decoder, stop)?;
     let guarded = Guarded::new()?;
     let run = ProgramRun {
         program: &decoder,
@@ -179,7 +181,6 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         args: &args.run,
         written: &args.written,
         shard: args.shard,
-        stop,
     };
     run.check(
         &suite,
@@ -187,25 +188,6 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
         &|_| (),
     )
-}
-
-/// Returns the cases that are selected; it is a failure if there are none.
-fn selected<C: TestCase>(
-    args: &CheckArgs,
-    suite: &Suite<C>,
-    among: &[bool],
-) -> Result<Vec<bool>, Failed> {
-    let selected = args.selection(suite, among)?;
-    if selected.contains(&true) {
-        return Ok(selected);
-    }
-    let ids = || suite.cases.iter().map(TestCase::id);
-    let meant = args.cases.iter().map(|name| did_you_mean(name, ids()));
-    let meant: String = meant.collect();
-    let says = format!(
-        "no case matches --case, --clause and --shard{meant}; ptm-conform explain 2.5 lists clauses and cases"
-    );
-    Err(Failed::new(EXIT_NOTHING_SELECTED, &says))
 }
 
 /// Refuses options that have no meaning for texture questions.
@@ -256,7 +238,7 @@ fn plan(
             (false, false) => Repeat::Failures,
         },
         stop: Arc::clone(stop),
-        ..RunPlan::new(suite, jobs(args.run.jobs)?)
+        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
     })
 }
 

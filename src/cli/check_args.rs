@@ -8,6 +8,8 @@ use clap::Args;
 use super::arguments::{id_filter, is_at_or_below, parse_refusal};
 use super::calls::{RunArgs, in_one_line};
 use super::ending::OutputArgs;
+use super::names::did_you_mean;
+use super::{EXIT_NOTHING_SELECTED, Failed};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
@@ -94,14 +96,6 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// Returns true if the built-in reference is checked.
-    pub fn is_of_reference(&self) -> bool {
-        self.decoder.is_empty()
-            && self.cmd.is_none()
-            && self.outputs.is_none()
-            && self.caller.is_none()
-    }
-
     /// Refuses `--` without a decoder, a possible result of an empty variable.
     pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
@@ -127,12 +121,13 @@ impl CheckArgs {
         Some(format!("ptm-conform check {}", in_one_line(&words)))
     }
 
-    /// Returns the cases that match the patterns, the clauses and the shard, of those among which `also` is.
+    /// Returns the cases that match the patterns, the clauses and the shard, of those that `also` marks; an error if there are
+    /// none.
     pub fn selection<C: TestCase>(
         &self,
         suite: &Suite<C>,
         also: &[bool],
-    ) -> Result<Vec<bool>, String> {
+    ) -> Result<Vec<bool>, Failed> {
         let is_named = id_filter(&self.cases)?;
         let is_about = |clause: &String| {
             self.clauses
@@ -145,7 +140,17 @@ impl CheckArgs {
                 && self.shard.is_none_or(|shard| shard.holds(case.id()))
         };
         let cases = suite.cases.iter().zip(also);
-        Ok(cases.map(|(case, &also)| also && matches(case)).collect())
+        let selected: Vec<bool> = cases.map(|(case, &also)| also && matches(case)).collect();
+        if selected.contains(&true) {
+            return Ok(selected);
+        }
+        let ids = || suite.cases.iter().map(TestCase::id);
+        let meant = self.cases.iter().map(|name| did_you_mean(name, ids()));
+        let says = format!(
+            "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists clauses and cases",
+            meant.collect::<String>()
+        );
+        Err(Failed::new(EXIT_NOTHING_SELECTED, &says))
     }
 
     /// Returns the limits in force, in words.
@@ -160,7 +165,7 @@ impl CheckArgs {
             true => ", and what has left it, are",
             false => " is",
         };
-        let mut limits = self.run.limits_to_text();
+        let mut limits = self.run.calls.limits_to_text();
         limits.extend([
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),

@@ -93,7 +93,13 @@ fn check<C: WritingCase>(
     suite: &Suite<C>,
     stop: &Arc<AtomicBool>,
 ) -> CommandResult {
-    let selected = args.selected(suite)?;
+    let is_named = id_filter(&args.cases)?;
+    let matches = |case: &C| {
+        is_named(case.id())
+            && (args.formats.is_empty() || args.formats.contains(&case.format()))
+            && (!args.smoke || case.is_smoke())
+    };
+    let selected: Vec<bool> = suite.cases.iter().map(matches).collect();
     if !selected.contains(&true) {
         let says = "no request matches --case, --ptm-format and --smoke";
         return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
@@ -111,23 +117,11 @@ fn check<C: WritingCase>(
         args: &args.run,
         written: &args.written,
         shard: None,
-        stop,
     };
     run.check(suite, selected, &ask, &asking::reword)
 }
 
 impl CheckWriterArgs {
-    /// Returns the requests that match; the first ones of the selected formats are always included.
-    fn selected<C: WritingCase>(&self, suite: &Suite<C>) -> Result<Vec<bool>, String> {
-        let is_named = id_filter(&self.cases)?;
-        let matches = |case: &C| {
-            is_named(case.id())
-                && (self.formats.is_empty() || self.formats.contains(&case.format()))
-                && (!self.smoke || case.is_smoke())
-        };
-        Ok(suite.cases.iter().map(matches).collect())
-    }
-
     /// Returns the writer with its limits, and its command for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
@@ -136,7 +130,7 @@ impl CheckWriterArgs {
             let (program, words) = program(&self.writer)?;
             (program.as_writer(verb), words)
         };
-        self.run.limit(&mut writer, stop)?;
+        self.run.calls.limit(&mut writer, stop)?;
         Ok((writer, words))
     }
 
@@ -147,6 +141,10 @@ impl CheckWriterArgs {
             &format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
             "input: the request and its files are compared with their original bytes after the call",
         ];
-        [self.run.limits_to_text(), others.map(str::to_owned).into()].concat()
+        [
+            self.run.calls.limits_to_text(),
+            others.map(str::to_owned).into(),
+        ]
+        .concat()
     }
 }

@@ -5,7 +5,7 @@
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
-use std::fs::{self, File, FileType, ReadDir};
+use std::fs::{self, FileType, ReadDir};
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
@@ -15,7 +15,6 @@ use super::files::is_named_pipe;
 use super::files::path_of;
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
-use ptm_conform::tools::lint::status::MAGIC;
 
 /// Number of names of a folder that are read and sorted at a time.
 const CHUNK: usize = 4096;
@@ -24,8 +23,6 @@ const MAX_PATH: u64 = 1 << 16;
 /// Number of bytes that always contain the first lines of a PTM, and their number: version, format, width and height.
 const FIRST_LINES: usize = 256;
 const LINES: usize = 4;
-/// Number of bytes that are read from the beginning of every file.
-const HEAD_BYTES: u64 = 4096;
 
 const NO_FILE: &str = "neither a file nor a folder";
 
@@ -114,32 +111,30 @@ fn meet(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
 /// Returns the entries of a folder, sorted by name in chunks. The folder is closed as soon as all names are read, so that a
 /// deep walk keeps no folder open.
 fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
-    let (mut folder, mut chunk) = (Some(folder), VecDeque::new());
+    let (mut folder, mut chunk) = (
+        Some(folder),
+        VecDeque::<io::Result<(OsString, FileType)>>::new(),
+    );
     std::iter::from_fn(move || {
         if chunk.is_empty()
             && let Some(open) = &mut folder
         {
-            chunk = next_chunk(open);
+            let named = |entry: io::Result<fs::DirEntry>| {
+                let entry = entry?;
+                Ok((entry.file_name(), entry.file_type()?))
+            };
+            chunk.extend(open.take(CHUNK).map(named));
+            // Unreadable ones first.
+            chunk.make_contiguous().sort_by(|a, b| match (a, b) {
+                (Ok((a, _)), Ok((b, _))) => a.cmp(b),
+                (a, b) => a.is_ok().cmp(&b.is_ok()),
+            });
             if chunk.len() < CHUNK {
                 folder = None;
             }
         }
         chunk.pop_front()
     })
-}
-
-/// Reads the next entries of a folder, sorted by name, unreadable ones first.
-fn next_chunk(folder: &mut ReadDir) -> VecDeque<io::Result<(OsString, FileType)>> {
-    let named = |entry: io::Result<fs::DirEntry>| {
-        let entry = entry?;
-        Ok((entry.file_name(), entry.file_type()?))
-    };
-    let mut chunk: Vec<io::Result<_>> = folder.take(CHUNK).map(named).collect();
-    chunk.sort_by(|a, b| match (a, b) {
-        (Ok((a, _)), Ok((b, _))) => a.cmp(b),
-        (a, b) => a.is_ok().cmp(&b.is_ok()),
-    });
-    chunk.into()
 }
 
 /// Returns the paths of a list, each ended by `end`; a line that is too long for a path ends the list.
@@ -161,63 +156,21 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     })
 }
 
-/// A file that has been read, if it is not longer than the limit.
-pub enum Opened {
-    /// Not a PTM: its beginning and its length.
-    Other(Vec<u8>, u64),
-    /// Longer than the limit, with its length if it is known.
-    TooLong(Option<u64>),
-    /// A whole file that begins like a PTM.
-    Map(Vec<u8>),
-}
-
-/// Reads a file and does `work` with it, for a PTM as soon as there is room for it and its planes.
-pub fn open<T>(
-    path: &Path,
-    limit: u64,
-    room: &Room,
-    work: impl FnOnce(Opened) -> T,
-) -> io::Result<T> {
-    let mut file = File::open(path)?;
-    let length = file.metadata()?.len();
-    let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
-    file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
-    if !bytes.starts_with(MAGIC) {
-        // The length of something other than a regular file is unknown before its end.
-        let length = length.max(bytes.len() as u64);
-        return Ok(work(Opened::Other(bytes, length)));
-    }
-    if length > limit {
-        return Ok(work(Opened::TooLong(Some(length))));
-    }
-    let mut words = bytes.windows(4).take(FIRST_LINES);
+/// Returns the memory that is needed for a PTM of this length and its planes.
+pub fn memory_for(beginning: &[u8], length: u64) -> u64 {
+    let mut words = beginning.windows(4).take(FIRST_LINES);
     // Only compressed planes are much larger than their file.
-    let needed = match words.any(|word| word == b"JPEG") {
-        // The decoded streams, and the texels that are made from them.
-        true => length.saturating_add(planes(&bytes).saturating_mul(2)),
-        false => length.saturating_mul(2),
-    };
-    room.run_with(needed, || {
-        // A shorter file ended within its beginning.
-        if bytes.len() as u64 == HEAD_BYTES {
-            let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
-            file.take(rest).read_to_end(&mut bytes)?;
-        }
-        Ok(work(match bytes.len() as u64 <= limit {
-            true => Opened::Map(bytes),
-            false => Opened::TooLong(None),
-        }))
-    })
-}
-
-/// Returns the number of bytes of the planes that the header declares.
-fn planes(beginning: &[u8]) -> u64 {
+    if !words.any(|word| word == b"JPEG") {
+        return length.saturating_mul(2);
+    }
     let head = &beginning[..beginning.len().min(FIRST_LINES)];
     let mut line_ends = (1..).zip(head).filter(|&(_, &byte)| byte == b'\n');
     let end = line_ends.nth(LINES - 1).map_or(head.len(), |(end, _)| end);
     let head = Dissection::parse(&head[..end]);
     let texels = head.size.map_or(0, |size| size.texels() as u64);
-    texels.saturating_mul(head.format.map_or(0, Format::channels) as u64)
+    let planes = texels.saturating_mul(head.format.map_or(0, Format::channels) as u64);
+    // The decoded streams, and the texels that are made from them.
+    length.saturating_add(planes.saturating_mul(2))
 }
 
 /// Memory that all workers share: a worker that needs more than is free waits.

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -43,7 +43,8 @@ pub struct Check<'a, C: Reported> {
     plan: &'a RunPlan,
     circumstances: Circumstances,
     ending: Ending<'a>,
-    partial: PartialResults,
+    /// The results so far, in a file next to the report: a list in YAML, valid after every case.
+    partial: (PathBuf, fs::File),
     progress: ProgressLine,
     /// A hint for faster answers; empty if there is none.
     pub faster: &'static str,
@@ -63,11 +64,15 @@ impl<'a, C: Reported> Check<'a, C> {
         let path = answers_path(ending.path);
         let keeper = shard.map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)));
         let keeper = keeper.transpose().map_err(with_path(&path))?;
+        let mut partial = ending.path.as_os_str().to_owned();
+        partial.push(".partial");
+        let partial = PathBuf::from(partial);
+        let file = fs::File::create(&partial).map_err(with_path(&partial))?;
         Ok(Check {
             suite,
             plan,
             circumstances,
-            partial: PartialResults::new(ending.path)?,
+            partial: (partial, file),
             ending,
             progress: ProgressLine::new("first contact"),
             faster: "",
@@ -117,11 +122,12 @@ impl<'a, C: Reported> Check<'a, C> {
         let all = soonest.len() + others.len();
         let done = AtomicUsize::new(0);
         let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
-            let view = observation.view.to_string();
-            self.partial
-                .append(case.id(), &view, observation.response.name());
+            let (id, view, answer) = (case.id(), &observation.view, observation.response.name());
+            let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
+            // One write per line; results that cannot be written are still in the report.
+            let _ = (&self.partial.1).write_all(line.as_bytes());
             // Answers that are changed before comparison stay recorded as received.
-            if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
+            if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
                 keeper.observed(case, observation);
             }
             if observation.is_wrong_for(case) {
@@ -221,7 +227,7 @@ impl<'a, C: Reported> Check<'a, C> {
         });
         drop(self.progress);
         let status = self.ending.finish(suite, &run, report)?;
-        self.partial.remove();
+        let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }
 }
@@ -240,8 +246,6 @@ pub struct ProgramRun<'a> {
     pub written: &'a OutputArgs,
     /// The part of the suite, if it is not the whole.
     pub shard: Option<Shard>,
-    /// Set when the user ends the run.
-    pub stop: &'a Arc<AtomicBool>,
 }
 
 impl ProgramRun<'_> {
@@ -256,8 +260,8 @@ impl ProgramRun<'_> {
         let plan = RunPlan {
             selected,
             repeat: Repeat::Failures,
-            stop: Arc::clone(self.stop),
-            ..RunPlan::new(suite, jobs(self.args.jobs)?)
+            stop: Arc::clone(&self.program.stop),
+            ..RunPlan::new(suite, jobs(self.args.calls.jobs)?)
         };
         let ending = Ending::new(suite, &self.args.report, self.written)?;
         let circumstances = Circumstances {
@@ -294,33 +298,4 @@ fn run_within<T>(
         drop(working);
         result
     })
-}
-
-/// The results so far, in a file next to the report: a list in YAML, valid after every case.
-struct PartialResults {
-    path: PathBuf,
-    file: fs::File,
-}
-
-impl PartialResults {
-    /// Creates the list for a run with the report `report`.
-    fn new(report: &Path) -> Result<PartialResults, String> {
-        let mut path = report.as_os_str().to_owned();
-        path.push(".partial");
-        let path = PathBuf::from(path);
-        let file = fs::File::create(&path).map_err(with_path(&path))?;
-        Ok(PartialResults { path, file })
-    }
-
-    /// Adds a case.
-    fn append(&self, id: &str, view: &str, answer: &str) {
-        let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
-        // One write per line; results that cannot be written are still in the report.
-        let _ = (&self.file).write_all(line.as_bytes());
-    }
-
-    /// Removes the list after the report is written.
-    fn remove(self) {
-        let _ = fs::remove_file(self.path);
-    }
 }

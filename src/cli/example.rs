@@ -1,6 +1,6 @@
 //! `ptm-conform example`
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::output;
 
@@ -14,26 +14,28 @@ use super::output;
 )]
 pub struct ExampleArgs {
     /// The programming language.
-    language: Language,
+    #[arg(value_parser = DECODERS.map(|(language, _)| language))]
+    language: String,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum Language {
-    Python,
-    C,
-    Java,
-    #[value(name = "javascript")]
-    JavaScript,
-    Rust,
-}
+/// The decoders, by their languages.
+const DECODERS: [(&str, &str); 5] = [
+    ("python", include_str!("../../examples/starters/decoder.py")),
+    ("c", include_str!("../../examples/starters/decoder.c")),
+    ("java", include_str!("../../examples/starters/Decoder.java")),
+    (
+        "javascript",
+        include_str!("../../examples/starters/decoder.js"),
+    ),
+    ("rust", include_str!("../../examples/starters/decoder.rs")),
+];
 
 pub fn run(args: &ExampleArgs) -> u8 {
-    output::print(match args.language {
-        Language::Python => include_str!("../../examples/starters/decoder.py"),
-        Language::C => include_str!("../../examples/starters/decoder.c"),
-        Language::Java => include_str!("../../examples/starters/Decoder.java"),
-        Language::JavaScript => include_str!("../../examples/starters/decoder.js"),
-        Language::Rust => include_str!("../../examples/starters/decoder.rs"),
-    });
+    for (_, text) in DECODERS
+        .iter()
+        .filter(|(language, _)| args.language == *language)
+    {
+        output::print(text);
+    }
     0
 }

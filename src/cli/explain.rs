@@ -25,7 +25,6 @@ use ptm_conform::suite::address;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::clauses::{self, Clause, Ruling};
 use ptm_conform::suite::name::SuiteName;
-#[cfg(unix)]
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes::{self, Code};
@@ -115,7 +114,6 @@ fn list(suite: &Suite) -> Result<String, String> {
 /// Describes an id, if it is known.
 fn explain(id: &str) -> Result<Option<String>, String> {
     let (suite, pages) = (Suite::load()?, SuiteName::Ptm);
-    let clauses = clauses::clauses()?;
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
         text += &explain_case(case);
@@ -123,23 +121,8 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     }
     #[cfg(unix)]
     text.push_str(&explain_request(id)?);
-    for clause in clauses
-        .iter()
-        .filter(|clause| is_at_or_below(&clause.id, id))
-    {
-        let about = suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.contains(&clause.id));
-        let cases = abbreviated(about, "cases");
-        let _ = writeln!(text, "clause {}\n  {cases}", rule_to_text(clause));
-        text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
-    }
-    for ruling in clauses::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        let kind = format!("{:?}", ruling.kind);
-        text += &explain_ruling(ruling, &kind, ["clauses", "open: ", "the reference"]);
-        text += &page_line(Some(pages.ruling_page(id)));
-    }
+    let clauses = clauses::clauses()?;
+    text += &explain_rules(&suite, pages, &clauses, &clauses::rulings()?, id);
     if let Some(misreading) = misreadings::find(id) {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
@@ -186,23 +169,8 @@ fn explain_texture(id: &str) -> Result<String, String> {
         }
         text += &page_line(pages.case_page(id));
     }
-    for clause in texture::clauses()?
-        .iter()
-        .filter(|clause| is_at_or_below(&clause.id, id))
-    {
-        let about = suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.contains(&clause.id));
-        let cases: Vec<&str> = about.map(|case| case.id.as_str()).collect();
-        let (rule, cases) = (rule_to_text(clause), cases.join(", "));
-        let _ = writeln!(text, "requirement {rule}\n  cases: {cases}");
-        text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
-    }
-    for ruling in texture::rulings()?.iter().filter(|ruling| ruling.id == id) {
-        text += &explain_ruling(ruling, ruling.kind.name(), ["requirements", "", "reading"]);
-        text += &page_line(Some(pages.ruling_page(id)));
-    }
+    let (clauses, rulings) = (texture::clauses()?, texture::rulings()?);
+    text += &explain_rules(&suite, pages, &clauses, &rulings, id);
     if let Some(misreading) = misreadings::texture::find(id) {
         text += &explain_misreading(misreading, "requirement");
         text += &page_line(Some(pages.misreading_page(id)));
@@ -210,29 +178,58 @@ fn explain_texture(id: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// Returns a clause with its ruling, and why it is not tested if it is not.
-fn rule_to_text(clause: &Clause) -> String {
-    let mut text = format!("{}: {}", clause.id, clause.rule);
-    if let Some(ruling) = &clause.ruling {
-        let _ = write!(text, " Ruling: {ruling}.");
+/// Describes the clauses at or below an id, and the ruling with this id.
+fn explain_rules<C: TestCase>(
+    suite: &Suite<C>,
+    pages: SuiteName,
+    clauses: &[Clause],
+    rulings: &[Ruling],
+    id: &str,
+) -> String {
+    let is_ptm = pages == SuiteName::Ptm;
+    let [rule, open, reference] = match is_ptm {
+        true => ["clause", "open: ", "the reference"],
+        false => ["requirement", "", "reading"],
+    };
+    let mut text = String::new();
+    for clause in clauses
+        .iter()
+        .filter(|clause| is_at_or_below(&clause.id, id))
+    {
+        let _ = write!(text, "{rule} {}: {}", clause.id, clause.rule);
+        if let Some(ruling) = &clause.ruling {
+            let _ = write!(text, " Ruling: {ruling}.");
+        }
+        if let Some(why) = &clause.why {
+            let _ = write!(text, " Not tested: {why}.");
+        }
+        let about = suite.cases.iter();
+        let about = about.filter(|case| case.clauses().contains(&clause.id));
+        let ids: Vec<&str> = about.map(TestCase::id).collect();
+        let _ = match is_ptm {
+            true => writeln!(text, "\n  {}", abbreviated(&ids, "cases")),
+            false => writeln!(text, "\n  cases: {}", ids.join(", ")),
+        };
+        text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
     }
-    if let Some(why) = &clause.why {
-        let _ = write!(text, " Not tested: {why}.");
+    for ruling in rulings.iter().filter(|ruling| ruling.id == id) {
+        let kind = match is_ptm {
+            true => format!("{:?}", ruling.kind),
+            false => ruling.kind.name().to_owned(),
+        };
+        let clauses = ruling.clauses.join(", ");
+        let (question, reading) = (ruling.question.trim(), ruling.reading.trim());
+        let _ = write!(
+            text,
+            "ruling {id} ({kind}), {rule}s {clauses}\n  {open}{question}\n  {reference}: {reading}\n"
+        );
+        for also in &ruling.also {
+            let _ = writeln!(text, "  also right: {also}");
+        }
+        let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+        text += &page_line(Some(pages.ruling_page(id)));
     }
     text
-}
-
-fn explain_ruling(ruling: &Ruling, kind: &str, [rules, open, reference]: [&str; 3]) -> String {
-    let also = ruling.also.iter();
-    let also: String = also.map(|also| format!("  also right: {also}\n")).collect();
-    format!(
-        "ruling {} ({kind}), {rules} {}\n  {open}{}\n  {reference}: {}\n{also}  evidence: {}\n",
-        ruling.id,
-        ruling.clauses.join(", "),
-        ruling.question.trim(),
-        ruling.reading.trim(),
-        ruling.evidence.trim()
-    )
 }
 
 fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
@@ -261,11 +258,13 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
         return Ok(String::new());
     };
     let case = &suite.cases[place];
+    let ids = failing.iter().map(|&place| &*suite.cases[place].id);
+    let ids: Vec<&str> = ids.collect();
     let judged = run.judgement.cases[place].as_ref();
     let view = run.observations[place].as_ref();
     Ok(format!(
         "  It fails {}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {}\n    {}: {}\n    {}\n",
-        abbreviated(failing.iter().map(|&place| &suite.cases[place]), "cases"),
+        abbreviated(&ids, "cases"),
         case.id,
         view.map_or_else(String::new, |observation| observation.view.to_string()),
         judged.map_or("", |judged| &judged.says),
@@ -333,7 +332,9 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
         let damage = case.damage().map(|damage| damage.name.as_str());
         code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
     };
-    let cases = abbreviated(suite.cases.iter().filter(provokes), "cases provoke it");
+    let cases = suite.cases.iter().filter(provokes);
+    let cases: Vec<&str> = cases.map(|case| &*case.id).collect();
+    let cases = abbreviated(&cases, "cases provoke it");
     let fix = match code.fix {
         "" => String::new(),
         fix => format!("  Fix: {fix}\n"),
@@ -344,9 +345,12 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
 }
 
 /// Returns the number of cases, and the first six.
-fn abbreviated<'a>(cases: impl Iterator<Item = &'a Case>, what: &str) -> String {
-    let ids: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
+fn abbreviated(ids: &[&str], what: &str) -> String {
     let more = if ids.len() > 6 { ", …" } else { "" };
     let first = ids[..ids.len().min(6)].join(", ");
-    format!("{} {what}: {first}{more}", ids.len())
+    match ids.len() {
+        0 => format!("no {what}"),
+        1 => format!("1 {}: {first}", what.trim_end_matches('s')),
+        count => format!("{count} {what}: {first}{more}"),
+    }
 }

@@ -1,6 +1,6 @@
 //! `ptm-conform export`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use image::ImageFormat;
@@ -31,50 +31,33 @@ pub struct ExportArgs {
     final_values: bool,
 }
 
-/// The format that the suffix of the output selects.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum ExportEncoding {
-    Exr,
-    Npy,
-    Png,
-}
-
-impl ExportEncoding {
-    fn from_path(path: &Path) -> Result<ExportEncoding, String> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy();
-        match extension.to_lowercase().as_str() {
-            "exr" => Ok(ExportEncoding::Exr),
-            "npy" => Ok(ExportEncoding::Npy),
-            "png" => Ok(ExportEncoding::Png),
-            _ => Err(files::with_path(path)(
-                "expected a name that ends in .exr, .npy or .png",
-            )),
-        }
-    }
-}
-
 pub fn run(args: &ExportArgs) -> CommandResult {
-    let encoding = ExportEncoding::from_path(&args.output)?;
-    if args.final_values && encoding == ExportEncoding::Png {
+    let suffix = args.output.extension().unwrap_or_default();
+    let suffix = suffix.to_string_lossy().to_lowercase();
+    if !["exr", "npy", "png"].contains(&&*suffix) {
+        let expected = "expected a name that ends in .exr, .npy or .png";
+        return Err(files::with_path(&args.output)(expected).into());
+    }
+    if args.final_values && suffix == "png" {
         return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned().into());
     }
     let ptm = files::read_map(&args.file)?;
     let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
     let channels = ptm.planes.shape.channels();
-    let (bytes, what) = match (encoding, args.final_values) {
-        (ExportEncoding::Exr, _) => (
+    let (bytes, what) = match (&*suffix, args.final_values) {
+        ("exr", _) => (
             export::exr(&ptm)?,
             format!("final coefficients in {channels} float channels"),
         ),
-        (ExportEncoding::Npy, true) => (
+        ("npy", true) => (
             export::npy_floats(&ptm.coefficients().values, size, channels),
             "final coefficients, 32-bit floats".to_owned(),
         ),
-        (ExportEncoding::Npy, false) => (
+        ("npy", false) => (
             export::npy_bytes(samples, size, channels),
             "stored bytes".to_owned(),
         ),
-        (ExportEncoding::Png, _) => (
+        _ => (
             export::stacked_planes(samples, size, channels).to_file(ImageFormat::Png)?,
             format!("{channels} stored planes below each other"),
         ),

@@ -116,7 +116,13 @@ pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
         return fs::write(path, bytes).map_err(with_path(path));
     }
     let place = follow_links(path).map_err(with_path(path))?;
-    let mut file = new_temporary_file(directory_of(&place)).map_err(with_path(path))?;
+    #[cfg_attr(not(unix), allow(unused_mut))]
+    let mut temporary = tempfile::Builder::new();
+    // The usual permissions of new files.
+    #[cfg(unix)]
+    temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
+    let file = temporary.tempfile_in(directory_of(&place));
+    let mut file = file.map_err(with_path(path))?;
     file.write_all(bytes.as_ref()).map_err(with_path(path))?;
     file.persist(&place)
         .map_err(|error| with_path(path)(error.error))?;
@@ -137,17 +143,4 @@ fn follow_links(path: &Path) -> io::Result<PathBuf> {
         }
     }
     Err(io::Error::other("too many symbolic links"))
-}
-
-/// Makes a temporary file with the usual permissions of new files.
-#[cfg(unix)]
-fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    (tempfile::Builder::new().permissions(permissions)).tempfile_in(directory)
-}
-
-/// Makes a temporary file.
-#[cfg(not(unix))]
-fn new_temporary_file(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
-    tempfile::NamedTempFile::new_in(directory)
 }

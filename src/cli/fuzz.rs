@@ -4,8 +4,7 @@ use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 
@@ -17,7 +16,6 @@ use super::{CommandResult, Failed};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
-use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
@@ -45,7 +43,7 @@ pub struct FuzzArgs {
     /// Stop after about this many calls.
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     executions: usize,
-    /// Stop after this many seconds.
+    /// Stop generating files after this many seconds; reducing a find may take longer.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Only files of this format, such as LRGB or JPEG_RGB. Repeatable.
@@ -77,9 +75,21 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     let scratch = &guarded.scratch;
     let declared = decoder.capabilities(scratch).unwrap_or_default();
     let serves = declared.serves && !args.one_shot;
-    let plan = args.plan(declared, &stop)?;
+    let plan = FuzzPlan {
+        seed: args.seed,
+        executions: args.executions,
+        jobs: jobs(args.call.limits.jobs)?,
+        views: args.views.clone(),
+        declared,
+        formats: args.formats.clone(),
+        stop: Arc::clone(&stop),
+    };
     if let Some(seconds) = args.seconds {
-        stop_after(positive_seconds(seconds)?, &stop);
+        let (time, stop) = (positive_seconds(seconds)?, Arc::clone(&stop));
+        std::thread::spawn(move || {
+            std::thread::sleep(time);
+            stop.store(true, Ordering::Relaxed);
+        });
     }
     let bar = bar(Some(args.executions as u64), CALLS_TEMPLATE);
     let servers = Servers::new(&decoder, scratch, plan.jobs);
@@ -113,18 +123,6 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
 }
 
 impl FuzzArgs {
-    fn plan(&self, declared: Capabilities, stop: &Arc<AtomicBool>) -> Result<FuzzPlan, String> {
-        Ok(FuzzPlan {
-            seed: self.seed,
-            executions: self.executions,
-            jobs: jobs(self.call.jobs)?,
-            views: self.views.clone(),
-            declared,
-            formats: self.formats.clone(),
-            stop: Arc::clone(stop),
-        })
-    }
-
     /// Writes a find to its files, and prints a description.
     fn write(&self, find: &Find) {
         let written = match write(find, TableSpelling::default(), &self.out) {
@@ -145,13 +143,4 @@ fn summary(result: &FuzzResult, end: &str) -> String {
         let _ = writeln!(text, "  {:>6}  {}", find.seen, find.cause.name());
     }
     text
-}
-
-/// Ends the run when the time is up.
-fn stop_after(time: Duration, stop: &Arc<AtomicBool>) {
-    let stop = Arc::clone(stop);
-    std::thread::spawn(move || {
-        std::thread::sleep(time);
-        stop.store(true, Ordering::Relaxed);
-    });
 }

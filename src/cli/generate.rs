@@ -61,7 +61,13 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     #[cfg(unix)]
     if let Some(view) = &args.requests {
         let out = args.out.as_deref().unwrap_or(Path::new("requests"));
-        return export_requests(&suite, view, out);
+        let count = with_progress(|progress| outputs::export(&suite, view, out, &progress))
+            .map_err(|error| error.to_string())?;
+        let out = out.display();
+        note(&format!(
+            "{count} requests for {view} in {out}; next steps: {out}/README.txt\n"
+        ));
+        return Ok(0);
     }
     let out = args.out.as_deref().unwrap_or(Path::new("corpus"));
     if let Some(profile) = args.profile {
@@ -114,17 +120,6 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
             "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
         ));
     }
-    Ok(0)
-}
-
-#[cfg(unix)]
-fn export_requests(suite: &Suite, view: &str, out: &Path) -> CommandResult {
-    let count = with_progress(|progress| outputs::export(suite, view, out, &progress))
-        .map_err(|error| error.to_string())?;
-    let out = out.display();
-    note(&format!(
-        "{count} requests for {view} in {out}; next steps: {out}/README.txt\n"
-    ));
     Ok(0)
 }
 

@@ -125,9 +125,4 @@ mod tests {
         let linked = with_links(&line, &|_| None);
         assert_eq!(linked.matches("2.9.8.html").count(), 2, "{linked:?}");
     }
-
-    #[test]
-    fn off_a_terminal_nothing_is_a_link() {
-        assert_eq!(linked("clause 2.4/8"), "clause 2.4/8");
-    }
 }

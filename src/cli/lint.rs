@@ -1,16 +1,16 @@
 //! `ptm-conform lint`
 
-use std::io::{self, BufReader};
+use std::fs::File;
+use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::Args;
 use indicatif::ProgressBar;
-use serde::Serialize;
 
 use super::arguments::parse_size;
-use super::collection::{FileSource, Met, Opened, Room, open, paths, walk};
+use super::collection::{FileSource, Met, Room, memory_for, paths, walk};
 use super::files::with_path;
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
@@ -24,7 +24,7 @@ use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::lint::codes::{ALL, Severity};
 use ptm_conform::tools::lint::names::printable;
 use ptm_conform::tools::lint::settings::Settings;
-use ptm_conform::tools::lint::status::Status;
+use ptm_conform::tools::lint::status::{MAGIC, Status};
 
 /// Check files: errors, what other readers may show, and fixes.
 ///
@@ -91,16 +91,8 @@ pub struct LintArgs {
     machine: Machine,
 }
 
-/// A code in the list of codes.
-#[derive(Serialize)]
-struct ListedCode {
-    code: &'static str,
-    severity: Severity,
-    clause: &'static str,
-    says: &'static str,
-    fix: &'static str,
-    provoked_by: &'static [String],
-}
+/// Number of bytes that are read from the beginning of every file.
+const HEAD_BYTES: u64 = 4096;
 
 /// The result of a worker for a file.
 struct Row {
@@ -254,33 +246,43 @@ impl Judge<'_> {
         Row { path, lint, failed }
     }
 
+    /// Checks a file, a PTM as soon as there is room for it and its planes.
     fn judge(&self, path: &Path) -> io::Result<Lint> {
-        let name = printable(path.as_os_str());
-        open(path, self.limit, &self.room, |opened| match opened {
-            Opened::Other(beginning, bytes) => Lint::of_other(&name, &beginning, bytes),
-            Opened::TooLong(bytes) => {
-                let reason = format!("larger than the limit of {} bytes", self.limit);
-                Lint::unread(&name, bytes, Some(reason))
+        let (name, limit) = (printable(path.as_os_str()), self.limit);
+        let too_long = |length: Option<u64>| {
+            let reason = format!("larger than the limit of {limit} bytes");
+            Lint::unread(&name, length, Some(reason))
+        };
+        let mut file = File::open(path)?;
+        let length = file.metadata()?.len();
+        let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
+        file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
+        if !bytes.starts_with(MAGIC) {
+            // The length of something other than a regular file is unknown before its end.
+            let length = length.max(bytes.len() as u64);
+            return Ok(Lint::of_other(&name, &bytes, length));
+        }
+        if length > limit {
+            return Ok(too_long(Some(length)));
+        }
+        self.room.run_with(memory_for(&bytes, length), || {
+            // A shorter file ended within its beginning.
+            if bytes.len() as u64 == HEAD_BYTES {
+                let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
+                file.take(rest).read_to_end(&mut bytes)?;
             }
-            Opened::Map(file) => {
-                let mut lint = Lint::new(&name, &file);
-                lint.readers = readers::predictions(&file, self.readers);
-                lint
+            if bytes.len() as u64 > limit {
+                return Ok(too_long(None));
             }
+            let mut lint = Lint::new(&name, &bytes);
+            lint.readers = readers::predictions(&bytes, self.readers);
+            Ok(lint)
         })
     }
 }
 
 fn list_codes(args: &LintArgs) -> CommandResult {
-    let listed = ALL.iter().map(|code| ListedCode {
-        code: code.id,
-        severity: code.severity,
-        clause: code.clause,
-        says: code.says,
-        fix: code.fix,
-        provoked_by: &code.provoked_by,
-    });
-    if !args.machine.print(&listed.collect::<Vec<_>>())? {
+    if !args.machine.print(&*ALL)? {
         for code in ALL.iter() {
             let (id, clause, says) = (code.id, code.clause, code.says);
             output::print(&format!("{id}  {clause:<8} {says}\n"));

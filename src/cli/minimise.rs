@@ -45,7 +45,12 @@ pub struct MinimiseArgs {
 
 /// Writes the smallest file on which the decoder still fails in the same way.
 pub fn run(args: &MinimiseArgs) -> CommandResult {
-    let file = bytes_of(&args.file)?;
+    let file = match Suite::load()?.case(&args.file) {
+        Some(case) => case.build(TableSpelling::default()).file.clone(),
+        None => files::read(Path::new(&args.file)).map_err(|error| {
+            format!("neither the id of a case nor a file that can be read: {error}")
+        })?,
+    };
     let stop = stop_on_signals()?;
     let decoder = args.call.decoder(&args.decoder, &stop)?;
     let guarded = Guarded::new()?;
@@ -89,15 +94,6 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         "{found}: {after} bytes instead of {before}, in {out}\n"
     ));
     Ok(0)
-}
-
-fn bytes_of(name: &str) -> Result<Vec<u8>, String> {
-    let suite = Suite::load()?;
-    if let Some(case) = suite.case(name) {
-        return Ok(case.build(TableSpelling::default()).file.clone());
-    }
-    files::read(Path::new(name))
-        .map_err(|error| format!("neither the id of a case nor a file that can be read: {error}"))
 }
 
 /// Describes how an answer differs from the reference's; returns `None` if it does not.

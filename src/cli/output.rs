@@ -4,24 +4,13 @@ use std::borrow::Cow;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ColorChoice};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use terminal_size::{Height, Width};
 use textwrap::{Options, WordSeparator, WordSplitter};
 
 use ptm_conform::kit::yaml::to_yaml;
-
-/// When to use color.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ColorWhen {
-    /// On a terminal, unless NO_COLOR is set
-    Auto,
-    /// Always
-    Always,
-    /// Never
-    Never,
-}
 
 /// Options of every command.
 #[derive(Args)]
@@ -35,7 +24,7 @@ pub struct Global {
         hide_possible_values = true,
         help_heading = "Global options"
     )]
-    color: ColorWhen,
+    color: ColorChoice,
     /// Print results and errors only: no progress, no notes, no summaries.
     #[arg(short, long, global = true, help_heading = "Global options")]
     quiet: bool,
@@ -59,9 +48,9 @@ impl Global {
     pub fn apply(&self) {
         QUIET.store(self.quiet, Relaxed);
         let choice = match self.color {
-            ColorWhen::Auto => anstream::ColorChoice::Auto,
-            ColorWhen::Always => anstream::ColorChoice::Always,
-            ColorWhen::Never => anstream::ColorChoice::Never,
+            ColorChoice::Auto => anstream::ColorChoice::Auto,
+            ColorChoice::Always => anstream::ColorChoice::Always,
+            ColorChoice::Never => anstream::ColorChoice::Never,
         };
         choice.write_global();
     }

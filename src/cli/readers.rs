@@ -57,22 +57,21 @@ pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPredict
     let predict = |profile: &&ReaderProfile| {
         let mut prediction = subject.predict(profile);
         if prediction.shows != Shown::Right {
-            prediction.fix = Some(fix(file, profile));
+            let (dissection, name) = (Dissection::parse(file), &profile.name);
+            let converted = match &dissection.outcome {
+                Ok(ptm) => convert_for(&dissection, ptm, &[profile]),
+                Err(_) => {
+                    Err("write the file again from its source; `lint` lists its errors".to_owned())
+                }
+            };
+            prediction.fix = Some(match converted {
+                Ok((format, _)) => {
+                    format!("`ptm-conform convert --for {name}` writes the same map as {format}")
+                }
+                Err(why) => why,
+            });
         }
         prediction
     };
     readers.iter().map(predict).collect()
-}
-
-/// Returns a fix with which the reader shows the file correctly.
-fn fix(file: &[u8], reader: &ReaderProfile) -> String {
-    let dissection = Dissection::parse(file);
-    let Ok(ptm) = &dissection.outcome else {
-        return "write the file again from its source; `lint` lists its errors".to_owned();
-    };
-    let name = &reader.name;
-    convert_for(&dissection, ptm, &[reader]).map_or_else(
-        |why| why,
-        |(format, _)| format!("`ptm-conform convert --for {name}` writes the same map as {format}"),
-    )
 }

@@ -14,7 +14,7 @@ use ptm_conform::report::html;
 use ptm_conform::report::junit;
 use ptm_conform::report::merge::KeptAnswers;
 use ptm_conform::report::reported::Reported;
-use ptm_conform::suite::cases::{Case, Suite};
+use ptm_conform::suite::cases::Case;
 use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases::TextureCase;
 use ptm_conform::writers::cases::WriterCase;
@@ -129,12 +129,13 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
             let report = Report::read(file)?;
-            match report.suite {
-                SuiteName::Ptm => show_report::<Case>(&report, cases, *show),
-                SuiteName::Texture => show_report::<TextureCase>(&report, cases, *show),
-                SuiteName::Writers => show_report::<WriterCase>(&report, cases, *show),
-                SuiteName::Fitters => show_report::<FitCase>(&report, cases, *show),
+            let text = (forms(report.suite).text)(&report, cases, *show)?;
+            if text.is_empty() {
+                let says = "no case of the report matches";
+                return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
             }
+            super::terminal::show(&printable(&text));
+            Ok(0)
         }
         ReportCommand::Merge(args) => {
             // Parts of one run have the same suite, so the first determines it.
@@ -146,25 +147,15 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         ReportCommand::Html { files, output } => {
             let reports = files.iter().map(|file| Report::read(file));
             let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-            let page = match reports[0].suite {
-                SuiteName::Ptm => html_page::<Case>(&reports),
-                SuiteName::Texture => html_page::<TextureCase>(&reports),
-                SuiteName::Writers => html_page::<WriterCase>(&reports),
-                SuiteName::Fitters => html_page::<FitCase>(&reports),
-            };
-            super::files::write_whole(output, page?)?;
+            let page = (forms(reports[0].suite).page)(&reports)?;
+            super::files::write_whole(output, page)?;
             Ok(0)
         }
         ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)?),
         ReportCommand::Badge(made) => made.write(&badge::badge(&Report::read(&made.file)?)),
         ReportCommand::Markdown(made) => {
             let report = Report::read(&made.file)?;
-            let all = match report.suite {
-                SuiteName::Ptm => Suite::load()?.cases.len(),
-                SuiteName::Texture => Suite::of_textures()?.cases.len(),
-                SuiteName::Writers => Suite::of_requests()?.cases.len(),
-                SuiteName::Fitters => Suite::of_photographs(None).cases.len(),
-            };
+            let all = (forms(report.suite).count)()?;
             made.write(&github::summary(&report, all))
         }
         ReportCommand::Diff { old, new, cases } => {
@@ -175,25 +166,36 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     }
 }
 
-fn show_report<C: Reported>(report: &Report, cases: &[String], show: usize) -> CommandResult {
-    let suite = C::suite()?;
-    let text = match cases {
-        [] => report.to_text(&suite, show),
-        cases => report.cases_to_text(&suite, id_filter(cases)?),
-    };
-    if text.is_empty() {
-        let says = "no case of the report matches";
-        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
-    }
-    super::terminal::show(&printable(&text));
-    Ok(0)
+/// The functions that depend on the suite of a report.
+struct Forms {
+    /// Returns the report, or the cases that match, as text.
+    text: fn(&Report, &[String], usize) -> Result<String, String>,
+    /// Returns an HTML page of one report or several.
+    page: fn(&[Report]) -> Result<String, String>,
+    /// Returns the number of cases.
+    count: fn() -> Result<usize, String>,
 }
 
-fn html_page<C: Reported>(reports: &[Report]) -> Result<String, String> {
-    let suite = C::suite()?;
-    match reports {
-        [report] => html::page(&suite, report, None),
-        reports => html::matrix(reports, &(C::CLAUSES)()?, suite.cases.len()),
+fn forms(suite: SuiteName) -> Forms {
+    match suite {
+        SuiteName::Ptm => forms_of::<Case>(),
+        SuiteName::Texture => forms_of::<TextureCase>(),
+        SuiteName::Writers => forms_of::<WriterCase>(),
+        SuiteName::Fitters => forms_of::<FitCase>(),
+    }
+}
+
+fn forms_of<C: Reported>() -> Forms {
+    Forms {
+        text: |report, cases, show| match cases {
+            [] => Ok(report.to_text(&C::suite()?, show)),
+            cases => Ok(report.cases_to_text(&C::suite()?, id_filter(cases)?)),
+        },
+        page: |reports| match reports {
+            [report] => html::page(&C::suite()?, report, None),
+            reports => html::matrix(reports, &(C::CLAUSES)()?, C::suite()?.cases.len()),
+        },
+        count: || Ok(C::suite()?.cases.len()),
     }
 }
 

@@ -90,7 +90,7 @@ impl Subject {
             Some(text) => called_by(text, Template::parse(text))?,
             None => program(&args.decoder)?,
         };
-        args.run.limit(&mut decoder, stop)?;
+        args.run.calls.limit(&mut decoder, stop)?;
         let mut subject = subject(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
             subject.restrict_to(&Template::parse(text)?, args, suite)?;

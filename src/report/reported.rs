@@ -136,7 +136,7 @@ impl Reported for Case {
         let common = transform::common(suite, contact);
         let remarks = &mut contact.remarks;
         remarks.splice(0..0, transform::in_words(&common));
-        session.undo(common.into_iter().map(|of| of.undo).collect());
+        session.undo = common.into_iter().map(|of| of.undo).collect();
     }
 
     fn assume(suite: &Suite, run: &mut Run, slugs: &[String], jobs: usize) -> Result<(), String> {

@@ -33,7 +33,26 @@ impl<C: TestCase> Session<'_, C> {
         if self.plan.repeat == Repeat::Nothing {
             return false;
         }
-        let is_wanted = |&i: &usize| self.is_asked_again(observations, judgement, i);
+        let is_wanted = |&i: &usize| {
+            let (Some(observation), Some(judged)) = (&observations[i], &judgement.cases[i]) else {
+                return false;
+            };
+            // A timeout would take its time again; if two responses differ already, the case is settled.
+            let is_settled = observation.nondeterminism.is_some()
+                || matches!(observation.response, Response::Violation(Answer::Hung(_)));
+            // A sample, and the first legal case of each kind that counts as unsupported.
+            let cases = &self.suite.cases;
+            let is_first_unsupported = || {
+                let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
+                unsupported.find(|&place| {
+                    cases[place].kind() == cases[i].kind()
+                        && cases[place].expect() == Expect::Decode
+                }) == Some(i)
+            };
+            let sampled = self.plan.repeat == Repeat::FailuresAndSample
+                && (i % SAMPLE == SAMPLE / 2 || is_first_unsupported());
+            !is_settled && (judged.outcome == Outcome::Fail || sampled)
+        };
         let wanted = (0..observations.len()).filter(is_wanted).collect();
         let (some, rest) = self.some_of_each_kind(observations, wanted);
         let differs = self.repeat_alone(table, observations, &some, progress);
@@ -80,7 +99,8 @@ impl<C: TestCase> Session<'_, C> {
             let place = places[at];
             let first = lock().0[place].clone();
             let mut first = first.expect("only observations are repeated");
-            let ask = || self.observe_alone(&self.suite.cases[place], &first.view, table, worker);
+            let case = &self.suite.cases[place];
+            let ask = || self.request(case, &first.view, table, worker, None).0;
             let alone = ask();
             // A crash, a timeout or truncated output may be an accident of that one process.
             let is_no_answer =
@@ -106,32 +126,6 @@ impl<C: TestCase> Session<'_, C> {
             true
         });
         state.into_inner().expect("no worker panics").2
-    }
-
-    fn is_asked_again(
-        &self,
-        observations: &[Option<Observation<C>>],
-        judgement: &Judgement<C>,
-        i: usize,
-    ) -> bool {
-        let (Some(observation), Some(judged)) = (&observations[i], &judgement.cases[i]) else {
-            return false;
-        };
-        // A timeout would take its time again; if two responses differ already, the case is settled.
-        let is_settled = observation.nondeterminism.is_some()
-            || matches!(observation.response, Response::Violation(Answer::Hung(_)));
-        let sampled = self.plan.repeat == Repeat::FailuresAndSample
-            && (i % SAMPLE == SAMPLE / 2 || self.is_first_unsupported(judgement, i));
-        !is_settled && (judged.outcome == Outcome::Fail || sampled)
-    }
-
-    /// Returns true if a case is the first legal one of its kind that counts as unsupported.
-    fn is_first_unsupported(&self, judgement: &Judgement<C>, i: usize) -> bool {
-        let cases = &self.suite.cases;
-        let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
-        unsupported.find(|&place| {
-            cases[place].kind() == cases[i].kind() && cases[place].expect() == Expect::Decode
-        }) == Some(i)
     }
 }
 

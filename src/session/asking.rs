@@ -43,9 +43,10 @@ pub struct Undo<C: TestCase> {
 pub struct Session<'a, C: TestCase> {
     pub(super) suite: &'a Suite<C>,
     pub(super) plan: &'a RunPlan,
-    pub(super) tally: Tally<'a>,
+    pub(super) tally: Tally,
     ask: &'a Ask<'a, C>,
-    undo: Vec<Undo<C>>,
+    /// The changes that are undone in every image before it is compared.
+    pub undo: Vec<Undo<C>>,
 }
 
 impl<'a, C: TestCase> Session<'a, C> {
@@ -55,33 +56,32 @@ impl<'a, C: TestCase> Session<'a, C> {
         Session {
             suite,
             plan,
-            tally: Tally::new(&plan.stop),
+            tally: Tally::default(),
             ask,
             undo: Vec::new(),
         }
     }
 
-    /// Undoes these changes in every image before it is compared, from now on.
-    pub fn undo(&mut self, changes: Vec<Undo<C>>) {
-        self.undo = changes;
-    }
-
-    /// Returns true if a change is undone.
-    #[must_use]
-    pub fn undoes_changes(&self) -> bool {
-        !self.undo.is_empty()
-    }
-
     /// Returns true if nothing more is to be asked.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.tally.why_over().is_some()
+        self.why_over().is_some()
+    }
+
+    /// Returns the reason to end the run, if there is one.
+    pub(super) fn why_over(&self) -> Option<&'static str> {
+        let (stop, hung) = (&self.plan.stop, &self.tally.hung);
+        match (stop.load(Ordering::Relaxed), hung.load(Ordering::Relaxed)) {
+            (true, _) => Some("the run was interrupted"),
+            (false, true) => Some("the run ended early: three legal files in a row hung"),
+            (false, false) => None,
+        }
     }
 
     /// Returns the number of requests so far.
     #[must_use]
     pub fn requests_sent(&self) -> usize {
-        self.tally.counts().0
+        self.tally.calls.load(Ordering::Relaxed)
     }
 
     /// Requests `case` in `view` and compares the answer with the expected one. `worker` numbers concurrent callers.
@@ -92,27 +92,20 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
     ) -> (Observation<C>, ReplyTo<C>) {
-        let timeout_factor = self.tally.call();
+        // The first call may have to warm up.
+        let timeout_factor = match self.tally.calls.fetch_add(1, Ordering::Relaxed) {
+            0 => 3,
+            _ => 1,
+        };
         let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
         if reply.answer.violation().is_some() || reply.served.is_some() {
-            self.tally.count_violation();
+            self.tally.violation.fetch_add(1, Ordering::Relaxed);
         }
         (observation, reply)
     }
 
-    /// Asks a new process, without counting the request.
-    pub(super) fn observe_alone(
-        &self,
-        case: &C,
-        view: &C::View,
-        table: TableSpelling,
-        worker: usize,
-    ) -> Observation<C> {
-        self.request(case, view, table, worker, None).0
-    }
-
-    /// Sends a request, to a new process if there is no factor for its timeout.
-    fn request(
+    /// Sends a request without counting it, to a new process if there is no factor for its timeout.
+    pub(super) fn request(
         &self,
         case: &C,
         view: &C::View,

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-use crate::protocol::frame::Answer;
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::runner::run::Reply;
 use crate::session::asking::{ReplyTo, Session, is_hang, trouble_of_serving};
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
@@ -11,6 +12,7 @@ use crate::session::plan::Repeat;
 use crate::session::remark::Remark;
 use crate::session::tally::HangWatch;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::compare::Expected;
 use crate::suite::dialect::Right;
 use crate::suite::test_case::TestCase;
 
@@ -32,6 +34,47 @@ impl<C: TestCase> First<C> {
 
     fn is_unsupported(&self) -> bool {
         matches!(self.reply.answer, Answer::Unsupported)
+    }
+}
+
+/// A reply to a first file, and the answer of a correct decoder.
+pub(super) struct FirstReply<'a> {
+    pub(super) case: &'a Case,
+    pub(super) view: &'a View,
+    pub(super) file: Vec<u8>,
+    pub(super) expected: Expected,
+    pub(super) reply: &'a Reply,
+}
+
+impl FirstReply<'_> {
+    /// Returns the received frame, if there is one.
+    pub(super) fn frame(&self) -> Option<&Frame> {
+        match &self.reply.answer {
+            Answer::Decoded(frame) => Some(frame),
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_right(&self) -> bool {
+        (self.frame()).is_some_and(|frame| self.expected.compare(frame).is_none())
+    }
+}
+
+impl Contact {
+    /// Returns the replies to the first files whose right answers are known.
+    pub(super) fn replies<'a>(&'a self, suite: &'a Suite) -> Vec<FirstReply<'a>> {
+        let reply = |first: &'a First| {
+            let case = &suite.cases[first.case];
+            let built = case.build(TableSpelling::default());
+            Some(FirstReply {
+                case,
+                view: &first.view,
+                file: built.file.clone(),
+                expected: Expected::new(&built.values, &first.view)?,
+                reply: &first.reply,
+            })
+        };
+        self.first.iter().filter_map(reply).collect()
     }
 }
 
@@ -65,7 +108,15 @@ impl<C: TestCase> Session<'_, C> {
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
-        let mut remarks: Vec<Remark> = first_trouble(self.suite, &first).into_iter().collect();
+        // The first file that was not answered in serve mode.
+        let trouble = first.iter().find_map(|First { case, view, reply }| {
+            let (id, says) = (
+                self.suite.cases[*case].id(),
+                trouble_of_serving(reply)?.says,
+            );
+            Some(Remark::failure(format!("{id} in {view}, {says}")))
+        });
+        let mut remarks: Vec<Remark> = trouble.into_iter().collect();
         let mut contact = Contact {
             offer: self.offered(&first, &mut remarks),
             first,
@@ -270,15 +321,6 @@ impl<C: TestCase> Session<'_, C> {
         let best = scores.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         (best.0 > ordinary + PROBES as f64 / 4.0).then_some(best.1)
     }
-}
-
-/// Returns a remark on the first of the first files that was not answered in serve mode.
-fn first_trouble<C: TestCase>(suite: &Suite<C>, first: &[First<C>]) -> Option<Remark> {
-    first.iter().find_map(|First { case, view, reply }| {
-        let id = suite.cases[*case].id();
-        let says = trouble_of_serving(reply)?.says;
-        Some(Remark::failure(format!("{id} in {view}, {says}")))
-    })
 }
 
 /// Returns the reason why the program that sent these replies is not a decoder, if it is not.

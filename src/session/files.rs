@@ -25,7 +25,7 @@ use crate::suite::values::Values;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
     /// `pass` or `fail`.
-    pub verdict: &'static str,
+    pub verdict: Outcome,
     /// The result for each file.
     pub files: Vec<FileResult>,
 }
@@ -39,7 +39,7 @@ pub struct FileResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<String>,
     /// Comparison with the reference: pass, fail, unsupported.
-    pub outcome: &'static str,
+    pub outcome: Outcome,
     /// The reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
@@ -72,7 +72,7 @@ pub fn check_file(
     let mut result = FileResult {
         file: name.to_owned(),
         view: None,
-        outcome: Outcome::Unsupported.name(),
+        outcome: Outcome::Unsupported,
         says: None,
         relations: Vec::new(),
         encodings: 0,
@@ -101,8 +101,8 @@ pub fn check_file(
         }
     }
     result.outcome = match compared.is_ok() && result.relations.is_empty() {
-        true => Outcome::Pass.name(),
-        false => Outcome::Fail.name(),
+        true => Outcome::Pass,
+        false => Outcome::Fail,
     };
     result.says = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
     result
@@ -254,10 +254,9 @@ impl FilesReport {
     /// Creates the report of some files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
-        let has_failed = |file: &FileResult| file.outcome == Outcome::Fail.name();
-        let verdict = match files.iter().any(has_failed) {
-            true => Outcome::Fail.name(),
-            false => Outcome::Pass.name(),
+        let verdict = match files.iter().any(|file| file.outcome == Outcome::Fail) {
+            true => Outcome::Fail,
+            false => Outcome::Pass,
         };
         FilesReport { verdict, files }
     }
@@ -265,10 +264,10 @@ impl FilesReport {
     /// Returns 0, 1, or 3 if no file was read at all.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        let is_unread = |file: &FileResult| file.outcome == Outcome::Unsupported.name();
-        match self.files.iter().all(is_unread) {
+        let mut files = self.files.iter();
+        match files.all(|file| file.outcome == Outcome::Unsupported) {
             true => 3,
-            false => u8::from(self.verdict == Outcome::Fail.name()),
+            false => u8::from(self.verdict == Outcome::Fail),
         }
     }
 

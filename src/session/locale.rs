@@ -5,7 +5,7 @@
 
 use std::process::{Command, Stdio};
 
-use crate::protocol::frame::{Answer, Frame, View, ViewKind};
+use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
 use crate::session::contact::First;
@@ -72,21 +72,21 @@ pub fn difference(
             alone: true,
         };
         let answer = decoder.ask(&request, scratch).answer;
-        (!answer.is_like(&reply.answer)).then(|| message(locale, &case.id, view, &answer, frame))
+        let got = match &answer {
+            answer if answer.is_like(&reply.answer) => return None,
+            Answer::Decoded(other)
+                if (other.width, other.height) != (frame.width, frame.height) =>
+            {
+                format!("an image of {}x{}", other.width, other.height)
+            }
+            Answer::Decoded(_) => "another image".to_owned(),
+            other => other.describe(),
+        };
+        Some(format!(
+            "in the locale {locale}, which writes numbers with a comma, {} in {view} gives {got}: numbers in PTM files have a decimal point in every locale (LC_NUMERIC)",
+            case.id
+        ))
     })
-}
-
-fn message(locale: &str, id: &str, view: &View, answer: &Answer, frame: &Frame) -> String {
-    let got = match answer {
-        Answer::Decoded(other) if (other.width, other.height) != (frame.width, frame.height) => {
-            format!("an image of {}x{}", other.width, other.height)
-        }
-        Answer::Decoded(_) => "another image".to_owned(),
-        other => other.describe(),
-    };
-    format!(
-        "in the locale {locale}, which writes numbers with a comma, {id} in {view} gives {got}: numbers in PTM files have a decimal point in every locale (LC_NUMERIC)"
-    )
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 
 /// The plan of a run.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunPlan {
     /// The cases that are judged, one slot per case of the suite.
     pub selected: Vec<bool>,
@@ -59,14 +59,7 @@ impl RunPlan {
         RunPlan {
             selected: vec![true; suite.cases.len()],
             jobs,
-            views: Vec::new(),
-            soonest: Vec::new(),
-            withheld: Vec::new(),
-            precomputed: false,
-            declared_views: Vec::new(),
-            declared_kinds: Vec::new(),
-            repeat: Repeat::Nothing,
-            stop: Arc::default(),
+            ..RunPlan::default()
         }
     }
 
@@ -109,20 +102,6 @@ impl RunPlan {
             }
         }
         withheld
-    }
-
-    /// Returns the selected cases with the twins that they depend on, and those of them that are requested first.
-    pub(super) fn with_twins<C: TestCase>(&self, suite: &Suite<C>) -> (Vec<bool>, Vec<bool>) {
-        let mut wanted = self.selected.clone();
-        let mut soonest = self.soonest.clone();
-        soonest.resize(suite.cases.len(), false);
-        for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
-            if let (true, Some(&twin)) = (self.selected[i], twins.first()) {
-                wanted[twin] = true;
-                soonest[twin] |= soonest[i];
-            }
-        }
-        (wanted, soonest)
     }
 
     /// Returns the plan for a decoder with these capabilities.

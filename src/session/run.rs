@@ -73,7 +73,14 @@ impl<C: TestCase> Session<'_, C> {
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
-        let (wanted, soonest) = plan.with_twins(suite);
+        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.soonest.clone());
+        soonest.resize(suite.cases.len(), false);
+        for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
+            if let (true, Some(&twin)) = (plan.selected[i], twins.first()) {
+                wanted[twin] = true;
+                soonest[twin] |= soonest[i];
+            }
+        }
         let is_asked = |&i: &usize| {
             contact.is_ready()
                 && wanted[i]
@@ -108,7 +115,7 @@ impl<C: TestCase> Session<'_, C> {
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
             };
-            if watch.is_over_at(place) || stop.load(Ordering::Relaxed) {
+            if watch.last().is_some_and(|last| place > last) || stop.load(Ordering::Relaxed) {
                 return false;
             }
             let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);
@@ -126,7 +133,9 @@ impl<C: TestCase> Session<'_, C> {
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                self.tally.forget(observation.is_violation());
+                let is_violation = observation.is_violation();
+                self.tally.calls.fetch_sub(1, Ordering::Relaxed);
+                (self.tally.violation).fetch_sub(is_violation.into(), Ordering::Relaxed);
             }
         }
     }
@@ -171,7 +180,7 @@ impl<C: TestCase> Session<'_, C> {
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
-        let why_over = self.tally.why_over();
+        let why_over = self.why_over();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, why_over),
             None => (&self.plan.selected, contact.ends.or(why_over)),
@@ -199,7 +208,6 @@ impl<C: TestCase> Session<'_, C> {
         observations: Vec<Option<Observation<C>>>,
         judgement: Judgement<C>,
     ) -> Run<C> {
-        let (asked, violation) = self.tally.counts();
         Run {
             observations,
             judgement,
@@ -207,8 +215,8 @@ impl<C: TestCase> Session<'_, C> {
             offer: contact.offer,
             table: contact.table,
             remarks: contact.remarks,
-            asked,
-            violation,
+            asked: self.tally.calls.load(Ordering::Relaxed),
+            violation: self.tally.violation.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
             scene: None,

@@ -7,57 +7,13 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 const HANGS_THAT_END_A_RUN: usize = 3;
 
 /// Counts of calls so far.
-pub(super) struct Tally<'a> {
-    calls: AtomicUsize,
-    violation: AtomicUsize,
+#[derive(Default)]
+pub(super) struct Tally {
+    pub calls: AtomicUsize,
+    /// Number of calls that ended in neither a frame nor a refusal.
+    pub violation: AtomicUsize,
     /// True if too many consecutive legal files timed out.
-    hung: AtomicBool,
-    stop: &'a AtomicBool,
-}
-
-impl<'a> Tally<'a> {
-    /// Starts with zero; `stop` is set when the user ends the run.
-    pub fn new(stop: &'a AtomicBool) -> Tally<'a> {
-        Tally {
-            calls: AtomicUsize::new(0),
-            violation: AtomicUsize::new(0),
-            hung: AtomicBool::new(false),
-            stop,
-        }
-    }
-
-    /// Counts a call; returns the factor for its timeout, because the first call may have to warm up.
-    pub fn call(&self) -> u32 {
-        match self.calls.fetch_add(1, Relaxed) {
-            0 => 3,
-            _ => 1,
-        }
-    }
-
-    /// Counts a call that ended in neither a frame nor a refusal.
-    pub fn count_violation(&self) {
-        self.violation.fetch_add(1, Relaxed);
-    }
-
-    /// Removes a call from the counts.
-    pub fn forget(&self, violation: bool) {
-        self.calls.fetch_sub(1, Relaxed);
-        self.violation.fetch_sub(violation.into(), Relaxed);
-    }
-
-    /// Returns the reason to end the run, if there is one.
-    pub fn why_over(&self) -> Option<&'static str> {
-        match (self.stop.load(Relaxed), self.hung.load(Relaxed)) {
-            (true, _) => Some("the run was interrupted"),
-            (false, true) => Some("the run ended early: three legal files in a row hung"),
-            (false, false) => None,
-        }
-    }
-
-    /// Returns the number of calls, and of those that ended in neither a frame nor a refusal.
-    pub fn counts(&self) -> (usize, usize) {
-        (self.calls.load(Relaxed), self.violation.load(Relaxed))
-    }
+    pub hung: AtomicBool,
 }
 
 /// Tracks timeouts of files that are requested in sequence or in parallel, to end the run.
@@ -102,11 +58,6 @@ impl HangWatch {
     pub fn last(&self) -> Option<usize> {
         Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
     }
-
-    /// Returns true if no file at this index is requested any more.
-    pub fn is_over_at(&self, place: usize) -> bool {
-        place > self.last.load(Relaxed)
-    }
 }
 
 #[cfg(test)]
@@ -116,13 +67,12 @@ mod tests {
     /// Returns the index at which a run ends after these answers; each is true if the file at its index timed out. The files at
     /// even indices are legal.
     fn end_after(answers: impl IntoIterator<Item = (usize, bool)>) -> Option<usize> {
-        let stop = AtomicBool::new(false);
-        let tally = Tally::new(&stop);
+        let tally = Tally::default();
         let watch = HangWatch::new((0..20).step_by(2).collect());
         for (place, is_hang) in answers {
             watch.note(place, is_hang, &tally);
         }
-        assert_eq!(tally.why_over().is_some(), watch.last().is_some());
+        assert_eq!(tally.hung.into_inner(), watch.last().is_some());
         watch.last()
     }
 

@@ -6,16 +6,13 @@
 
 use std::sync::Arc;
 
-use crate::protocol::frame::{Answer, Frame, ViewKind};
-use crate::ptm::Format;
+use crate::protocol::frame::{Frame, ViewKind};
 use crate::session::asking::{Undo, Undoing};
-use crate::session::contact::{Contact, First};
+use crate::session::contact::{Contact, FirstReply};
 use crate::session::curve;
 use crate::session::probe::{Arrangement, ProbeFault, joined};
 use crate::session::remark::Remark;
 use crate::suite::cases::{Case, Suite};
-use crate::suite::compare::Expected;
-use crate::suite::test_case::TestCase;
 
 /// A change of all images of a view.
 pub struct CommonTransform {
@@ -27,31 +24,26 @@ pub struct CommonTransform {
     next: String,
 }
 
-/// A first file: the expected image and the received one.
-struct FirstImage<'a> {
-    format: Format,
-    expected: Expected,
-    frame: &'a Frame,
-    /// The image of the reference.
-    right: Option<Frame>,
-}
+/// A reply to a first file, and the frame in it.
+type FirstImage<'a> = (&'a FirstReply<'a>, &'a Frame);
 
-impl FirstImage<'_> {
-    fn is_right(&self) -> bool {
-        self.expected.compare(self.frame).is_none()
-    }
-
-    fn is_explained_by(&self, undo: &Undo<Case>) -> bool {
-        let undone = (undo.undo)(self.frame, self.right.as_ref());
-        self.expected.compare(&undone).is_none()
-    }
+fn is_explained_by(undo: &Undo<Case>, (reply, frame): &FirstImage) -> bool {
+    let undone = (undo.undo)(frame, Some(&reply.expected.frame()));
+    reply.expected.compare(&undone).is_none()
 }
 
 /// Returns the changes that the images of all first files have in common, view by view, if none of them is right and one change
 /// explains them.
 #[must_use]
 pub fn common(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
-    let of_view = |view| in_common(view, &pictures(suite, contact, view));
+    let replies = contact.replies(suite);
+    let decoded = |reply| Some((reply, FirstReply::frame(reply)?));
+    let decoded: Vec<FirstImage> = replies.iter().filter_map(decoded).collect();
+    let of_view = |view| {
+        let mut pictures = decoded.clone();
+        pictures.retain(|(reply, _)| reply.view.kind() == view);
+        in_common(view, &pictures)
+    };
     ViewKind::ALL.into_iter().filter_map(of_view).collect()
 }
 
@@ -76,28 +68,9 @@ pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
     said.into_iter().map(words).collect()
 }
 
-fn pictures<'a>(suite: &Suite, contact: &'a Contact, view: ViewKind) -> Vec<FirstImage<'a>> {
-    let decoded = |first: &'a First| {
-        let Answer::Decoded(frame) = &first.reply.answer else {
-            return None;
-        };
-        let case = &suite.cases[first.case];
-        let built = case.build(contact.table);
-        Some(FirstImage {
-            format: case.format(),
-            expected: Expected::new(&built.values, &first.view)?,
-            frame,
-            right: case.expected_output(&first.view),
-        })
-    };
-    let first = contact.first.iter();
-    let of_view = first.filter(|first| first.view.kind() == view);
-    of_view.filter_map(decoded).collect()
-}
-
 fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform> {
     let (right, wrong): (Vec<&FirstImage>, Vec<&FirstImage>) =
-        pictures.iter().partition(|picture| picture.is_right());
+        pictures.iter().partition(|(reply, _)| reply.is_right());
     // It must explain nearly all wrong images; one image may match a mistake by chance.
     let enough = |count: usize| count >= 2 && 4 * count >= 3 * wrong.len();
     if !enough(wrong.len()) {
@@ -106,20 +79,21 @@ fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform>
     let explained = |undo: &Undo<Case>| {
         let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) = wrong
             .iter()
-            .partition(|picture| picture.is_explained_by(undo));
+            .partition(|picture| is_explained_by(undo, picture));
+        let format = |picture: &FirstImage| picture.0.case.format();
         // A format is explained in all sizes or in none: a change of small images also applies to larger ones.
         let is_whole =
-            |picture: &&FirstImage| open.iter().all(|other| other.format != picture.format);
+            |picture: &&FirstImage| open.iter().all(|other| format(other) != format(picture));
         // A change of one format out of several is a mistake about that format.
         let is_common = || {
-            let of_another = |picture: &&FirstImage| picture.format != explained[0].format;
+            let of_another = |picture: &&FirstImage| format(picture) != format(explained[0]);
             right.is_empty() || explained.iter().any(of_another)
         };
         // A right image must look the same with and without it.
         let is_said = enough(explained.len())
             && is_common()
             && explained.iter().all(is_whole)
-            && right.iter().all(|picture| picture.is_explained_by(undo));
+            && right.iter().all(|picture| is_explained_by(undo, picture));
         is_said.then_some(right.len() + explained.len())
     };
     let (count, change) = candidates(view, pictures)
@@ -150,7 +124,9 @@ fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
         change(mistakes, Arc::new(move |frame, _| arrangement.undo(frame)))
     });
     let pairs = pictures.iter();
-    let pairs: Vec<_> = pairs.map(|one| (&one.expected, one.frame)).collect();
+    let pairs: Vec<_> = pairs
+        .map(|&(reply, frame)| (&reply.expected, frame))
+        .collect();
     let curves = curve::candidates(view, &pairs).into_iter();
     let curves = curves.map(|(fault, curve)| {
         change(

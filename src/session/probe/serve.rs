@@ -64,9 +64,8 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             let code = line.trim_end().strip_prefix("2 reject ");
             let code: Option<i32> = code.and_then(|code| code.parse().ok());
             if code.is_none() || code != Some(EXIT_MALFORMED) && code != calls.decoder.reject_exit {
-                let line = format!("{line:?}");
-                let fault = fault("serve-wrong-refusal", &[("line", &line)]);
-                return Err(Some((2, fault)));
+                let slots: &Slots = &[("line", &format!("{line:?}"))];
+                return Err(Some((2, fault("serve-wrong-refusal", slots))));
             }
         }
         Served::Gone(_) => return after(2, "serve-gone"),
@@ -108,8 +107,7 @@ fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), Pro
             true => "serve-count",
             false => "serve-frame",
         };
-        let line = format!("{line:?}");
-        fault(name, &[("error", &error), ("line", &line)])
+        fault(name, &[("error", &error), ("line", &format!("{line:?}"))])
     })?;
     match frame.is_like(right) {
         true => Ok(()),
@@ -165,8 +163,7 @@ impl<'a> Dialog<'a> {
         }
         match self.wait() {
             Served::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
-                let line = format!("{line:?}");
-                let slots: &Slots = &[("sequence", &sequence), ("line", &line)];
+                let slots: &Slots = &[("sequence", &sequence), ("line", &format!("{line:?}"))];
                 Served::Wrong(fault("serve-sequence", slots))
             }
             served => served,
@@ -207,11 +204,10 @@ impl<'a> Dialog<'a> {
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
         let size = match words[..] {
-            [_, "ok", size] => {
-                let size = size.parse().ok();
-                let size = size.filter(|&size| size <= MAX_ANSWER);
-                size.ok_or("serve-size")
-            }
+            [_, "ok", size] => match size.parse() {
+                Ok(size @ 0..=MAX_ANSWER) => Ok(size),
+                _ => Err("serve-size"),
+            },
             [_, "reject" | "unsupported", ..] => Ok(0),
             _ => Err("serve-words"),
         };
@@ -221,10 +217,10 @@ impl<'a> Dialog<'a> {
                 output.drain(..end + 1 + size);
                 Some(Served::Answer(line, bytes))
             }
-            Err(name) => {
-                let line = format!("{line:?}");
-                Some(Served::Wrong(fault(name, &[("line", &line)])))
-            }
+            Err(name) => Some(Served::Wrong(fault(
+                name,
+                &[("line", &format!("{line:?}"))],
+            ))),
         }
     }
 }

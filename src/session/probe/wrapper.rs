@@ -11,10 +11,9 @@ use crate::kit::parallel::in_parallel;
 use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
-use crate::session::contact::{Contact, First};
+use crate::session::contact::{Contact, FirstReply};
 use crate::session::plan::RunPlan;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::compare::Expected;
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};
@@ -23,15 +22,6 @@ use super::message::ProbeFault;
 use super::one_shot::malformed;
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
-
-/// A reply to a first file, and that of a correct decoder.
-struct FirstReply<'a> {
-    case: &'a Case,
-    view: &'a View,
-    file: Vec<u8>,
-    expected: Expected,
-    reply: &'a Reply,
-}
 
 /// Returns the faults of the wrapper of `decoder`, from its answers to the first files, a large one and malformed ones; none if
 /// it is ready. Each has a fix and the number of affected views. `command` is empty if it is not a command to which the file
@@ -50,10 +40,7 @@ pub fn wrapper_faults(
         decoder,
         scratch,
     };
-    let first = contact.first.iter();
-    let replies: Vec<FirstReply> = first
-        .filter_map(|first| FirstReply::new(suite, first))
-        .collect();
+    let replies = contact.replies(suite);
     let mut views: Vec<&View> = Vec::new();
     for reply in &replies {
         if !views.contains(&reply.view) {
@@ -70,7 +57,7 @@ pub fn wrapper_faults(
     }
     let decoded = |view: &&View| {
         let mut replies = replies.iter().filter(|reply| reply.view == *view);
-        replies.find(|reply| matches!(reply.reply.answer, Answer::Decoded(_)))
+        replies.find(|reply| reply.frame().is_some())
     };
     let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
     let large = |i: usize| cut_frame(&calls, decoded[i], contact.table);
@@ -106,29 +93,13 @@ fn each_once(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     each.into_iter().map(with_count).collect()
 }
 
-impl<'a> FirstReply<'a> {
-    fn new(suite: &'a Suite, first: &'a First) -> Option<FirstReply<'a>> {
-        let case = &suite.cases[first.case];
-        let built = case.build(TableSpelling::default());
-        Some(FirstReply {
-            case,
-            view: &first.view,
-            file: built.file.clone(),
-            expected: Expected::new(&built.values, &first.view)?,
-            reply: &first.reply,
-        })
-    }
-
+impl FirstReply<'_> {
     /// Returns the received bytes: as they are, or those of the frame if a serving process answered.
     fn bytes(&self) -> Vec<u8> {
-        match &self.reply.answer {
-            Answer::Decoded(frame) if self.reply.stdout.is_empty() => frame.to_bytes(),
+        match self.frame() {
+            Some(frame) if self.reply.stdout.is_empty() => frame.to_bytes(),
             _ => self.reply.stdout.clone(),
         }
-    }
-
-    fn is_right(&self) -> bool {
-        matches!(&self.reply.answer, Answer::Decoded(frame) if self.expected.compare(frame).is_none())
     }
 
     fn step(&self, fault: ProbeFault) -> ProbeStep {

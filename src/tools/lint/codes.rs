@@ -116,13 +116,14 @@ impl Problem {
 }
 
 /// The code of a problem, and its text.
-#[derive(Debug, PartialEq, Eq, Deserialize)]
+#[derive(Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Code {
     /// `PTM-E001`; permanent.
     #[serde(rename = "code", deserialize_with = "leaked")]
     pub id: Text,
     /// The problem.
+    #[serde(skip_serializing)]
     pub problem: Problem,
     /// Its severity.
     pub severity: Severity,
@@ -136,6 +137,7 @@ pub struct Code {
     #[serde(default, deserialize_with = "leaked")]
     pub fix: Text,
     /// The ruling of kind *choice* that changes the image.
+    #[serde(skip_serializing)]
     pub ruling: Option<String>,
     /// Names of damages and ids of cases, each of which provokes the code.
     pub provoked_by: Vec<String>,

@@ -54,7 +54,7 @@ fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
-        if let Some(keeper) = keeper.filter(|_| !session.undoes_changes()) {
+        if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
             keeper.observed(case, observation);
         }
     });
