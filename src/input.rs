@@ -109,7 +109,7 @@ impl<'a> Input<'a> {
         Ok(())
     }
 
-    /// Reads one line feed, which one space may precede.
+    /// Reads one line feed, optionally preceded by one space.
     pub(crate) fn line_end(&mut self, clause: &'static str) -> Result<()> {
         if !self.skip_line_end() {
             return Err(self.wrong(clause, "the end of the line"));

@@ -190,7 +190,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     )
 }
 
-/// Refuses options that have no meaning for texture questions.
+/// Rejects options that do not apply to texture questions.
 fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     let options = [
         ("--smoke", args.smoke),

@@ -15,7 +15,7 @@ pub(crate) struct CoverCandidate<T> {
     pub cause: T,
     /// Failing cases that it reproduces, by their places in the suite.
     pub explains: Vec<usize>,
-    /// Passing cases that it would have failed.
+    /// Passing cases that the misreading would have failed.
     pub contradicted: Vec<usize>,
     /// Causes that no case separates from it. Filled in by [`cover`].
     pub alike: Vec<T>,

@@ -385,7 +385,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if a mistake can act on a file: the file has the table, matrix or compressed planes that the clause is about.
+/// Returns true if the misreading can affect the file: the file has the table, matrix or compressed planes that the clause is about.
 #[must_use]
 pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

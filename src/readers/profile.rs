@@ -45,7 +45,7 @@ pub enum Evidence {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownMisreading {
-    /// Its slug in `misreadings.yaml`.
+    /// The slug of the misreading in `misreadings.yaml`.
     pub slug: String,
     /// The evidence.
     pub evidence: Evidence,

@@ -196,7 +196,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     })
 }
 
-/// Names the request that the process answered before.
+/// Describes the request that the process answered previously.
 pub(super) fn after_request(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),

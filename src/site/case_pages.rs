@@ -94,7 +94,7 @@ fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
     }
 }
 
-/// Describes the tolerance of values.
+/// Describes the tolerance for the values of a case.
 fn slack(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
     let expected = Expected::new(&built.values, view)?;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::load::spec_file;
 use crate::kit::yaml::from_yaml;
 
-/// A rule of the text, in our own words.
+/// A rule of the specification, in our own words.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clause {

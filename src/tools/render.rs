@@ -231,7 +231,7 @@ impl Image {
         })
     }
 
-    /// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and at the bottom.
+    /// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and bottom edges.
     fn shrunk(&self, factor: usize) -> Image {
         if factor <= 1 {
             return self.clone();

@@ -1,4 +1,4 @@
-//! One binary for all integration tests; folders are named as the modules of `src` that they test.
+//! One binary for all integration tests; folders are named after the `src` modules that they test.
 
 #[cfg(all(unix, feature = "cli"))]
 mod common;

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 /// The longest side on the page, in CSS pixels.
 const SHOWN: usize = 208;
 
-/// Two images of one size, three bytes per texel.
+/// Two images of the same size, three bytes per texel.
 pub(super) struct Compared<'a> {
     pub width: usize,
     pub height: usize,

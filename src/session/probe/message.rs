@@ -16,7 +16,7 @@ static TEMPLATES: LazyLock<BTreeMap<String, BTreeMap<String, String>>> = LazyLoc
     from_yaml(include_str!("../../../spec-cases/probe.yaml")).expect("a test reads them")
 });
 
-/// Returns the message of this name, with its slots filled in.
+/// Returns the message named `name` with its slots filled in.
 pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {
     let fill = |part: &str| {
         let filled = |text: String, (slot, value): &(&str, &dyn Display)| {

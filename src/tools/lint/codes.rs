@@ -119,7 +119,7 @@ impl Problem {
 #[derive(Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Code {
-    /// `PTM-E001`; permanent.
+    /// The permanent identifier, for example `PTM-E001`.
     #[serde(rename = "code", deserialize_with = "leaked")]
     pub id: Text,
     /// The problem.

@@ -1,4 +1,4 @@
-//! Findings of lint about a file.
+//! Lint findings for a file.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! The properties that the fuzz targets drive, driven by proptest; and everything that a target ever found, again.
+//! Runs the properties of the fuzz targets with proptest, and replays every input that a target has failed on.
 
 use std::path::Path;
 

@@ -364,7 +364,7 @@ fn malformed_arrays_are_refused() {
 '>f4' | False | (1, 1, 1) | 1234 | high byte first
 '<f8' | False | (1, 1, 1) | 12345678 | f64
 '<i8' | False | (1, 1, 1) | 12345678 | \"<i8\"
-[('r', '|u1')] | False | (1, 1, 1) | 1 | a string before
+[('r', '|u1')] | False | (1, 1, 1) | 1 | expected a string
 '|u1' | False | (1, 3) | 123 | 2 numbers
 '|u1' | False | (1, 1, 4) | 123 | needs 4 bytes, 3 follow
 '|u1' | False | (1, 1, 2) | 123 | needs 2 bytes, 3 follow
