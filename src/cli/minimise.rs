@@ -11,7 +11,10 @@ use super::files;
 use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, print};
+use ptm_conform::Reading;
+use ptm_conform::diagnose::alike;
 use ptm_conform::fuzz::reduce;
+use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, View};
 use ptm_conform::runner::run::Request;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
@@ -93,14 +96,43 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     print(&format!(
         "{found}: {after} bytes instead of {before}, in {out}\n"
     ));
+    let answers = [(&file, ask(&file)), (&small, ask(&small))];
+    let explains = |misreading: &&Misreading| {
+        answers.iter().all(|(file, answer)| {
+            match (
+                misreadings::answer(&[*misreading], Reading::SPEC, file, &args.view),
+                answer,
+            ) {
+                (Answer::Decoded(made), Answer::Decoded(shown)) => alike(&made, shown),
+                (made, answer) => made.is_of_kind(answer),
+            }
+        })
+    };
+    let causes: Vec<&Misreading> = misreadings::all().filter(explains).collect();
+    if causes.len() <= MAX_CAUSES {
+        for Misreading {
+            slug,
+            effect,
+            clause,
+            ..
+        } in causes
+        {
+            print(&format!(
+                "a decoder that {effect} (clause {clause}) gives both responses; more: ptm-conform explain {slug}\n"
+            ));
+        }
+    }
     Ok(0)
 }
+
+/// Maximum number of misreadings that are named as possible causes: one file shows many alike.
+const MAX_CAUSES: usize = 3;
 
 /// Describes how an answer differs from the reference's; returns `None` if it does not.
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
-            let is_like = ptm_conform::diagnose::alike(&Frame::render(&ptm, view), frame);
+            let is_like = alike(&Frame::render(&ptm, view), frame);
             (!is_like).then_some("another image")
         }
         (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),

@@ -38,6 +38,12 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
             "name the program in it".to_owned(),
         ));
     }
+    if here.is_file() && here.extension().is_some_and(|suffix| suffix == "ptm") {
+        return Err((
+            format!("{text} is a PTM file, not a decoder"),
+            format!("to check a file: ptm-conform lint {text}"),
+        ));
+    }
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {
@@ -56,7 +62,8 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         return Err((says, next));
     };
     let Ok(about) = fs::metadata(&program) else {
-        return Err(missing(text, &format!("{text}: no such file")));
+        let next = "check the path of the decoder".to_owned();
+        return Err((format!("{text}: no such file"), next));
     };
     if !about.is_file() {
         return Err((
