@@ -11,11 +11,12 @@ use super::files;
 use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, print};
-use ptm_conform::Reading;
+
 use ptm_conform::diagnose::alike;
 use ptm_conform::fuzz::reduce;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, View};
+use ptm_conform::reading::Reading;
 use ptm_conform::runner::run::Request;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 

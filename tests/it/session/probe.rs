@@ -96,7 +96,7 @@ fn commands_that_cannot_be_started() {
     }
     for [decoder, says, next] in rows(
         r#"
-./no-such-decoder | no such file | name the decoder by a path
+./no-such-decoder | no such file | check the path of the decoder
 no-such-decoder-in-path | no program of this name is in PATH | name the decoder
 in-this-directory | looked up in PATH only | write ./in-this-directory
 'python3 plain.py' | no program of this name
