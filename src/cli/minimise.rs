@@ -70,7 +70,8 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
         };
         decoder.ask(&request, scratch).answer
     };
-    let Some(found) = symptom(&file, &args.view, &ask(&file)) else {
+    let first = ask(&file);
+    let Some(found) = symptom(&file, &args.view, &first) else {
         print("the decoder answers as the reference does; there is nothing to reduce\n");
         return Ok(1);
     };
@@ -97,7 +98,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     print(&format!(
         "{found}: {after} bytes instead of {before}, in {out}\n"
     ));
-    let answers = [(&file, ask(&file)), (&small, ask(&small))];
+    let answers = [(&file, first), (&small, ask(&small))];
     let explains = |misreading: &&Misreading| {
         answers.iter().all(|(file, answer)| {
             match (

@@ -79,7 +79,9 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
     let (drawn, small) = (&find.drawn, &find.small);
     let reduced = match drawn == small {
-        true => "; not reduced, because the time limit was reached or every smaller file passes",
+        true => {
+            "; not reduced: the time limit was reached, or no smaller file failed in the same way"
+        }
         false => ", reduced here",
     };
     let _ = writeln!(

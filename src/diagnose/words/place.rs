@@ -514,11 +514,8 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
         channel_name(pair.channels, channel),
     );
     let is_limited = pair.view == ViewKind::Rgb && (pair.want[i] <= 0.0 || pair.want[i] >= 255.0);
-    let limited = if is_limited {
-        ", limited to 0…255"
-    } else {
-        ""
-    };
+    let limited = is_limited.then_some(", limited to 0…255");
+    let limited = limited.unwrap_or_default();
     text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}{limited}")));
     if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()

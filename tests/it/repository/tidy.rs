@@ -165,27 +165,29 @@ fn functions(text: &str) -> Vec<(String, usize)> {
 
 /// The types of a file, without those of tests and the associated ones.
 fn types(tokens: TokenStream) -> Vec<String> {
-    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut found = Vec::new();
-    let mut at = 0;
-    while at < tokens.len() {
-        if is_for_tests(&tokens[at..]) {
-            at += 2;
-            at += item_length(&tokens[at..]);
-            continue;
-        }
-        if let [TokenTree::Ident(word), TokenTree::Ident(name), ..] = &tokens[at..]
+    each_place(tokens, &mut |tokens| {
+        if let [TokenTree::Ident(word), TokenTree::Ident(name), ..] = tokens
             && ["struct", "enum", "union", "trait", "type"].contains(&word.to_string().as_str())
         {
             found.push(name.to_string());
         }
-        at += 1;
-    }
+    });
     found
 }
 
 /// Shows the rest of the tokens at each place, in groups too, without what is for tests.
 fn each_item(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+    each_place(tokens, &mut |tokens| {
+        look(tokens);
+        if let TokenTree::Group(group) = &tokens[0] {
+            each_item(group.stream(), look);
+        }
+    });
+}
+
+/// Shows the rest of the tokens at each place outside groups, without what is for tests.
+fn each_place(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut at = 0;
     while at < tokens.len() {
@@ -195,9 +197,6 @@ fn each_item(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
             continue;
         }
         look(&tokens[at..]);
-        if let TokenTree::Group(group) = &tokens[at] {
-            each_item(group.stream(), look);
-        }
         at += 1;
     }
 }
