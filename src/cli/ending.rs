@@ -152,7 +152,7 @@ impl<'a> Ending<'a> {
             print(&format!("page: {}\n", path.display()));
         }
         if let Some(path) = &self.args.junit {
-            write_whole(path, junit::junit(report)?)?;
+            write_whole(path, junit::junit(report))?;
         }
         if let Some(path) = &self.args.json {
             let json = serde_json::to_string(report).map_err(|error| error.to_string())?;

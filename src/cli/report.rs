@@ -151,7 +151,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
             super::files::write_whole(output, page)?;
             Ok(0)
         }
-        ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)?),
+        ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)),
         ReportCommand::Badge(made) => made.write(&badge::badge(&Report::read(&made.file)?)),
         ReportCommand::Markdown(made) => {
             let report = Report::read(&made.file)?;

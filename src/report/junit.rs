@@ -1,97 +1,135 @@
 //! The report as `JUnit` XML, for tools that read test results.
 //!
-//! A failed case is a failure and a case that was not run is an error; a problem of the whole run is a failure, too. Skipped
-//! are outcomes without evidence: unsupported, inconclusive, another dialect, not judged, assumed, a known failure; and a
-//! lenient case that was answered in one of its right ways, because more than one is right.
+//! A failed case is a failure and a case that was not run is an error. A problem of the whole run is a failure, too. Skipped
+//! cases are those without evidence (unsupported, inconclusive, another dialect, not judged, assumed) and known failures.
 
-use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
+use maud::{Markup, PreEscaped, html};
 
 use crate::report::document::{CaseResult, Report, section_of};
 use crate::session::outcome::Outcome;
-use crate::suite::cases::Expect;
 
-/// Returns the XML, one test case for each case of `report`, under the section of its first clause.
-///
-/// # Errors
-/// No error that depends on the report.
-pub fn junit(report: &Report) -> Result<String, String> {
-    let mut suite = TestSuite::new(report.decoder.command.as_str());
+/// Status of a test that did not pass: the name of its element, and what it contains.
+struct NotPassed {
+    element: &'static str,
+    message: String,
+    clauses: String,
+    text: String,
+}
+
+/// A test: its class and name, its status unless it passed, and its standard error.
+type Test<'a> = (String, String, Option<NotPassed>, &'a str);
+
+/// Returns the tests: problems of the whole run, and the cases under the section of their first clause.
+fn tests(report: &Report) -> Vec<Test<'_>> {
+    let whole_run = |element, name: String, message: &str, text: &str| -> Test<'_> {
+        let (message, text) = (message.to_owned(), text.to_owned());
+        let status = NotPassed {
+            element,
+            message,
+            clauses: String::new(),
+            text,
+        };
+        ("ptm-conform".to_owned(), name, Some(status), "")
+    };
+    let reason = report.reason.iter();
+    let mut tests: Vec<_> = reason
+        .map(|reason| whole_run("error", "first-files".into(), &report.verdict, reason))
+        .collect();
+    let failures = report.remarks.iter().filter(|remark| remark.failure);
+    for (number, remark) in (1..).zip(failures) {
+        let name = format!("whole-run-{number}");
+        tests.push(whole_run("failure", name, &remark.says, ""));
+    }
+    tests.extend(report.cases.iter().map(|case| {
+        // A dot would separate packages.
+        let section = case.clauses.first().map_or("none", |id| section_of(id));
+        let class = format!("ptm-conform.section-{}", section.replace('.', "_"));
+        let status = not_passed(report, case);
+        (class, case.id.clone(), status, &*case.stderr)
+    }));
+    tests
+}
+
+/// Returns the XML.
+#[must_use]
+pub fn junit(report: &Report) -> String {
+    let tests = tests(report);
+    let [failures, errors, skipped] = ["failure", "error", "skipped"].map(|element| {
+        let statuses = tests.iter().filter_map(|test| test.2.as_ref());
+        statuses.filter(|status| status.element == element).count()
+    });
     let scores = [
         ("correctness", report.scores.correctness.to_string()),
         ("breadth", report.scores.breadth.to_string()),
         ("robustness", report.scores.robustness.to_string()),
         ("verdict", report.verdict.clone()),
     ];
-    for (name, value) in scores {
-        suite.add_property((name, value.as_str()));
-    }
-    if let Some(reason) = &report.reason {
-        let mut status = not_passed(NonSuccessKind::Error, &report.verdict);
-        status.set_description(reason);
-        let mut case = TestCase::new("first-files", status);
-        case.set_classname("ptm-conform");
-        suite.add_test_case(case);
-    }
-    let failures = report.remarks.iter().filter(|remark| remark.failure);
-    for (number, remark) in (1..).zip(failures) {
-        let status = not_passed(NonSuccessKind::Failure, &remark.says);
-        let mut case = TestCase::new(format!("whole-run-{number}"), status);
-        case.set_classname("ptm-conform");
-        suite.add_test_case(case);
-    }
-    suite.add_test_cases(report.cases.iter().map(|case| test_case(report, case)));
-    let mut junit = quick_junit::Report::new("ptm-conform");
-    junit.add_test_suite(suite);
-    junit.to_string().map_err(|error| error.to_string())
+    let xml = html! {
+        (PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"))
+        testsuites name="ptm-conform" tests=(tests.len()) failures=(failures) errors=(errors) {
+            testsuite name=(report.decoder.command) tests=(tests.len()) failures=(failures) errors=(errors) skipped=(skipped) {
+                properties {
+                    @for (name, value) in &scores { property name=(name) value=(value) {} }
+                }
+                @for (class, name, not_passed, stderr) in &tests {
+                    "\n"
+                    testcase classname=(class) name=(name) {
+                        @if let Some(status) = not_passed { (element(status)) }
+                        @if !stderr.is_empty() { system-err { (stderr) } }
+                    }
+                }
+            }
+        }
+    };
+    // XML allows no other control characters, not even escaped ones.
+    let allowed = |c: char| !c.is_control() || c == '\n' || c == '\t';
+    xml.0.replace(
+        |c| !allowed(c) || c == '\u{fffe}' || c == '\u{ffff}',
+        "\u{fffd}",
+    )
 }
 
-fn test_case(report: &Report, case: &CaseResult) -> TestCase {
-    let mut junit = TestCase::new(case.id.as_str(), status(report, case));
-    // A dot would separate packages.
-    let section = case.clauses.first().map_or("none", |id| section_of(id));
-    let section = section.replace('.', "_");
-    junit.set_classname(format!("ptm-conform.section-{section}"));
-    if !case.stderr.is_empty() {
-        junit.set_system_err(&case.stderr);
-    }
-    junit
-}
-
-fn status(report: &Report, case: &CaseResult) -> TestCaseStatus {
+/// Returns the status of a case; `None` if it passed.
+fn not_passed(report: &Report, case: &CaseResult) -> Option<NotPassed> {
     let says = match case.says.as_str() {
         "" => case.outcome.name(),
         says => says,
     };
-    match case.outcome {
-        _ if report.is_known(case) => skipped(&format!("known failure: {says}")),
-        Outcome::Fail => {
-            let mut status = not_passed(NonSuccessKind::Failure, says);
-            status.set_type(format!("clause {}", case.clauses.join(", ")));
-            if let Some(cause) = report.cause_of(case) {
-                let subject = report.suite.subject();
-                let (effect, clause, fix) = (&cause.effect, &cause.clause, &cause.fix);
-                let says = format!("The {subject} {effect} (clause {clause}). Fix: {fix}.");
-                status.set_description(says);
-            }
-            status
+    let (element, message) = match case.outcome {
+        _ if report.is_known(case) => ("skipped", format!("known failure: {says}")),
+        Outcome::Pass => return None,
+        Outcome::Fail => ("failure", says.to_owned()),
+        Outcome::NotRun => ("error", format!("not run: {says}")),
+        _ => ("skipped", says.to_owned()),
+    };
+    let cause = report.cause_of(case).filter(|_| element == "failure");
+    let text = cause.map_or_else(String::new, |cause| {
+        let subject = report.suite.subject();
+        let (effect, clause, fix) = (&cause.effect, &cause.clause, &cause.fix);
+        format!("The {subject} {effect} (clause {clause}). Fix: {fix}.")
+    });
+    Some(NotPassed {
+        element,
+        message,
+        clauses: case.clauses.join(", "),
+        text,
+    })
+}
+
+/// Returns the element of a status.
+fn element(
+    NotPassed {
+        element,
+        message,
+        clauses,
+        text,
+    }: &NotPassed,
+) -> Markup {
+    match *element {
+        "failure" => {
+            html! { failure message=(message) type=[(!clauses.is_empty()).then(|| format!("clause {clauses}"))] { (text) } }
         }
-        Outcome::NotRun => not_passed(NonSuccessKind::Error, &format!("not run: {says}")),
-        Outcome::Pass if case.expect == Expect::Lenient.name() => {
-            skipped("lenient: more than one answer is right, and this was one of them")
-        }
-        Outcome::Pass => TestCaseStatus::success(),
-        _ => skipped(says),
+        "error" => html! { error message=(message) { (text) } },
+        _ => html! { skipped message=(message) {} },
     }
-}
-
-fn not_passed(kind: NonSuccessKind, message: &str) -> TestCaseStatus {
-    let mut status = TestCaseStatus::non_success(kind);
-    status.set_message(message);
-    status
-}
-
-fn skipped(message: &str) -> TestCaseStatus {
-    let mut status = TestCaseStatus::skipped();
-    status.set_message(message);
-    status
 }
