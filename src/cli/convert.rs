@@ -25,14 +25,15 @@ use ptm_conform::tools::repair::repair;
 pub struct ConvertArgs {
     /// A PTM file.
     file: PathBuf,
-    /// RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
+    /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
-    /// Write the map losslessly in a format and a spelling that these readers show correctly, or explain why there is none.
+    /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why there is
+    /// none.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
     readers: Vec<String>,
-    /// Repair what needs no guess, and list the changes: blanks and line ends of the header, trailing bytes, compressed sizes
-    /// that the streams determine, overridden records. The output file must not exist.
+    /// Repair faults that have only one correction, and list the changes: blanks and line ends in the header, trailing bytes,
+    /// compressed sizes that the streams determine, and overridden records. The output file must not exist.
     #[arg(long, conflicts_with_all = ["to", "readers", "quality", "loss"])]
     repair: bool,
     /// The quality of JPEG formats, from 20 to 100.

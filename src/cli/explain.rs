@@ -1,5 +1,6 @@
 //! `ptm-conform explain`: information about a case, a clause, a ruling, a misreading or a code; or about all of them.
 
+use std::collections::BTreeMap;
 #[cfg(unix)]
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -17,6 +18,8 @@ use super::output::{bar, jobs};
 use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
+use ptm_conform::ptm::Format;
+use ptm_conform::report::document::section_of;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
@@ -35,7 +38,7 @@ use ptm_conform::tools::lint::codes::{self, Code};
     after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down"
 )]
 pub struct ExplainArgs {
-    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down or PTM-W102; without one, all ids are listed.
+    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down, PTM-W102 or PTM_LUT; without one, all ids are listed.
     id: Option<String>,
 }
 
@@ -144,6 +147,9 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text.push_str(&shown_by(misreading, &suite)?);
         text += &page_line(Some(pages.misreading_page(id)));
     }
+    if let Ok(format) = id.parse() {
+        text += &explain_format(&suite, format);
+    }
     if let Some(known) = Code::by_id(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
@@ -176,6 +182,24 @@ fn explain_texture(id: &str) -> Result<String, String> {
         text += &page_line(Some(pages.misreading_page(id)));
     }
     Ok(text)
+}
+
+/// Lists the sections with cases in a format.
+fn explain_format(suite: &Suite, format: Format) -> String {
+    let mut sections: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for case in suite.cases.iter().filter(|case| case.format() == format) {
+        let section = case.clauses.first().map_or("none", |id| section_of(id));
+        sections.entry(section).or_default().push(&case.id);
+    }
+    let lines = sections.iter().map(|(section, ids)| {
+        let cases = abbreviated(ids, "cases");
+        format!("  section {section:<7} {cases}\n")
+    });
+    format!(
+        "format {} (clause 2.2/1)\n{}",
+        format.name(),
+        lines.collect::<String>()
+    )
 }
 
 /// Describes the clauses at or below an id, and the ruling with this id.

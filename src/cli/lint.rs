@@ -75,7 +75,8 @@ pub struct LintArgs {
     /// Do not read files larger than this.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
     limit: u64,
-    /// Predict what these readers show, separated by commas, or all: the correct image, a wrong image and why, or none.
+    /// Predict what these readers display: the correct image, a wrong image and the reason, or none. Separate readers by
+    /// commas, or write all.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
     readers: Vec<String>,
     /// A YAML file with reader profiles in the form of spec-cases/readers.yaml, instead of the built-in ones.

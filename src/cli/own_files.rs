@@ -8,7 +8,7 @@ use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::protocol::frame::View;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
-use ptm_conform::session::files::{FilesReport, check_file};
+use ptm_conform::session::files::{FileResult, FilesReport, check_file};
 
 use super::files::{read, with_path, write_whole};
 use super::guard::check_trouble;
@@ -35,7 +35,10 @@ pub fn check(
     let results: Result<Vec<_>, String> = with_progress(|progress| {
         let results = paths.iter().enumerate().map(|(i, path)| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let result = check_file(&name, &read(path)?, &views, &ask);
+            let result = match read(path) {
+                Ok(file) => check_file(&name, &file, &views, &ask),
+                Err(why) => FileResult::not_run(&name, Some(why)),
+            };
             check_trouble(decoder)?;
             progress(i + 1, paths.len());
             Ok(result)

@@ -24,7 +24,7 @@ use crate::suite::values::Values;
 /// The results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
-    /// `pass` or `fail`.
+    /// `pass`, `fail`, or `not run` if no file fails and one cannot be read.
     pub verdict: Outcome,
     /// The result for each file.
     pub files: Vec<FileResult>,
@@ -50,6 +50,21 @@ pub struct FileResult {
     pub encodings: usize,
 }
 
+impl FileResult {
+    /// Creates the result for a file that was not requested, for the reason `says`.
+    #[must_use]
+    pub fn not_run(file: &str, says: Option<String>) -> FileResult {
+        FileResult {
+            file: file.to_owned(),
+            view: None,
+            outcome: Outcome::NotRun,
+            says,
+            relations: Vec::new(),
+            encodings: 0,
+        }
+    }
+}
+
 /// Checks one file with the decoder that `ask` calls, in the first of `views` that it offers.
 pub fn check_file(
     name: &str,
@@ -69,16 +84,10 @@ pub fn check_file(
         };
         ask(&request).answer
     };
-    let mut result = FileResult {
-        file: name.to_owned(),
-        view: None,
-        outcome: Outcome::Unsupported,
-        says: None,
-        relations: Vec::new(),
-        encodings: 0,
-    };
+    let mut result = FileResult::not_run(name, None);
     let mut answered = views.iter().map(|view| (view, answer(view, file)));
     let Some((view, shown)) = answered.find(|(_, shown)| *shown != Answer::Unsupported) else {
+        result.outcome = Outcome::Unsupported;
         return result;
     };
     result.view = Some(view.to_string());
@@ -254,10 +263,9 @@ impl FilesReport {
     /// Creates the report of some files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
-        let verdict = match files.iter().any(|file| file.outcome == Outcome::Fail) {
-            true => Outcome::Fail,
-            false => Outcome::Pass,
-        };
+        let is_one = |outcome: &Outcome| files.iter().any(|file| file.outcome == *outcome);
+        let verdict = [Outcome::Fail, Outcome::NotRun].into_iter().find(is_one);
+        let verdict = verdict.unwrap_or(Outcome::Pass);
         FilesReport { verdict, files }
     }
 
@@ -267,7 +275,7 @@ impl FilesReport {
         let mut files = self.files.iter();
         match files.all(|file| file.outcome == Outcome::Unsupported) {
             true => 3,
-            false => u8::from(self.verdict == Outcome::Fail),
+            false => u8::from(self.verdict != Outcome::Pass),
         }
     }
 

@@ -88,7 +88,7 @@ impl FileReplies {
 
 /// Finds a format that it decodes and judges the images. Returns the replies that are frames.
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
-    let mut troubled = None;
+    let (mut troubled, mut unsupported) = (None, None);
     let mut lacking = Vec::new();
     for format in FORMATS {
         let mut asked = FileReplies::in_best_spelling(calls, format);
@@ -103,20 +103,25 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
         }
         lacking.push(format.short_name());
         let is_hopeless = asked.is_hopeless();
-        let is_trouble = |reply: &Reply| reply.answer != Answer::Unsupported;
-        asked.replies.retain(|(_, reply)| is_trouble(reply));
-        troubled = troubled.or((!asked.replies.is_empty()).then_some(asked));
+        match (asked.replies.iter()).position(|(_, reply)| reply.answer != Answer::Unsupported) {
+            Some(first) => {
+                asked.replies.drain(..first);
+                troubled = troubled.or(Some(asked));
+            }
+            None => unsupported = unsupported.or(Some(asked)),
+        }
         if is_hopeless {
             break;
         }
     }
-    let Some(FileReplies { sample, replies }) = troubled else {
+    let FileReplies { sample, replies } = troubled.or(unsupported)?;
+    let (view, reply) = &replies[0];
+    let known = calls.why_no_frame(&sample.file, &sample.expected(view), view, reply);
+    if known.is_none() && reply.answer == Answer::Unsupported {
         let (says, next) = fault("nothing-supported", &[]);
         list.bad(says, next);
         return None;
-    };
-    let (view, reply) = &replies[0];
-    let known = calls.why_no_frame(&sample.file, &sample.expected(view), view, reply);
+    }
     let what = format!("{} {view}", sample.format.short_name());
     let fault = known.unwrap_or_else(|| explain(reply));
     list.fault(&what, fault, sample.repeat(view));

@@ -26,6 +26,18 @@ fn two_runs_give_equal_reports() {
 }
 
 #[test]
+fn a_file_that_cannot_be_read_ends_no_check_of_files() {
+    let here = Workspace::new();
+    here.corpus("lrgb/first-lrgb.ptm");
+    std::os::unix::fs::symlink("no-such-file", here.path("a.ptm")).expect("a link");
+    let output = here.exits(1, "check --files .");
+    assert_says(
+        &output,
+        "not run a.ptm && pass first-lrgb.ptm && not run: 2 files",
+    );
+}
+
+#[test]
 fn command_lines_end_with_their_status_and_output() {
     let here = Workspace::new();
     here.assert_lines(
@@ -59,6 +71,7 @@ fn command_lines_end_with_their_status_and_output() {
 0 | explain width-zero-lrgb | the width is 0
 0 | explain 2.4/8 | (raw − bias) · scale
 0 | explain 2.8 | 2.8/1
+0 | explain PTM_LUT | format PTM_FORMAT_PTM_LUT (clause 2.2/1) && section 2.8.1
 0 | explain lut-count | nentries
 0 | explain rows-top-down
   | the first stored row as the top && expected 24 25 26 && received 16 17 18

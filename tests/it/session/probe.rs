@@ -133,6 +133,7 @@ fn decoders_that_expect_another_call() {
 3 | [ $# = 1 ] || exit 1↵cat > in.ptm↵right "$1" in.ptm | takes no FILE
 3 | [ $# = 0 ] || exit 1↵cat > in.ptm↵right raw in.ptm | takes no arguments
 3 | right "$2" "$1" || exit 1 | arguments in reverse order && VIEW comes first
+3 | case $2 in raw|coef|rgb:*) right "$2" "$1" || exit 65;; *) exit 69;; esac | arguments in reverse order
 3 | [ $# = 1 ] || exit 64↵right raw "$1" | it takes no VIEW
 3 | no-such-program-at-all "$2" | exit status 127 && absolute paths
 3 | exec ./no-such/file "$2" | exit status 12"#,
