@@ -98,33 +98,31 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     print(&format!(
         "{found}: {after} bytes instead of {before}, in {out}\n"
     ));
-    let answers = [(&file, first), (&small, ask(&small))];
+    print_causes(&[(&file, first), (&small, ask(&small))], &args.view);
+    Ok(0)
+}
+
+/// Names the misreadings that give all answers.
+fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     let explains = |misreading: &&Misreading| {
         answers.iter().all(|(file, answer)| {
-            match (
-                misreadings::answer(&[*misreading], Reading::SPEC, file, &args.view),
-                answer,
-            ) {
+            let made = misreadings::answer(&[*misreading], Reading::SPEC, file, view);
+            match (made, answer) {
                 (Answer::Decoded(made), Answer::Decoded(shown)) => alike(&made, shown),
                 (made, answer) => made.is_of_kind(answer),
             }
         })
     };
     let causes: Vec<&Misreading> = misreadings::all().filter(explains).collect();
-    if causes.len() <= MAX_CAUSES {
-        for Misreading {
-            slug,
-            effect,
-            clause,
-            ..
-        } in causes
-        {
-            print(&format!(
-                "a decoder that {effect} (clause {clause}) gives both responses; more: ptm-conform explain {slug}\n"
-            ));
-        }
+    if causes.len() > MAX_CAUSES {
+        return;
     }
-    Ok(0)
+    for cause in causes {
+        let (slug, effect, clause) = (cause.slug, cause.effect, cause.clause);
+        print(&format!(
+            "a decoder that {effect} (clause {clause}) gives both responses; more: ptm-conform explain {slug}\n"
+        ));
+    }
 }
 
 /// Maximum number of misreadings that are named as possible causes: one file shows many alike.

@@ -1,9 +1,13 @@
-//! Words and openings that the style guide replaces, in comments and documents.
+//! Words and openings that the style guide replaces, in comments and documents; and all messages in one file.
 
+use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
+use proc_macro2::TokenTree;
+
 use super::files_below;
+use super::tidy::{each_item, sources};
 
 /// Openings of comments: a comment starts with a noun phrase or a verb.
 const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
@@ -72,4 +76,44 @@ fn comments_and_documents_use_plain_words() {
     }
     assert!(ALLOWED.len() <= 40);
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// Returns true if a string literal is text for people: it has three or more words.
+fn is_message(literal: &str) -> bool {
+    let is_word = |word: &&str| word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase());
+    literal
+        .split([' ', ',', '.', ':', ';'])
+        .filter(is_word)
+        .count()
+        >= 3
+}
+
+/// `messages.txt` shows all templates with their slots, for review: `UPDATE_MESSAGES=1 cargo test messages` renews it.
+#[test]
+fn messages_are_listed_in_one_file() {
+    let mut sources: Vec<_> = sources().collect();
+    sources.sort();
+    let mut list = String::new();
+    for (file, text) in sources {
+        let mut messages = Vec::new();
+        each_item(text.parse().expect("Rust"), &mut |tokens| {
+            if let TokenTree::Literal(literal) = &tokens[0] {
+                let lines = literal.to_string().replace("\\\n", "\n");
+                let words: Vec<&str> = lines.split_whitespace().collect();
+                let message = words.join(" ");
+                if message.contains('"') && is_message(&message) {
+                    messages.push(message);
+                }
+            }
+        });
+        if !messages.is_empty() {
+            writeln!(list, "# {file}\n{}\n", messages.join("\n")).expect("memory");
+        }
+    }
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/repository/messages.txt");
+    if std::env::var_os("UPDATE_MESSAGES").is_some() {
+        fs::write(&path, &list).expect("the list is written");
+    }
+    let listed = fs::read_to_string(&path).expect("messages.txt");
+    assert!(listed == list, "messages.txt is not up to date; see above");
 }
