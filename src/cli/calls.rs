@@ -50,11 +50,14 @@ impl LimitArgs {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_be_watched() {
             true => {
-                format!("memory: {size} MiB, the resident sets of a call's processes, sampled")
+                format!(
+                    "memory: {size} MiB for the resident sets of all processes of a call, sampled"
+                )
             }
             false => "memory: not limited, because this system has no /proc".to_owned(),
         };
-        let time = format!("wall clock: {seconds} s per call, three times that for the first");
+        let time =
+            format!("wall-clock time: {seconds} s per call, three times as much for the first");
         vec![time, memory]
     }
 }

@@ -127,7 +127,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let locale = locale_remark(&suite, &run, &subject, scratch);
     let others = OtherRemarks {
         before: given_up
-            .map(|_| Remark::failure(NOT_SERVED.to_owned()))
+            .map(|_| Remark::failure(SERVE_MODE_FAILED.to_owned()))
             .into_iter()
             .collect(),
         after: notes.chain(locale).collect(),
@@ -202,7 +202,7 @@ fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
         ("--files", args.files.is_some()),
     ];
     match options.into_iter().find(|&(_, given)| given) {
-        Some((option, _)) => Err(format!("{option} is for the suite of PTM files")),
+        Some((option, _)) => Err(format!("{option} works only with the suite of PTM files")),
         None => Ok(()),
     }
 }
@@ -251,11 +251,11 @@ fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch)
 }
 
 /// The reason why no case is requested from a decoder with a faulty wrapper.
-const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would fail most cases";
+const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would make most cases fail";
 
 /// Remark on a decoder whose serving processes never answered.
-const NOT_SERVED: &str =
-    "serve mode failed: its first requests were not answered; fell back to one process per request";
+const SERVE_MODE_FAILED: &str =
+    "serve mode failed: the first requests were not answered; fell back to one process per request";
 
 /// Hint for a decoder that starts slowly.
 const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. ptm-conform example python prints a decoder with both modes.";

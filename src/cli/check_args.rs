@@ -100,7 +100,7 @@ impl CheckArgs {
     pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
         if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {
-            let says = "check: no decoder follows --; try: ptm-conform check -- python3 decode.py (without -- and a decoder, check runs the built-in reference)";
+            let says = "check: expected a decoder after --, for example: ptm-conform check -- python3 decode.py (without --, check runs the built-in reference)";
             return Err(says.to_owned());
         }
         Ok(())
@@ -170,7 +170,7 @@ impl CheckArgs {
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
             format!("processes: the group of a call{left} killed when the call is over"),
-            "input: each file is compared with its original bytes after the call".to_owned(),
+            "input: each file is compared with its original bytes after the call, and must be unchanged".to_owned(),
             "locale: C; the first files are repeated in a locale with a decimal comma, if there is one"
                 .to_owned(),
         ]);

@@ -17,7 +17,7 @@ use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
 
 /// Number of names of a folder that are read and sorted at a time.
-const CHUNK: usize = 4096;
+const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line of a list.
 const MAX_PATH: u64 = 1 << 16;
 /// Number of bytes that always contain the first lines of a PTM, and their number: version, format, width and height.
@@ -123,13 +123,13 @@ fn sorted(folder: ReadDir) -> impl Iterator<Item = io::Result<(OsString, FileTyp
                 let entry = entry?;
                 Ok((entry.file_name(), entry.file_type()?))
             };
-            chunk.extend(open.take(CHUNK).map(named));
+            chunk.extend(open.take(NAMES_PER_READ).map(named));
             // Unreadable ones first.
             chunk.make_contiguous().sort_by(|a, b| match (a, b) {
                 (Ok((a, _)), Ok((b, _))) => a.cmp(b),
                 (a, b) => a.is_ok().cmp(&b.is_ok()),
             });
-            if chunk.len() < CHUNK {
+            if chunk.len() < NAMES_PER_READ {
                 folder = None;
             }
         }
@@ -192,13 +192,13 @@ impl Room {
 
     /// Does `work` as soon as `bytes` are free, or all bytes if it needs more.
     pub fn run_with<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
-        const POISONED: &str = "nothing panics while it holds the lock";
+        const LOCK_NOT_POISONED: &str = "no thread panics while it holds the lock";
         let bytes = bytes.min(self.all);
-        let left = self.left.lock().expect(POISONED);
+        let left = self.left.lock().expect(LOCK_NOT_POISONED);
         let left = self.freed.wait_while(left, |left| *left < bytes);
-        *left.expect(POISONED) -= bytes;
+        *left.expect(LOCK_NOT_POISONED) -= bytes;
         let done = work();
-        *self.left.lock().expect(POISONED) += bytes;
+        *self.left.lock().expect(LOCK_NOT_POISONED) += bytes;
         self.freed.notify_all();
         done
     }

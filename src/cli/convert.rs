@@ -98,7 +98,7 @@ fn repaired(args: &ConvertArgs) -> CommandResult {
 fn losses(converted: &Converted) -> String {
     let loss = match converted.largest {
         0 => "without loss".to_owned(),
-        most => format!("stored values off by {most} at most"),
+        most => format!("stored values differ by at most {most}"),
     };
     let entries = converted.entries;
     let entries = entries.map(|entries| format!(", {entries} table entries"));

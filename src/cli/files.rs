@@ -89,7 +89,7 @@ pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Faile
     dissection.outcome.as_ref().map_err(|error| {
         let name = path.to_string_lossy();
         let path = shlex::try_quote(&name).unwrap_or(std::borrow::Cow::Borrowed(&name));
-        let next = format!("`ptm-conform inspect {path}` shows the file up to there, `ptm-conform lint {path}` what to fix");
+        let next = format!("`ptm-conform inspect {path}` shows the file up to that byte; `ptm-conform lint {path}` says what to fix");
         Failed::new(status(error), &format!("{path}: {error}\n  {next}"))
     })
 }

@@ -76,8 +76,8 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     let (largest, hint) = match args.all {
         true => (usize::MAX, ""),
         false => (
-            corpus::COMMITTED,
-            "; larger files are only listed, --all writes them",
+            corpus::MAX_COMMITTED_SIZE,
+            "; larger files are only listed (--all writes them)",
         ),
     };
     let jobs = jobs(args.jobs)?;

@@ -90,7 +90,7 @@ pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     match decoder.trouble() {
         None => Ok(()),
         Some(trouble) => Err(format!(
-            "{trouble}. This is not the decoder's fault; the run ended without a verdict"
+            "{trouble}. This is not the decoder's fault. The run ended without a verdict"
         )),
     }
 }

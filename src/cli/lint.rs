@@ -134,7 +134,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     in_turn(walk, jobs, &|met| judge.look(met), |row| {
         let status = status(&row, &settings);
         worst = std::cmp::min_by_key(worst, status, |status| {
-            WORST_FIRST.iter().position(|one| one == status)
+            STATUSES_WORST_FIRST.iter().position(|one| one == status)
         });
         let shown = bar.suspend(|| rows.show(&row.path, row.lint));
         // The reader of standard output has closed it.
@@ -156,7 +156,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
 }
 
 /// Exit statuses: cannot be read, errors, not a PTM, not judged, sound.
-const WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
+const STATUSES_WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
 
 fn status(row: &Row, settings: &Settings) -> u8 {
     let fails = row.lint.errors > 0 || (settings.deny_warnings && row.lint.warnings > 0);

@@ -51,9 +51,8 @@ pub struct MinimiseArgs {
 pub fn run(args: &MinimiseArgs) -> CommandResult {
     let file = match Suite::load()?.case(&args.file) {
         Some(case) => case.build(TableSpelling::default()).file.clone(),
-        None => files::read(Path::new(&args.file)).map_err(|error| {
-            format!("neither the id of a case nor a file that can be read: {error}")
-        })?,
+        None => files::read(Path::new(&args.file))
+            .map_err(|error| format!("neither a case id nor a readable file: {error}"))?,
     };
     let stop = stop_on_signals()?;
     let decoder = args.call.decoder(&args.decoder, &stop)?;
@@ -72,7 +71,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     };
     let first = ask(&file);
     let Some(found) = symptom(&file, &args.view, &first) else {
-        print("the decoder answers as the reference does; there is nothing to reduce\n");
+        print("the decoder gives the same response as the reference; there is nothing to reduce\n");
         return Ok(1);
     };
     let bar = bar(Some(0), CALLS_TEMPLATE);
@@ -85,7 +84,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     check_trouble(&decoder)?;
     let Some(small) = small else {
         print(
-            "the failure depends on how the header is written: the file cannot be made smaller\n",
+            "the failure depends on the spelling of the header: the file cannot be made smaller\n",
         );
         return Ok(2);
     };
@@ -132,8 +131,8 @@ const MAX_CAUSES: usize = 3;
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
-            let is_like = alike(&Frame::render(&ptm, view), frame);
-            (!is_like).then_some("another image")
+            let is_equivalent = alike(&Frame::render(&ptm, view), frame);
+            (!is_equivalent).then_some("another image")
         }
         (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),
         (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),

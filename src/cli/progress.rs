@@ -13,7 +13,8 @@ use indicatif::ProgressBar;
 use super::output::{bar, complain, quiet};
 
 /// The interval of updates on a terminal, and of new lines elsewhere.
-const TICKS: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(30));
+const UPDATE_INTERVALS: (Duration, Duration) =
+    (Duration::from_millis(500), Duration::from_secs(30));
 
 /// Minimum number of finished items for an estimate of the remaining time.
 const MIN_DONE: usize = 10;
@@ -81,10 +82,17 @@ impl ProgressLine {
             let (bar, doing) = (bar.clone(), Arc::clone(&doing));
             let (end, ended) = channel();
             let on_terminal = std::io::stderr().is_terminal();
-            let tick = if on_terminal { TICKS.0 } else { TICKS.1 };
+            let tick = if on_terminal {
+                UPDATE_INTERVALS.0
+            } else {
+                UPDATE_INTERVALS.1
+            };
             let tell = move || {
                 while ended.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
-                    let words = doing.lock().expect("no panic while it is held").in_words();
+                    let words = doing
+                        .lock()
+                        .expect("no thread panics while it holds the lock")
+                        .in_words();
                     match on_terminal {
                         true => bar.set_message(words),
                         false => complain(&words),
@@ -97,7 +105,9 @@ impl ProgressLine {
     }
 
     fn doing(&self) -> MutexGuard<'_, Doing> {
-        self.doing.lock().expect("no panic while it is held")
+        self.doing
+            .lock()
+            .expect("no thread panics while it holds the lock")
     }
 
     /// Starts another activity.

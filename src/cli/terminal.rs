@@ -10,20 +10,20 @@ use anstyle::{AnsiColor, Style};
 use super::links::linked;
 use super::output::{columns, print, wrapped};
 
-const HEADING: Style = Style::new().bold();
-const BAD: Style = AnsiColor::Red.on_default().bold();
-const GOOD: Style = AnsiColor::Green.on_default().bold();
-const NEXT: Style = AnsiColor::Cyan.on_default();
-const REMARK: Style = AnsiColor::Yellow.on_default();
-const FAINT: Style = Style::new().dimmed();
+const HEADING_STYLE: Style = Style::new().bold();
+const ERROR_STYLE: Style = AnsiColor::Red.on_default().bold();
+const SUCCESS_STYLE: Style = AnsiColor::Green.on_default().bold();
+const HINT_STYLE: Style = AnsiColor::Cyan.on_default();
+const REMARK_STYLE: Style = AnsiColor::Yellow.on_default();
+const DIMMED_STYLE: Style = Style::new().dimmed();
 
 /// Beginnings of lines, and their styles.
 const BEGINNINGS: [(&[&str], Style); 6] = [
-    (&["FAIL", "fail:", "✗"], BAD),
-    (&["pass:", "✓", "Fix:"], GOOD),
-    (&["→"], NEXT),
-    (&["note:"], REMARK),
-    (&["–", "$"], FAINT),
+    (&["FAIL", "fail:", "✗"], ERROR_STYLE),
+    (&["pass:", "✓", "Fix:"], SUCCESS_STYLE),
+    (&["→"], HINT_STYLE),
+    (&["note:"], REMARK_STYLE),
+    (&["–", "$"], DIMMED_STYLE),
     (
         &[
             "Unexplained failures:",
@@ -34,7 +34,7 @@ const BEGINNINGS: [(&[&str], Style); 6] = [
             "code ",
             "plane ",
         ],
-        HEADING,
+        HEADING_STYLE,
     ),
 ];
 
@@ -77,7 +77,7 @@ fn beginning(line: &str) -> Option<(usize, Style)> {
             .split(" of ")
             .all(|count| count.parse::<u32>().is_ok())
     {
-        return Some((indent + counts.len() + " failures:".len(), HEADING));
+        return Some((indent + counts.len() + " failures:".len(), HEADING_STYLE));
     }
     let (start, style) = BEGINNINGS.iter().find_map(|(starts, style)| {
         let start = starts.iter().find(|start| text.starts_with(**start))?;
@@ -118,12 +118,16 @@ mod tests {
             (
                 "64 of 64 failures: the decoder",
                 "64 of 64 failures:",
-                HEADING,
+                HEADING_STYLE,
             ),
-            ("  FAIL a-case  (2.5/2)", "  FAIL", BAD),
-            ("pass: 2114 pass", "pass:", GOOD),
-            ("case hand-lum (clauses 2.6/1): x", "case hand-lum", HEADING),
-            ("clause 2.5/2: x", "clause 2.5/2:", HEADING),
+            ("  FAIL a-case  (2.5/2)", "  FAIL", ERROR_STYLE),
+            ("pass: 2114 pass", "pass:", SUCCESS_STYLE),
+            (
+                "case hand-lum (clauses 2.6/1): x",
+                "case hand-lum",
+                HEADING_STYLE,
+            ),
+            ("clause 2.5/2: x", "clause 2.5/2:", HEADING_STYLE),
         ] {
             assert_eq!(colored(line), Some((marked.to_owned(), style)), "{line}");
         }

@@ -87,7 +87,7 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
         while let Some(bits) = data_bits::<AFTER_FF>(self.stream, at) {
             padding += bits;
             if padding >= 8 {
-                let what = "the entropy-coded segment continues after its last sample";
+                let what = "the entropy-coded segment continues after the last sample";
                 return Err(malformed(self.at, what));
             }
             at += 1;

@@ -66,7 +66,7 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
         )),
         bits => Err(malformed(
             at,
-            format!("samples of {bits} bits do not exist here"),
+            format!("samples of {bits} bits are not allowed here"),
         )),
     }
 }
@@ -125,7 +125,8 @@ impl ScanHeader {
         let component = header.byte("the name of the component")?;
         if component != frame.component {
             let only = frame.component;
-            let what = format!("the scan is of component {component}, the frame has only {only}");
+            let what =
+                format!("the scan is for component {component}, but the frame has only {only}");
             return Err(malformed(at, what));
         }
         let at = header.at;
@@ -155,7 +156,8 @@ pub(super) fn room_for_samples(
 ) -> StreamResult<Vec<u8>> {
     let remaining = stream.stream.len() - stream.at;
     if (remaining as u64 * 8) < least_bits {
-        let what = format!("{width} x {height} samples do not fit in the {remaining} bytes left");
+        let what =
+            format!("{width} x {height} samples cannot be coded in the {remaining} bytes left");
         return Err(malformed(stream.at, what));
     }
     // Neither side is over 65,535, or the frame header would have been refused.

@@ -148,12 +148,12 @@ pub(crate) fn against_stored_rows(my: i64) -> i64 {
 
 /// Computes (a + b + c + d + 2) >> 2. For two equal pairs that is (a + b + 1) >> 1, for four equal samples the sample (clause
 /// 2.9.3/5, ruling `motion-half`).
-pub(crate) fn half_up(samples: [u8; 4]) -> u8 {
+pub(crate) fn mean_half_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
 
 /// Rounds halves down: the other reading of `motion-half`.
-pub(crate) fn half_down(samples: [u8; 4]) -> u8 {
+pub(crate) fn mean_half_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
 

@@ -57,7 +57,7 @@ impl Reading {
         invert: predict::invert,
         motion_sign: predict::sign_plus,
         motion_vertical: predict::along_stored_rows,
-        motion_half: predict::half_up,
+        motion_half: predict::mean_half_up,
         motion_border: predict::border_edge,
         // §2.9.5: residual + predictor − 128, in the planes of both codecs
         predict: predict::predict,
@@ -128,7 +128,7 @@ impl Reading {
     #[must_use]
     pub const fn with_halves_rounded_down(self) -> Reading {
         Reading {
-            motion_half: predict::half_down,
+            motion_half: predict::mean_half_down,
             ..self
         }
     }

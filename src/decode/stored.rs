@@ -23,7 +23,7 @@ use crate::ptm::{Header, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 
 /// Maximum number of texels of a piece: a piece with eighteen channels stays in the L1 cache while it is made.
-const PIECE: u32 = 1 << 10;
+const MAX_PIECE_TEXELS: u32 = 1 << 10;
 
 /// A map that has been checked but not yet assembled.
 pub struct Stored<'a> {
@@ -65,8 +65,8 @@ impl Stored<'_> {
     pub fn pieces(&self) -> impl Iterator<Item = Ptm> {
         let Size { width, height } = self.header.size;
         let columns = move || {
-            let starts = (0..width).step_by(PIECE as usize);
-            starts.map(move |start| start..width.min(start.saturating_add(PIECE)))
+            let starts = (0..width).step_by(MAX_PIECE_TEXELS as usize);
+            starts.map(move |start| start..width.min(start.saturating_add(MAX_PIECE_TEXELS)))
         };
         let places = (0..height).flat_map(move |row| columns().map(move |columns| (row, columns)));
         places.map(|(row, columns)| self.piece(row, columns))

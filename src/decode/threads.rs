@@ -12,11 +12,11 @@ use crate::parts::Coded;
 use crate::reading::Reading;
 
 /// Minimum number of texels of a plane for threads: smaller planes are decoded faster than a thread starts.
-const WORTH_A_THREAD: usize = 1 << 16;
+const MIN_THREADED_TEXELS: usize = 1 << 16;
 
 /// Does the same as [`planes::residuals`].
 pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    if coded.size.texels() < WORTH_A_THREAD {
+    if coded.size.texels() < MIN_THREADED_TEXELS {
         return planes::residuals(coded, reading);
     }
     // Some systems read files to find the number of threads, so it is not requested for small planes.

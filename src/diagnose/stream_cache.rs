@@ -15,7 +15,8 @@ type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
 /// Samples by format, size and stream, and their size in bytes. The cache is global because a decision of
 /// [`Reading`](crate::Reading) is a plain function.
-static DECODED: Mutex<Option<(usize, HashMap<(Format, Size), CachedSamples>)>> = Mutex::new(None);
+static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Format, Size), CachedSamples>)>> =
+    Mutex::new(None);
 
 /// Decodes a stream like the reference, but each stream only once.
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
@@ -25,11 +26,11 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
         let of_size = decoded.get(&(format, size))?;
         Some(of_size.get(stream.bytes)?.to_vec())
     };
-    if let Some(samples) = known(&DECODED.lock().expect("no worker panics")) {
+    if let Some(samples) = known(&DECODED_STREAMS.lock().expect("no worker panics")) {
         return Ok(samples);
     }
     let samples = planes::stream(stream)?;
-    let mut cache = DECODED.lock().expect("no worker panics");
+    let mut cache = DECODED_STREAMS.lock().expect("no worker panics");
     let (bytes, decoded) = cache.get_or_insert_default();
     if *bytes > MAX_CACHED_BYTES {
         (*bytes, *decoded) = Default::default();

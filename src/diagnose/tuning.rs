@@ -61,22 +61,22 @@ pub(super) const MIN_READ_FILES: usize = 20;
 /// A property is named if the probability of a coincidence is less than one in this number.
 pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
 /// A share of less than one in this number may be a coincidence.
-pub(super) const FEW: usize = 12;
+pub(super) const COINCIDENCE_DIVISOR: usize = 12;
 /// A share of one in this number is a substantial part.
-pub(super) const MUCH: usize = 4;
+pub(super) const SUBSTANTIAL_DIVISOR: usize = 4;
 /// A share, as numerator and denominator: the rest of a view may have a second cause.
-pub(super) const NEARLY_ALL: [usize; 2] = [3, 4];
+pub(super) const NEARLY_ALL_RATIO: [usize; 2] = [3, 4];
 /// The largest rounding error of colors that are computed in single precision.
 pub(super) const ROUNDING_SLACK: f64 = 0.02;
 
-/// Returns true if the part is so small that it may be chance: less than one in [`FEW`].
+/// Returns true if the part is so small that it may be chance: less than one in [`COINCIDENCE_DIVISOR`].
 pub(super) fn is_few(part: usize, all: usize) -> bool {
-    part * FEW < all
+    part * COINCIDENCE_DIVISOR < all
 }
 
-/// Returns true if the part is at least one in [`MUCH`].
+/// Returns true if the part is at least one in [`SUBSTANTIAL_DIVISOR`].
 pub(super) fn is_much(part: usize, all: usize) -> bool {
-    part * MUCH >= all
+    part * SUBSTANTIAL_DIVISOR >= all
 }
 
 /// Returns true if the part is more than half.
@@ -84,9 +84,9 @@ pub(super) fn is_most(part: usize, all: usize) -> bool {
     part * 2 > all
 }
 
-/// Returns true if the part is at least the share [`NEARLY_ALL`], and not 0.
+/// Returns true if the part is at least the share [`NEARLY_ALL_RATIO`], and not 0.
 pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
-    let [least, of] = NEARLY_ALL;
+    let [least, of] = NEARLY_ALL_RATIO;
     part > 0 && part * of >= all * least
 }
 

@@ -27,7 +27,8 @@ impl Edit {
     /// # Errors
     /// A sentence that names the unknown formula or what is wrong with the expression.
     pub fn parse(name: &str, expression: &str) -> Result<Edit, String> {
-        let formula = Formula::by_name(name).ok_or_else(|| format!("unknown formula {name:?}"))?;
+        let formula =
+            Formula::from_name(name).ok_or_else(|| format!("unknown formula {name:?}"))?;
         let change = EditedForm::Expression(parse(expression, formula.scope())?);
         Ok(Edit { formula, change })
     }

@@ -11,7 +11,7 @@ use super::expression::{Expression, Function, Scope, single_or};
 use super::formulas::Formula;
 
 /// Constants that are commonly confused. The first of each row is replaced by the others.
-const RIVALS: [&[f64]; 5] = [
+const CONFUSED_CONSTANTS: [&[f64]; 5] = [
     &[255.0, 256.0, 254.0, 128.0, 127.0],
     &[128.0, 127.0, 129.0, 256.0, 255.0, 0.0, 64.0],
     &[0.0, 1.0, -1.0],
@@ -26,10 +26,10 @@ const SIBLINGS: [&[Function]; 2] = [
 ];
 
 /// Factors that are added by mistake.
-const FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
+const EXTRA_FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
 /// Formulas that may be computed differently under a condition on records, planes or coefficients.
-const CONDITIONAL: [Formula; 6] = [
+const CONDITIONAL_FORMULAS: [Formula; 6] = [
     Formula::FinalCoefficient,
     Formula::StoredValue,
     Formula::StreamSample,
@@ -65,7 +65,7 @@ fn generate(formula: Formula) -> Vec<Edit> {
             _ => operator(node, scope),
         }));
     }
-    if CONDITIONAL.contains(&formula) {
+    if CONDITIONAL_FORMULAS.contains(&formula) {
         all.extend(everywhere(stated, &|node| conditional(node, scope)));
     }
     let mut known = HashSet::from([stated.display(scope)]);
@@ -308,7 +308,9 @@ fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Number(value) = *node else {
         return Vec::new();
     };
-    let rivals = RIVALS.iter().filter(|rivals| rivals[0] == value);
+    let rivals = CONFUSED_CONSTANTS
+        .iter()
+        .filter(|rivals| rivals[0] == value);
     let rivals = rivals.flat_map(|rivals| rivals[1..].iter().copied());
     let neighbors = [value + 1.0, value - 1.0, 2.0 * value, value / 2.0, 0.0, 1.0];
     rivals.chain(neighbors).map(number).collect()
@@ -320,7 +322,7 @@ fn scaled(node: &Expression, _: Scope) -> Vec<Expression> {
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
     let rival =
         |over, under| Expression::Quotient(Box::new(product(over)), Box::new(number(under)));
-    let both = FACTORS
+    let both = EXTRA_FACTORS
         .into_iter()
         .flat_map(|factor| [product(factor), quotient(factor)]);
     both.chain([rival(255.0, 256.0), rival(256.0, 255.0)])

@@ -176,7 +176,7 @@ impl Formula {
 
     /// Returns the formula of that name.
     #[must_use]
-    pub fn by_name(name: &str) -> Option<Formula> {
+    pub fn from_name(name: &str) -> Option<Formula> {
         let row = Formula::ALL.iter().find(|row| row.1 == name);
         row.map(|row| row.0)
     }
@@ -184,7 +184,7 @@ impl Formula {
     /// Returns the specification's clause and expression.
     #[must_use]
     pub fn stated(self) -> &'static Stated {
-        &STATED[self as usize]
+        &STATED_FORMULAS[self as usize]
     }
 }
 
@@ -214,7 +214,7 @@ struct FormulaRecord {
 }
 
 /// All formulas in the order of [`Formula::ALL`].
-static STATED: LazyLock<Vec<Stated>> = LazyLock::new(|| {
+static STATED_FORMULAS: LazyLock<Vec<Stated>> = LazyLock::new(|| {
     let text = include_str!("../../spec-cases/formulas.yaml");
     read(text).unwrap_or_else(|error| unreachable!("formulas.yaml, which a test reads: {error}"))
 });

@@ -23,8 +23,8 @@ use crate::suite::compare::Expected;
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
 /// Number of files that are drawn to distinguish suspects, and of those that are requested.
-const DRAWN_TO_TELL_APART: u64 = 3000;
-const ASKED_TO_TELL_APART: usize = 24;
+const MAX_GENERATED_FILES: u64 = 3000;
+const MAX_REQUESTED_FILES: usize = 24;
 
 /// A decoder with known properties.
 pub struct KnownDecoder<'a> {
@@ -296,8 +296,8 @@ fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
         return;
     };
     let mut asked = 0;
-    for number in 0..DRAWN_TO_TELL_APART {
-        if suspects.len() == 1 || asked == ASKED_TO_TELL_APART {
+    for number in 0..MAX_GENERATED_FILES {
+        if suspects.len() == 1 || asked == MAX_REQUESTED_FILES {
             return;
         }
         let bytes = random_bytes(0x7e11, number);

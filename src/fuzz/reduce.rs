@@ -41,13 +41,13 @@ struct Parts {
 }
 
 /// Simplifications of the numbers of a file.
-const SIMPLER: [fn(&mut Parts); 2] = [
+const NUMBER_SIMPLIFICATIONS: [fn(&mut Parts); 2] = [
     |parts| parts.recipe.scale = "1 1 1 1 1 1".parse().expect("constant numbers"),
     |parts| parts.recipe.bias = "0 0 0 0 0 0".parse().expect("constant numbers"),
 ];
 
 /// Simplifications of a plane of a compressed file.
-const SIMPLER_PLANE: [fn(&mut Parts, usize); 7] = [
+const PLANE_SIMPLIFICATIONS: [fn(&mut Parts, usize); 7] = [
     |parts, plane| parts.compressed().planes[plane].records.clear(),
     |parts, plane| {
         let records = &mut parts.compressed().planes[plane].records;
@@ -110,13 +110,15 @@ impl Parts {
         };
         let sizes = smaller_sizes(self.recipe.size).into_iter();
         let mut all: Vec<Parts> = sizes.filter_map(|size| self.cropped(size)).collect();
-        all.extend(SIMPLER.map(|change| simpler(&change)));
+        all.extend(NUMBER_SIMPLIFICATIONS.map(|change| simpler(&change)));
         if self.recipe.format.has_table() {
             all.extend([1, 2, 4].map(|share| self.with_fewer_entries(share)));
         }
         if let Some(Compressed { planes, .. }) = &self.model.compressed {
             for plane in 0..planes.len() {
-                all.extend(SIMPLER_PLANE.map(|change| simpler(&|parts| change(parts, plane))));
+                all.extend(
+                    PLANE_SIMPLIFICATIONS.map(|change| simpler(&|parts| change(parts, plane))),
+                );
             }
         }
         all

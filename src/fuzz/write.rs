@@ -54,7 +54,7 @@ pub fn because(find: &Find) -> String {
             )
         }
         Explanation::Accepts(damage) => {
-            format!("A decoder accepts a file with this damage: {damage}.")
+            format!("A decoder accepts a file with this fault: {damage}.")
         }
         Explanation::Other(symptom) => match &find.diagnosis {
             Some(cause) => format!("A decoder {} (clause {}).", cause.effect, cause.clause),
@@ -70,7 +70,7 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
         let others: Vec<&str> = suspects[1..].iter().map(|also| also.slug).collect();
         if !others.is_empty() {
             let others = others.join(", ");
-            let _ = writeln!(out, "No file was drawn that tells it from: {others}.");
+            let _ = writeln!(out, "No generated file distinguishes it from: {others}.");
         }
     }
     if let Some(cause) = &find.diagnosis {

@@ -225,8 +225,9 @@ impl Needs {
             .is_none_or(|planes| planes == model.format.channels())
             && size.is_none_or(|size| size == model.size)
             && (self.coding.is_none() || self.coding == coding);
-        met.then_some(())
-            .ok_or_else(|| "the file is not such as it needs".to_owned())
+        met.then_some(()).ok_or_else(|| {
+            "the file lacks the planes, size or coding that this damage needs".to_owned()
+        })
     }
 }
 
@@ -345,7 +346,11 @@ fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Stri
         edited.extend_from_slice(&new);
         at = range.end;
     }
-    edited.extend_from_slice(bytes.get(at..).ok_or("an edit exceeds the file")?);
+    edited.extend_from_slice(
+        bytes
+            .get(at..)
+            .ok_or("an edit extends past the end of the file")?,
+    );
     Ok(edited)
 }
 

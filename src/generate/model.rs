@@ -96,7 +96,7 @@ impl Model {
 
     /// Makes a table of the distinct texels, and the indices that name them.
     fn collect_table(&mut self) -> Result<(), String> {
-        const MOST: usize = 65_536;
+        const MAX_TABLE_ENTRIES: usize = 65_536;
         let (size, width) = (self.entry_size(), self.size.width as usize);
         let mut known: HashMap<&[u8], u32> = HashMap::new();
         let mut indices = vec![0; self.size.texels()];
@@ -114,9 +114,9 @@ impl Model {
             }
         }
         let entries = known.len();
-        if entries > MOST {
+        if entries > MAX_TABLE_ENTRIES {
             return Err(format!(
-                "{entries} texels are distinct, and two bytes name at most {MOST} entries"
+                "{entries} texels are distinct, but two bytes can index at most {MAX_TABLE_ENTRIES} entries"
             ));
         }
         (self.indices, self.table) = (indices, table);

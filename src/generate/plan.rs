@@ -442,28 +442,30 @@ impl Compression {
                 .iter()
                 .any(|&place| place >= size.texels())
             {
-                return Err("a record is of a texel that does not exist".to_owned());
+                return Err("a record refers to a texel that does not exist".to_owned());
             }
         }
         if size.width > 0xffff || size.height > 0xffff {
-            return Err("no JPEG has a side over 65,535".to_owned());
+            return Err("a JPEG cannot be wider or higher than 65,535".to_owned());
         }
         match coding {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
-                Err("a quality is 1 to 100".to_owned())
+                Err("expected a quality from 1 to 100".to_owned())
             }
             Coding::Jpeg if self.stream.jpeg.step == Some(0) => Err("no divisor is 0".to_owned()),
             Coding::Jpeg
                 if (self.stream.jpeg.table_numbers)
                     .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>
             {
-                Err("tables have numbers of at most 3".to_owned())
+                Err("table numbers are at most 3".to_owned())
             }
             // A mean of 255 and 0 is far from both, so another inverse DCT could deviate by much.
             Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {
-                Err("motion goes with residuals that every inverse DCT gives back".to_owned())
+                Err("motion needs residuals that every inverse DCT reconstructs exactly".to_owned())
             }
-            Coding::JpegLs if self.parameter > 127 => Err("a loss is 0 to 127".to_owned()),
+            Coding::JpegLs if self.parameter > 127 => {
+                Err("expected a loss from 0 to 127".to_owned())
+            }
             _ => Ok(()),
         }
     }

@@ -140,7 +140,7 @@ impl Recipe {
             ));
         }
         match &self.indices {
-            Indices::Below(0) => return Err("indices below 0 do not exist".to_owned()),
+            Indices::Below(0) => return Err("an index cannot be negative".to_owned()),
             Indices::BytesDiffer if self.entries < 2 => {
                 return Err("index 0 has two equal bytes".to_owned());
             }
@@ -157,7 +157,7 @@ impl Recipe {
         }
         if self.size.texels() > 1 << 26 {
             return Err(format!(
-                "{} texels are more than are painted",
+                "{} texels exceed the limit for generated images",
                 self.size.texels()
             ));
         }

@@ -1,7 +1,7 @@
 //! The last message of a program that crashed.
 
 /// Beginnings of lines that interpreters print after the message: locations, versions, hints.
-const AFTERWORDS: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
+const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 
 /// Returns the last line of standard error that is a message, or `None`.
 pub(crate) fn last_words(stderr: &str) -> Option<&str> {
@@ -9,7 +9,7 @@ pub(crate) fn last_words(stderr: &str) -> Option<&str> {
     let mut said = lines.filter(|line| !line.is_empty());
     let is_afterword = |line: &&str| {
         let line = line.trim_start();
-        AFTERWORDS.iter().any(|word| line.starts_with(word))
+        TRAILER_PREFIXES.iter().any(|word| line.starts_with(word))
     };
     said.clone()
         .find(|line| !is_afterword(line))

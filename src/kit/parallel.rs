@@ -42,7 +42,7 @@ pub(crate) fn in_parallel<T: Send>(
 }
 
 /// Results that wait for an earlier one.
-const WAITING: usize = 256;
+const MAX_WAITING_RESULTS: usize = 256;
 
 /// The place of the next result to show, and the results after it that are ready.
 struct OrderedResults<R, S> {
@@ -59,7 +59,7 @@ pub fn in_turn<T: Send, R: Send>(
     work: &(impl Fn(T) -> R + Sync),
     show: impl FnMut(R) + Send,
 ) {
-    const POISONED: &str = "no worker panics";
+    const LOCK_NOT_POISONED: &str = "no worker panics";
     let items = Mutex::new(items.enumerate());
     let line = Mutex::new(OrderedResults {
         next: 0,
@@ -69,13 +69,13 @@ pub fn in_turn<T: Send, R: Send>(
     let moved = Condvar::new();
     on_threads(jobs.max(1), &|_| {
         loop {
-            let Some((turn, item)) = items.lock().expect(POISONED).next() else {
+            let Some((turn, item)) = items.lock().expect(LOCK_NOT_POISONED).next() else {
                 break;
             };
             let result = work(item);
-            let line = line.lock().expect(POISONED);
-            let early = |line: &mut OrderedResults<R, _>| turn > line.next + WAITING;
-            let mut line = moved.wait_while(line, early).expect(POISONED);
+            let line = line.lock().expect(LOCK_NOT_POISONED);
+            let early = |line: &mut OrderedResults<R, _>| turn > line.next + MAX_WAITING_RESULTS;
+            let mut line = moved.wait_while(line, early).expect(LOCK_NOT_POISONED);
             line.waiting.insert(turn, result);
             let OrderedResults {
                 next,

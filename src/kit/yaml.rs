@@ -41,7 +41,7 @@ pub fn text_of(path: &Path) -> Result<String, String> {
         .map_err(|error| named(&error))?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(named(&format!(
-            "larger than {} MiB, which is no report",
+            "larger than {} MiB, so not a report",
             MAX_BYTES >> 20
         )));
     }
@@ -128,7 +128,7 @@ impl de::Error for Flaw {
 }
 
 /// The error of a text with an anchor or an alias.
-const NO_ANCHORS: &str = "anchors and aliases are not read";
+const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
 /// Parses a text into a tree.
 fn parse(text: &str) -> Result<Node, String> {
@@ -382,7 +382,7 @@ mod tests {
 - first: true => line 1: missing field `id`
 - id: => line 1: invalid type: unit value, expected a string
 id: a => line 1: expected a list
-- id: &a b↵- id: *a => line 1: anchors and aliases are not read
+- id: &a b↵- id: *a => line 1: anchors and aliases are not supported
 - id: !b a => line 1: tags are not read
 - id: a↵---↵- id: b => line 2: a second document
 - [[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]] => line 1: too deeply nested

@@ -4,7 +4,7 @@ use super::anatomy::{Anatomy, Seen};
 use super::at::At;
 use crate::decode::{indices, planes};
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // Strings
     (
         "nul-ends-the-payload",

@@ -10,7 +10,7 @@ use crate::reading::Reading;
 
 type PlaneSamples = Result<Vec<u8>>;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // Rows
     (
         "compressed-rows-top-down",

@@ -6,7 +6,7 @@ use super::at::At;
 const SCALE: &str = "2.4/3";
 const BIAS: &str = "2.4/4";
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "greedy-whitespace",
         At::Bytes(|file| skipped(file, |byte| matches!(byte, b'\t'..=b'\r' | b' '))),

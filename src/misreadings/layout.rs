@@ -7,7 +7,7 @@ use super::at::At;
 use crate::decode::{decode, texels};
 use crate::ptm::{Format, Header, Ptm};
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "payload-reversed",
         At::Bytes(|file| {

@@ -2,7 +2,7 @@
 
 use super::at::At;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-on-one-line-only",
         At::Bytes(|file| {

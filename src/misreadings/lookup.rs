@@ -5,7 +5,7 @@ use super::at::At;
 use crate::decode::indices::take;
 use crate::ptm::Format;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "lut-formats-swapped",
         At::Bytes(|file| match file.texts(&["2.2/1"])[..] {

@@ -3,7 +3,7 @@
 use super::anatomy::Seen;
 use super::at::At;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-not-read",
         At::Bytes(|file| {

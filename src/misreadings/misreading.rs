@@ -128,7 +128,7 @@ pub(crate) fn catalog<A: Copy + 'static>(
 mod tests {
     use super::*;
 
-    const ACTS: &[(&str, u8)] = &[("one", 1), ("two", 2)];
+    const CHANGES: &[(&str, u8)] = &[("one", 1), ("two", 2)];
 
     fn record(slug: &str) -> String {
         format!("- {{ slug: {slug}, clause: 2.1/1, effect: errs, fix: do not }}\n")
@@ -136,7 +136,7 @@ mod tests {
 
     #[track_caller]
     fn rejects(yaml: &str, why: &str) {
-        let error = catalog(yaml, ACTS.iter(), |_| None).expect_err("the catalog is refused");
+        let error = catalog(yaml, CHANGES.iter(), |_| None).expect_err("the catalog is refused");
         assert!(error.contains(why), "{error}");
     }
 
@@ -144,7 +144,7 @@ mod tests {
     fn a_record_and_its_place_become_one_misreading() {
         let yaml = record("one")
             + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
-        let all = catalog(&yaml, ACTS.iter(), |_| None).unwrap();
+        let all = catalog(&yaml, CHANGES.iter(), |_| None).unwrap();
         assert_eq!(
             (all[0].slug, all[0].at, all[0].shows),
             ("one", 1, Symptom::Values)

@@ -13,7 +13,7 @@ use crate::parts::Step;
 use crate::ptm::Size;
 use crate::reading::Reading;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-halves-toward-zero",
         At::Predictor(|reference, step, size, reading| {

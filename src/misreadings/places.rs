@@ -5,7 +5,7 @@ use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Extent, Number, Plan, RawLists};
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // 2.9.6, 2.9.7 and the offsets of the planes
     (
         "planes-in-decode-order",

@@ -11,7 +11,7 @@ use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Number, Plan, RawLists};
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // 2.9.4
     (
         "order-as-strict-sequence",

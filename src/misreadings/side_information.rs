@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::parts::Coded;
 use crate::reading::Reading;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // The time of correction
     (
         "side-information-too-late",

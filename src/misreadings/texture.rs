@@ -30,7 +30,7 @@ impl Misreading<Change> {
 static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
     catalog(
         include_str!("../../spec-cases/texture/misreadings.yaml"),
-        ACTS.iter(),
+        CHANGES.iter(),
         |_| None,
     )
     .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
@@ -50,7 +50,7 @@ pub fn find(slug: &str) -> Option<&'static Misreading<Change>> {
 const SPEC: Rules = Rules::SPEC;
 
 /// The function of each misreading, in the order of `spec-cases/texture/misreadings.yaml`.
-const ACTS: &[(&str, Change)] = &[
+const CHANGES: &[(&str, Change)] = &[
     // ---------------------------------------------------------------- fallback values
     ("pre-light-by-default", |r| {
         r.fallback_values = || fallback(|e| e.rendering_control = RenderingControl::PreLight);

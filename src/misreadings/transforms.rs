@@ -6,7 +6,7 @@ use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, Number, Plan, RawLists, Step};
 use crate::reading::Reading;
 
-pub(super) const ACTS: &[(&str, At)] = &[
+pub(super) const CHANGES: &[(&str, At)] = &[
     // 2.9.2: the choice of the transform
     (
         "any-transform-refused",

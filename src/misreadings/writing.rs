@@ -31,7 +31,7 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
     let records = yaml::records::<WritingWords>(yaml)?.into_iter();
     let join = |(line, words): (usize, WritingWords)| {
         let reader = super::find(&words.slug)
-            .ok_or_else(|| format!("line {line}: no misreading is called {}", words.slug))?;
+            .ok_or_else(|| format!("line {line}: unknown misreading {}", words.slug))?;
         Ok(Misreading {
             slug: reader.slug,
             clause: reader.clause,

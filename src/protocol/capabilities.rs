@@ -12,26 +12,26 @@ use crate::ptm::Format;
 /// Maximum number of characters of a name or version.
 const MAX_NAME_LENGTH: usize = 100;
 
-/// The capabilities that a decoder declares; None for those that it does not mention.
+/// Capabilities that a decoder declares. Each is `None` if the decoder does not declare it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
-    /// The name of the decoder.
+    /// Name of the decoder.
     pub name: Option<String>,
-    /// Its version.
+    /// Version of the decoder.
     pub version: Option<String>,
-    /// The views it offers.
+    /// Views that the decoder offers.
     pub views: Option<Vec<&'static str>>,
-    /// The formats it reads.
+    /// Formats that the decoder reads.
     pub formats: Option<Vec<Format>>,
-    /// True if it supports `serve`.
+    /// True if the decoder supports `serve`.
     pub serves: bool,
-    /// Its exit status for malformed files, in addition to 65.
+    /// Exit status for malformed files, in addition to 65.
     pub reject_exit: Option<i32>,
-    /// A sentence for each unknown word of its answer.
+    /// Warnings about unknown words, one sentence each.
     pub remarks: Vec<String>,
 }
 
-/// The answer as it is written; other keys are ignored.
+/// The YAML document that the decoder prints; other keys are ignored.
 #[derive(Deserialize)]
 struct CapabilitiesRecord {
     protocol: i64,
@@ -43,31 +43,31 @@ struct CapabilitiesRecord {
     reject_exit: Option<i64>,
 }
 
-/// Returns a word without unprintable characters. Unquoted versions are read as text.
+/// Removes unprintable characters from a word.
 fn printable(word: &str) -> String {
     let printable = word.chars().filter(|c| !c.is_control());
     printable.take(MAX_NAME_LENGTH).collect()
 }
 
 impl Capabilities {
-    /// Reads an answer.
+    /// Parses the output of `DECODER capabilities`.
     ///
     /// # Errors
-    /// A sentence that says why the answer does not count.
+    /// The reason why the output is not a valid declaration.
     pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
         let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
         let record: CapabilitiesRecord =
-            from_yaml(text).map_err(|error| format!("its answer is not understood: {error}"))?;
+            from_yaml(text).map_err(|error| format!("its answer is not valid: {error}"))?;
         if record.protocol != 1 {
             return Err(format!(
-                "it speaks protocol {}, and this program speaks 1",
+                "it speaks protocol {}; this program speaks protocol 1",
                 record.protocol
             ));
         }
         let mut remarks = Vec::new();
         let views = record.views.map(|words| {
             known_words(words, "view", &mut remarks, |word| {
-                ViewKind::by_name(word).map(ViewKind::name)
+                ViewKind::from_name(word).map(ViewKind::name)
             })
         });
         let formats = record.formats.map(|words| {
@@ -85,7 +85,7 @@ impl Capabilities {
                 .ok()
                 .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
             if usable.is_none() {
-                remarks.push(format!("no exit status {status} can mean a refusal"));
+                remarks.push(format!("exit status {status} cannot mean a refusal"));
             }
             usable
         });
@@ -100,7 +100,7 @@ impl Capabilities {
         })
     }
 
-    /// Returns true if it declares that it reads `format`.
+    /// Returns true if the decoder declares support for `format`.
     #[must_use]
     pub fn declares(&self, format: Format) -> bool {
         self.formats
@@ -119,7 +119,7 @@ fn known_words<T>(
         let word = printable(&word);
         let known = know(&word);
         if known.is_none() && remarks.len() < 10 {
-            remarks.push(format!("it declares the {what} {word:?}, which is none"));
+            remarks.push(format!("it declares an unknown {what}: {word:?}"));
         }
         known
     };
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(capabilities.reject_exit, Some(1));
         assert_eq!(
             capabilities.remarks,
-            ["it declares the view \"png\", which is none"]
+            ["it declares an unknown view: \"png\""]
         );
     }
 
@@ -158,9 +158,9 @@ mod tests {
         }
     }
 
-    /// Among them are lists of lists that would take terabytes.
+    /// The inputs include nested lists that would need terabytes of memory.
     #[test]
-    fn other_answers_do_not_count() {
+    fn invalid_declarations_are_rejected() {
         let mut laughs = "a: &a [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
         for (this, last) in ('b'..='p').zip('a'..) {
             let list = vec![format!("*{last}"); 10].join(", ");

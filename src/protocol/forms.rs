@@ -1,4 +1,4 @@
-//! One answer in any of its forms: a PTM1 frame, an image or a NumPy array, distinguished by their first bytes.
+//! Parsing of a response: a PTM1 frame, an image or a NumPy array, distinguished by their first bytes.
 //!
 //! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so it
 //! counts as the requested view. An answer in any form must be complete, and no bytes may follow it.
@@ -6,10 +6,10 @@
 use super::{npy, picture};
 use crate::protocol::frame::{Frame, View};
 
-/// Reads the single answer in `bytes` to a request for `view`. Nothing larger than `most` bytes is decompressed.
+/// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `most` bytes.
 ///
 /// # Errors
-/// A sentence that says why `bytes` is not an answer.
+/// The reason why `bytes` is not a valid response.
 pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
@@ -24,7 +24,7 @@ pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     }
 }
 
-/// Returns the name of a known form that is not an answer, by its first bytes.
+/// Recognizes a known but unsupported file format by its first bytes and returns its name.
 fn unsupported_form(bytes: &[u8]) -> Option<&'static str> {
     let forms: [(&[u8], &str); 2] = [(b"GIF8", "a GIF image"), (b"PTM_1.", "the PTM file itself")];
     forms

@@ -1,4 +1,4 @@
-//! PTM-CP 1: requests to a decoder and its answers.
+//! PTM-CP 1: requests to a decoder and its responses.
 //!
 //! `DECODER [ARG…] VIEW FILE` writes one line and the samples to standard output,
 //!
@@ -26,7 +26,7 @@ pub const EXIT_MALFORMED: i32 = 65;
 /// Exit status of a decoder for a file that it does not support (`EX_UNAVAILABLE`).
 pub const EXIT_UNSUPPORTED: i32 = 69;
 
-/// A view: the part of a map that a decoder is asked for.
+/// A view: the representation of a map that is requested from a decoder.
 #[derive(Clone, Debug, PartialEq)]
 pub enum View {
     /// The stored values.
@@ -51,7 +51,7 @@ pub enum ViewKind {
 impl ViewKind {
     /// All kinds of views.
     pub const ALL: [ViewKind; 3] = [ViewKind::Raw, ViewKind::Coef, ViewKind::Rgb];
-    /// Their names.
+    /// Names of all kinds of views.
     pub const NAMES: [&'static str; 3] = ["raw", "coef", "rgb"];
 
     /// Returns `raw`, `coef` or `rgb`.
@@ -60,9 +60,9 @@ impl ViewKind {
         ViewKind::NAMES[self as usize]
     }
 
-    /// Returns the kind with this name.
+    /// Returns the kind of view with the given name.
     #[must_use]
-    pub fn by_name(name: &str) -> Option<ViewKind> {
+    pub fn from_name(name: &str) -> Option<ViewKind> {
         ViewKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
@@ -75,7 +75,7 @@ impl ViewKind {
         }
     }
 
-    /// Returns the clause that its values follow from.
+    /// Returns the clause that defines the values of this view.
     #[must_use]
     pub const fn clause(self) -> &'static str {
         match self {
@@ -94,7 +94,7 @@ impl ViewKind {
         }
     }
 
-    /// Returns samples of this view, rounded to its sample type.
+    /// Converts values to the sample type of this view, rounding if necessary.
     #[must_use]
     pub fn samples(self, values: &[f64]) -> Samples {
         match self.sample_type() {
@@ -121,7 +121,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Returns u and v as they were written.
+    /// Returns u and v as they were spelled in the request.
     #[must_use]
     pub fn texts(&self) -> [&str; 2] {
         let (u, v) = self.text.split_once(',').unwrap_or((&self.text, ""));
@@ -130,7 +130,7 @@ impl Light {
 }
 
 impl View {
-    /// A view with a light that shows every coefficient.
+    /// A view with a light under which every coefficient affects the color.
     pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";
 
     /// Returns the view without its light.
@@ -190,7 +190,7 @@ impl FromStr for View {
                 let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
                 match (lu.parse::<f64>(), lv.parse::<f64>()) {
                     (Ok(lu), Ok(lv)) if lu.hypot(lv) > 1.0 => Err(format!(
-                        "the light of {text:?} is longer than 1: it is the projection of a unit vector"
+                        "the light in {text:?} is longer than 1, but it is the projection of a unit vector"
                     )),
                     (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
                         lu,
@@ -207,10 +207,10 @@ impl FromStr for View {
 /// Maximum length of a PTM1 line.
 const MAX_LINE_LENGTH: usize = 200;
 
-/// One answer.
+/// A decoded image as a decoder outputs it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// The view that it shows.
+    /// View of the samples.
     pub view: ViewKind,
     /// Number of texels in a row.
     pub width: u32,
@@ -229,7 +229,7 @@ pub struct Frame {
 pub enum Samples {
     /// Bytes.
     U8(Vec<u8>),
-    /// Reals.
+    /// Real numbers.
     F32(Vec<f32>),
 }
 
@@ -243,7 +243,7 @@ impl Samples {
         }
     }
 
-    /// Returns true if there are none.
+    /// Returns true if there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -258,7 +258,7 @@ impl Samples {
         }
     }
 
-    /// Returns the values of the samples.
+    /// Converts all samples to real numbers.
     #[must_use]
     pub fn to_reals(&self) -> Vec<f64> {
         (0..self.len()).map(|i| self.real(i)).collect()
@@ -282,9 +282,9 @@ impl Samples {
         }
     }
 
-    /// Returns true if both are bitwise equal.
+    /// Returns true if both have the same type and bits.
     #[must_use]
-    pub fn are_like(&self, other: &Samples) -> bool {
+    pub fn bits_equal(&self, other: &Samples) -> bool {
         match (self, other) {
             (Samples::U8(a), Samples::U8(b)) => a == b,
             (Samples::F32(a), Samples::F32(b)) => {
@@ -312,10 +312,10 @@ impl Hash for Frame {
 }
 
 impl Frame {
-    /// Returns true if both are bitwise equal; a NaN equals only a NaN with the same bits.
+    /// Returns true if both frames are bitwise equal; a NaN equals only a NaN with the same bits.
     #[must_use]
-    pub fn is_like(&self, other: &Frame) -> bool {
-        self.shape() == other.shape() && self.samples.are_like(&other.samples)
+    pub fn is_equivalent(&self, other: &Frame) -> bool {
+        self.shape() == other.shape() && self.samples.bits_equal(&other.samples)
     }
 
     /// Returns the view, the width, the height and the number of channels.
@@ -324,7 +324,7 @@ impl Frame {
         (self.view, self.width, self.height, self.channels)
     }
 
-    /// Renders `ptm` in `view`, under the reading of the reference.
+    /// Renders `ptm` in `view` under the reference's reading.
     #[must_use]
     pub fn render(ptm: &Ptm, view: &View) -> Frame {
         Frame::render_under(ptm, view, &Reading::SPEC)
@@ -344,7 +344,7 @@ impl Frame {
             height: ptm.planes.size.height,
             channels: kind.channels(ptm.planes.shape.channels()) as u32,
             samples: match view {
-                // Bytes need no detour by real numbers.
+                // Bytes are copied without a conversion to real numbers.
                 View::Raw => Samples::U8(formula::stored(ptm, edits).planes.samples.clone()),
                 _ => kind.samples(&view.values(ptm, reading, edits)),
             },
@@ -352,7 +352,7 @@ impl Frame {
         }
     }
 
-    /// Writes the line and the samples.
+    /// Writes the PTM1 line and the samples.
     ///
     /// # Errors
     /// Errors of `out`.
@@ -365,7 +365,7 @@ impl Frame {
         self.write_samples(out)
     }
 
-    /// Returns the line and the samples.
+    /// Returns the PTM1 line and the samples as bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -374,7 +374,7 @@ impl Frame {
         bytes
     }
 
-    /// Writes the line of a frame of that size.
+    /// Writes the PTM1 line of a frame of the given size.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let Size { width, height } = size;
         let kind = self.samples.sample_type();
@@ -394,10 +394,10 @@ impl Frame {
         }
     }
 
-    /// Reads exactly one frame.
+    /// Parses exactly one frame.
     ///
     /// # Errors
-    /// A sentence that says why `bytes` is not a frame.
+    /// The reason why `bytes` is not a frame.
     pub fn read(bytes: &[u8]) -> Result<Frame, String> {
         if bytes.is_empty() {
             return Err("standard output is empty".to_owned());
@@ -430,7 +430,7 @@ impl Frame {
                 false => "",
             };
             return Err(format!(
-                "{line:?} announces {needed} of samples, {} follow{cut}",
+                "{line:?} announces {needed} of samples, but {} follow{cut}",
                 samples.len()
             ));
         }
@@ -455,7 +455,7 @@ impl Frame {
                 "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
             ));
         };
-        let view = ViewKind::by_name(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
+        let view = ViewKind::from_name(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
         let number = |word: &str| {
             let digits = word.bytes().all(|byte| byte.is_ascii_digit());
             let number = digits.then(|| word.parse::<u32>().ok()).flatten();
@@ -485,7 +485,7 @@ impl Frame {
     }
 }
 
-/// Writes the frame of a map in `view` piece by piece: the samples of a frame are those of its pieces, in sequence.
+/// Writes the frame of a map in `view` in pieces, so that the whole frame is never in memory.
 ///
 /// # Errors
 /// Errors of `out`.
@@ -500,7 +500,7 @@ pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Re
     Ok(())
 }
 
-/// The answer of a decoder to a request: a frame for a PTM file, or `T` for another question.
+/// The result of one request: a frame for a PTM file, or `T` for another kind of request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer<T = Frame> {
     /// Exit status 0 and the requested output.
@@ -509,7 +509,7 @@ pub enum Answer<T = Frame> {
     Rejected,
     /// Exit status 69.
     Unsupported,
-    /// Exit status 0 and output that is not one frame.
+    /// Exit status 0 and output that is not exactly one frame.
     ProtocolError(String),
     /// A signal, or any other exit status.
     Crashed(String),
@@ -519,16 +519,16 @@ pub enum Answer<T = Frame> {
     Flooded(String),
     /// More memory than the limit.
     OutOfMemory(String),
-    /// It changed or removed the file it was given.
+    /// The decoder changed or removed its input file.
     Tampered(String),
-    /// The operating system could not start it.
+    /// The operating system could not start the decoder.
     NotStarted(String),
-    /// This program could not do its part, so nothing is known about the decoder.
+    /// This program failed to make the request, so nothing is known about the decoder.
     NotAsked(String),
 }
 
 impl<T> Answer<T> {
-    /// Returns what was decoded, or the same answer with another type.
+    /// Returns the decoded value, or converts any other answer to another type.
     ///
     /// # Errors
     /// Any answer other than [`Answer::Decoded`].
@@ -548,7 +548,7 @@ impl<T> Answer<T> {
         })
     }
 
-    /// Returns one or two words for a report.
+    /// Returns a short name for reports.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
@@ -566,7 +566,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns the name of the answer, and what went wrong if something did.
+    /// Returns the name of the answer, followed by the details of a violation.
     #[must_use]
     pub fn describe(&self) -> String {
         match self.violation() {
@@ -575,7 +575,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns what went wrong, if it is neither an image nor a refusal.
+    /// Returns the details of a violation, or `None` for an image or a refusal.
     #[must_use]
     pub fn violation(&self) -> Option<&str> {
         match self {
@@ -593,7 +593,8 @@ impl<T> Answer<T> {
 }
 
 impl<T> Answer<T> {
-    /// Returns true if both are of one kind. All limits are one kind, because the first one reached depends on the machine.
+    /// Returns true if both answers are of the same kind. All limits are one kind, because the machine decides which one is
+    /// reached first.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {
@@ -608,24 +609,24 @@ impl<T> Answer<T> {
 }
 
 impl Answer {
-    /// Returns true if the answers agree in all that a decoder controls: images bit for bit, failures by their kind.
+    /// Returns true if the answers agree in everything that the decoder controls: images bitwise, failures by kind.
     #[must_use]
-    pub fn is_like(&self, other: &Answer) -> bool {
+    pub fn is_equivalent(&self, other: &Answer) -> bool {
         match (self, other) {
-            (Answer::Decoded(a), Answer::Decoded(b)) => a.is_like(b),
+            (Answer::Decoded(a), Answer::Decoded(b)) => a.is_equivalent(b),
             _ => self.is_of_kind(other),
         }
     }
 }
 
 /// Prefix of the text of a lossy frame.
-const LOSSY: &str = "lossy ";
+const LOSSY_PREFIX: &str = "lossy ";
 
-/// A frame as text: its bytes in hexadecimal.
+/// Serializes a frame as hexadecimal text.
 impl Serialize for Frame {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let bytes = self.to_bytes();
-        let mark = if self.lossy { LOSSY } else { "" };
+        let mark = if self.lossy { LOSSY_PREFIX } else { "" };
         let digits = bytes.iter().map(|byte| format!("{byte:02x}"));
         let text: String = std::iter::once(mark.to_owned()).chain(digits).collect();
         serializer.serialize_str(&text)
@@ -635,8 +636,8 @@ impl Serialize for Frame {
 impl<'de> Deserialize<'de> for Frame {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Frame, D::Error> {
         let text = String::deserialize(deserializer)?;
-        let lossy = text.starts_with(LOSSY);
-        let digits = text.trim_start_matches(LOSSY);
+        let lossy = text.starts_with(LOSSY_PREFIX);
+        let digits = text.trim_start_matches(LOSSY_PREFIX);
         let (pairs, rest) = digits.as_bytes().as_chunks::<2>();
         let byte = |pair: &[u8; 2]| {
             let digits = std::str::from_utf8(pair).ok()?;
@@ -644,7 +645,7 @@ impl<'de> Deserialize<'de> for Frame {
         };
         let bytes: Option<Vec<u8>> = pairs.iter().map(byte).collect();
         let bytes = bytes.filter(|_| rest.is_empty());
-        let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is no row of hex digits"))?;
+        let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is not hexadecimal"))?;
         let frame = Frame::read(&bytes).map_err(D::Error::custom)?;
         Ok(Frame { lossy, ..frame })
     }

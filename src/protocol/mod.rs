@@ -1,4 +1,4 @@
-//! Requests to a decoder and its answers: views, frames, other file formats of answers, capabilities.
+//! Requests to a decoder and its responses: views, frames, other output formats, capabilities.
 
 pub mod capabilities;
 

@@ -3,7 +3,7 @@
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
-/// Reads a whole file as a frame of `view`.
+/// Parses a complete `.npy` file as a frame of `view`.
 pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     let (header, data) = split(bytes)?;
     let NpyHeader {
@@ -120,7 +120,7 @@ impl NpyHeader {
             }
         }
         if !rest.0.trim_start_matches(' ').is_empty() {
-            return Err(format!("its header goes on after the dictionary: {rest}"));
+            return Err(format!("its header continues after the dictionary: {rest}"));
         }
         match (descr, fortran_order, shape) {
             (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
@@ -133,7 +133,7 @@ impl NpyHeader {
     }
 }
 
-/// The part of the dictionary that is still to be read.
+/// The unread part of the dictionary.
 struct DictionaryText<'a>(&'a str);
 
 impl<'a> DictionaryText<'a> {
@@ -152,7 +152,7 @@ impl<'a> DictionaryText<'a> {
         }
     }
 
-    /// Reads text between quotes, without escapes.
+    /// Parses a quoted string without escapes.
     fn string(&mut self) -> Result<&'a str, String> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =

@@ -16,9 +16,9 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use crate::codec::markers;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
-/// The largest quantization step of a JPEG that is accepted: that of libjpeg's quality 95.
+/// Largest quantization step of an accepted JPEG, which is that of libjpeg's quality 95.
 const MAX_QUANTIZATION_STEP: u16 = 12;
-/// Memory in bytes that an image decoder may need in addition to the samples: its tables, and embedded profiles.
+/// Memory in bytes for tables and embedded profiles of an image, in addition to its samples.
 const WORKING_MEMORY: usize = 64 << 20;
 
 /// The accepted file formats.
@@ -31,13 +31,13 @@ const FORMS: [(ImageFormat, &str); 6] = [
     (ImageFormat::Jpeg, "a JPEG"),
 ];
 
-/// Reads `bytes` as an image, if they begin like one; at most `most` bytes of samples are decompressed.
+/// Decodes `bytes` if they begin like an image file; decompresses at most `most` bytes of samples.
 pub(crate) fn read(bytes: &[u8], most: usize) -> Option<Result<Frame, String>> {
     let found = image::guess_format(bytes).ok()?;
     let (format, name) = FORMS.into_iter().find(|(format, _)| *format == found)?;
-    // The run goes on whatever a program under test writes.
+    // A panic in the image library must not end the run.
     let read = catch_unwind(|| read_as(format, bytes, most));
-    let read = read.unwrap_or_else(|_| Err("its reader does not cope with it".to_owned()));
+    let read = read.unwrap_or_else(|_| Err("the image library fails to read it".to_owned()));
     Some(read.map_err(|error| format!("{name}: {error}")))
 }
 
@@ -53,20 +53,20 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
     // Checked before memory for a single texel is allocated.
     if decoder.total_bytes() > most as u64 {
         return Err(format!(
-            "{width} x {height} texels are more than the file can have"
+            "{width} x {height} texels are more than the requested file has"
         ));
     }
     let color = decoder.color_type();
     if color.bytes_per_pixel() != color.channel_count() {
         let bits = 8 * color.bytes_per_pixel() / color.channel_count();
-        return Err(format!("it has {bits} bits a sample, not 8"));
+        return Err(format!("it has {bits} bits per sample, not 8"));
     }
     match format {
         ImageFormat::Pnm => check_full_range(bytes)?,
         ImageFormat::Jpeg => check_quality(bytes)?,
         ImageFormat::WebP if is_lossy_webp(bytes) => {
             return Err(
-                "it is lossy, with a color for four texels; write a lossless one".to_owned(),
+                "it is lossy: four texels share one color; write a lossless image".to_owned(),
             );
         }
         _ => {}
@@ -111,9 +111,10 @@ fn is_lossy_webp(bytes: &[u8]) -> bool {
     false
 }
 
-/// Accepts a JPEG without chroma subsampling whose samples are near the saved ones.
+/// Rejects a JPEG with chroma subsampling or large quantization steps.
 fn check_quality(bytes: &[u8]) -> Result<(), String> {
-    let advice = "write quality 95 or more without subsampling, or another form";
+    let advice =
+        "write it with quality 95 or more and without subsampling, or use another image format";
     let mut stream = markers::Cursor::new(bytes, 2);
     while let Ok((code, content)) = stream.marker_segment()
         && code != markers::SOS
@@ -129,7 +130,7 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
                 let mut factors = components.chunks(3).map(|component| component.get(1));
                 let first = factors.next();
                 if factors.any(|other| Some(other) != first) {
-                    return Err(format!("it has one color for several texels; {advice}"));
+                    return Err(format!("several texels share one color; {advice}"));
                 }
             }
             _ => {}
@@ -179,7 +180,7 @@ fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String
     };
     match bytes.len() - end {
         0 => Ok(()),
-        more => Err(format!("{more} bytes follow its end")),
+        more => Err(format!("{more} bytes follow its end marker")),
     }
 }
 
@@ -190,7 +191,7 @@ fn check_opaque(picture: &DynamicImage) -> Result<(), String> {
     match texels.find(|(_, _, texel)| texel.0[3] != 255) {
         None => Ok(()),
         Some((x, y, texel)) => Err(format!(
-            "texel ({x}, {y}) is not opaque, its alpha is {}; a lit PTM hides nothing",
+            "texel ({x}, {y}) is not opaque (its alpha is {}), but a lit PTM has no transparency",
             texel.0[3]
         )),
     }

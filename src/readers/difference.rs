@@ -1,21 +1,21 @@
-//! The visible difference of a wrong image from the right one.
+//! Descriptions of the visible difference between a wrong image and the correct one.
 
 use crate::formula::{self, Edits};
 use crate::ptm::{Planes, Ptm};
 use crate::reading::Reading;
 
-/// Lights under which images are compared: vertical and oblique.
+/// Lights under which images are compared: one vertical, two oblique.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
-/// Tolerance for two roundings of a color, as for decoders.
+/// Tolerance for the rounding of colors, the same as for decoders.
 const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
-/// Maximum difference of colors that is invisible.
+/// Largest color difference that is invisible.
 const MAX_INVISIBLE_DIFFERENCE: u8 = 2;
 
-/// A map under the lights, in its right form and as a reader shows it.
+/// Renderings of a map: the correct ones and those of a reader.
 pub(super) struct ReaderImages {
-    /// Width and height of the right image and of the other.
+    /// Width and height of the correct image and of the reader's image.
     sizes: [(usize, usize); 2],
-    /// For each light the right image and the other.
+    /// For each light, the correct image and the reader's image.
     lit: Vec<[Vec<u8>; 2]>,
     /// True for each light under which a color differs by more than rounding.
     differ: [bool; LIGHTS.len()],
@@ -24,7 +24,7 @@ pub(super) struct ReaderImages {
 }
 
 impl ReaderImages {
-    /// Renders both maps under the lights; the other one is evaluated with `reading` and `edits`.
+    /// Renders both maps under the lights; evaluates the reader's map with `reading` and `edits`.
     pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> ReaderImages {
         let size = |ptm: &Ptm| {
             (
@@ -77,12 +77,13 @@ impl ReaderImages {
         }
     }
 
-    /// Describes the visible fault of the other image; None if it is right.
+    /// Describes the visible fault of the reader's image, or returns `None` if the image is correct.
     pub(super) fn difference(&self) -> Option<String> {
         let Some(light) = self.differ.iter().position(|&differs| differs) else {
-            return self
-                .coefficients_differ
-                .then(|| "coefficients differ, which shows under some lights at most".to_owned());
+            return self.coefficients_differ.then(|| {
+                "coefficients differ; the difference is visible under some lights at most"
+                    .to_owned()
+            });
         };
         if self.sizes[0] != self.sizes[1] {
             let (width, height) = self.sizes[1];
@@ -99,7 +100,7 @@ impl ReaderImages {
         })
     }
 
-    /// Describes an image that is upside down, mirrored, or both.
+    /// Recognizes an image that is upside down, mirrored, or both.
     fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let (width, height) = self.sizes[0];
         let is = |place: &dyn Fn(usize, usize) -> (usize, usize)| {
@@ -123,7 +124,7 @@ impl ReaderImages {
     }
 }
 
-/// Returns a row of a map, counted from the top.
+/// Returns a row of a map as a map, counted from the top.
 fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
     let length = ptm.planes.size.width as usize * ptm.planes.shape.channels();
     let samples = ptm.planes.samples.get(row * length..(row + 1) * length)?;
@@ -136,7 +137,7 @@ fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
     })
 }
 
-/// Describes exchanged color channels.
+/// Recognizes exchanged color channels.
 fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     let orders = [
         ([2, 1, 0], "red and blue exchanged"),
@@ -159,19 +160,19 @@ fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     found.map(|(_, words)| (*words).to_owned())
 }
 
-/// Sums over the texels of two images.
+/// Sums over the texels of a correct image and a reader's image.
 #[derive(Default)]
 struct Sums {
     texels: f64,
-    /// Sums of the right brightness, of the other, of their squares and of their product.
+    /// Sums of the correct brightness, the reader's brightness, their squares and their product.
     moments: [f64; 5],
     differing: f64,
-    /// The sum of the right brightness where the two differ.
+    /// Sum of the correct brightness over the differing texels.
     where_differing: f64,
     largest: u8,
 }
 
-/// Describes other visible properties: the affected part, brighter or darker, noise and its place.
+/// Describes other visible faults: the affected part of the image, its brightness, and noise.
 fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     let mut sums = Sums::default();
     for (a, b) in truth.chunks(3).zip(other.chunks(3)) {
@@ -205,7 +206,7 @@ impl Sums {
         let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
         if self.largest <= MAX_INVISIBLE_DIFFERENCE {
             return format!(
-                "off by {} of 255 at most, which is hardly to be seen",
+                "off by at most {} of 255, which is hardly visible",
                 self.largest
             );
         }

@@ -1,4 +1,4 @@
-//! Limits of readers that misread no clause: facts of their source that have no misreading in the catalog.
+//! Limits of readers that are known from their source and are not in the catalog of misreadings.
 
 use serde::de::{Deserialize, Deserializer, Error};
 
@@ -8,21 +8,21 @@ use crate::ptm::{Field, Format};
 /// A limit of a reader.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Its name in `readers.yaml`.
+    /// Name of the limit in `readers.yaml`.
     pub slug: &'static str,
-    /// The behavior of such a reader.
+    /// Behavior of a reader with this limit.
     pub words: &'static str,
-    /// The effect on a file that is not within the limit.
+    /// Effect on a file that exceeds the limit.
     effect: Effect,
     is_exceeded: fn(&Marks) -> bool,
 }
 
-/// The effect of a limit on a file.
+/// Effect of a limit on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
     /// The file is refused, with the reason.
     Refused(&'static str),
-    /// The file is shown wrong, with a description.
+    /// The file is displayed incorrectly, with a description.
     Wrong(&'static str),
 }
 
@@ -32,14 +32,14 @@ const LIMITS: [Limit; 9] = [
         slug: "blanks-of-compressed-refused",
         words: "refuses a compressed file in which a list ends in a space or has two in a row",
         effect: Effect::Refused("a list ends in a space or has two in a row"),
-        is_exceeded: |file| file.is_compressed() && file.has_blanks_in_lists(),
+        is_exceeded: |file| file.is_compressed() && file.has_empty_list_items(),
     },
     // The vectors have two lines.
     Limit {
         slug: "lists-on-other-lines-refused",
-        words: "refuses a compressed file whose lists do not have a line each",
+        words: "refuses a compressed file unless each list has its own line",
         effect: Effect::Refused("a list is not on a separate line"),
-        is_exceeded: |file| file.is_compressed() && !file.lists_have_a_line_each(),
+        is_exceeded: |file| file.is_compressed() && !file.has_one_list_per_line(),
     },
     Limit {
         slug: "bytes-after-the-end-refused",
@@ -51,7 +51,7 @@ const LIMITS: [Limit; 9] = [
         slug: "space-after-twelve-numbers-refused",
         words: "refuses a space after twelve scales and biases on one line",
         effect: Effect::Refused("a space follows twelve numbers on one line"),
-        is_exceeded: |file| file.is_legal && file.twelve_numbers_end_in_a_space(),
+        is_exceeded: |file| file.is_legal && file.has_space_after_twelve_numbers(),
     },
     // It accepts a space after the version.
     Limit {
@@ -63,7 +63,7 @@ const LIMITS: [Limit; 9] = [
     Limit {
         slug: "underflow-refused",
         words: "refuses a scale that is too small for its floating-point type",
-        effect: Effect::Refused("a scale is next to nothing"),
+        effect: Effect::Refused("a scale is close to zero"),
         is_exceeded: |file| file.has_underflow(),
     },
     Limit {
@@ -89,14 +89,14 @@ const LIMITS: [Limit; 9] = [
 ];
 
 impl Limit {
-    /// Returns its effect on a file; None if the file is within the limit.
+    /// Returns the effect on a file, or `None` if the file is within the limit.
     pub(super) fn effect(&self, file: &Marks) -> Option<Effect> {
         (self.is_exceeded)(file).then_some(self.effect)
     }
 }
 
 impl<'de> Deserialize<'de> for Limit {
-    /// Looks the limit up by its slug.
+    /// Deserializes the limit from its slug.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Limit, D::Error> {
         let slug = String::deserialize(deserializer)?;
         let known = LIMITS.iter().find(|limit| limit.slug == slug);
@@ -107,7 +107,7 @@ impl<'de> Deserialize<'de> for Limit {
     }
 }
 
-/// The properties of a file that limits depend on.
+/// Properties of a file that the limits depend on.
 pub(super) struct Marks<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
@@ -137,18 +137,18 @@ impl<'a> Marks<'a> {
         }
     }
 
-    fn of_clause<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = &'s Field> {
+    fn fields_of_clause<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = &'s Field> {
         self.fields
             .iter()
             .filter(move |field| field.clause == clause)
     }
 
     /// Returns true if a list that is split at single spaces has an empty part.
-    fn has_blanks_in_lists(&self) -> bool {
+    fn has_empty_list_items(&self) -> bool {
         let lists = [
             "2.4/3", "2.4/4", "2.9.2/1", "2.9.4/1", "2.9.5/1", "2.9.6/1", "2.9.7/1",
         ];
-        let mut numbers = lists.iter().flat_map(|list| self.of_clause(list));
+        let mut numbers = lists.iter().flat_map(|list| self.fields_of_clause(list));
         numbers.any(|field| {
             let after = &self.file[field.range.end..self.payload];
             after.starts_with(b" \n") || after.starts_with(b"  ")
@@ -156,7 +156,7 @@ impl<'a> Marks<'a> {
     }
 
     fn has_underflow(&self) -> bool {
-        self.of_clause("2.4/3").any(|field| {
+        self.fields_of_clause("2.4/3").any(|field| {
             let text = String::from_utf8_lossy(&self.file[field.range.clone()]);
             let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
             let is_zero = !mantissa.contains(|digit: char| ('1'..='9').contains(&digit));
@@ -169,9 +169,9 @@ impl<'a> Marks<'a> {
         self.format.is_some_and(Format::is_compressed)
     }
 
-    /// Returns the numbers in the header fields that `clause` describes.
+    /// Parses the numbers in the header fields of `clause`.
     fn field_values<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = i64> + 's {
-        self.of_clause(clause).filter_map(|field| {
+        self.fields_of_clause(clause).filter_map(|field| {
             std::str::from_utf8(&self.file[field.range.clone()])
                 .ok()?
                 .parse()
@@ -180,8 +180,8 @@ impl<'a> Marks<'a> {
     }
 
     /// Returns true if the lists of a compressed file have the line breaks of HP's encoder.
-    fn lists_have_a_line_each(&self) -> bool {
-        let Some(Field { range, .. }) = self.of_clause("2.9.1/1").next() else {
+    fn has_one_list_per_line(&self) -> bool {
+        let Some(Field { range, .. }) = self.fields_of_clause("2.9.1/1").next() else {
             return true;
         };
         let planes = self.format.map_or(0, Format::channels);
@@ -200,7 +200,7 @@ impl<'a> Marks<'a> {
             .any(|transform| transform & 2 != 0)
     }
 
-    /// Returns the end of the last value.
+    /// Returns the offset of the byte after the last value.
     fn end(&self) -> usize {
         self.fields
             .iter()
@@ -210,12 +210,13 @@ impl<'a> Marks<'a> {
     }
 
     fn space_after_format(&self) -> bool {
-        let mut format = self.of_clause("2.2/1");
+        let mut format = self.fields_of_clause("2.2/1");
         format.any(|field| self.file[field.range.end..].starts_with(b" \n"))
     }
 
-    fn twelve_numbers_end_in_a_space(&self) -> bool {
-        let [Some(scale), Some(bias)] = ["2.4/3", "2.4/4"].map(|list| self.of_clause(list).last())
+    fn has_space_after_twelve_numbers(&self) -> bool {
+        let [Some(scale), Some(bias)] =
+            ["2.4/3", "2.4/4"].map(|list| self.fields_of_clause(list).last())
         else {
             return false;
         };

@@ -16,16 +16,16 @@ use crate::reading::Reading;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Shown {
-    /// The right image under every light.
+    /// The correct image under every light.
     Right,
-    /// Another image; or an image of a damaged file.
+    /// A wrong image, or any image of a damaged file.
     Wrong,
     /// No image: the reader refuses the file.
     Nothing,
 }
 
 impl Shown {
-    /// Returns its name.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -39,14 +39,14 @@ impl Shown {
 /// A prediction for a reader and a file, with its reasons.
 #[derive(Clone, Debug, Serialize)]
 pub struct ReaderPrediction {
-    /// The short name of the reader.
+    /// Short name of the reader.
     pub reader: String,
     /// The result.
     pub shows: Shown,
-    /// The visible fault of the image, or the reason why there is none; empty if it is right.
+    /// The visible fault of the image, or the reason why there is no image; empty if the image is correct.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub how: String,
-    /// The responsible misreadings.
+    /// Slugs of the responsible misreadings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub because: Vec<&'static str>,
     /// The suggested fix for the owner of the file.
@@ -54,18 +54,18 @@ pub struct ReaderPrediction {
     pub fix: Option<String>,
 }
 
-/// A file, and its right contents.
+/// A file and its correct contents.
 pub struct OpenedFile<'a> {
     file: &'a [u8],
     marks: Marks<'a>,
     truth: Result<Ptm, Error>,
 }
 
-/// The result of a reader for a file: planes and its further reading, or the reason why it refuses.
+/// Result of a reader for a file: planes and the reading of the later stages, or the reason for a refusal.
 type ReaderResult = Result<(Ptm, Reading), Option<Error>>;
 
 impl<'a> OpenedFile<'a> {
-    /// Reads the file as the reference does.
+    /// Decodes a file with the reference.
     #[must_use]
     pub fn new(file: &'a [u8]) -> OpenedFile<'a> {
         OpenedFile {
@@ -75,7 +75,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// Predicts the result of the reader.
+    /// Predicts the result of a reader for this file.
     #[must_use]
     pub fn predict(&self, profile: &ReaderProfile) -> ReaderPrediction {
         let says = |shows, how: String, because| ReaderPrediction {
@@ -101,12 +101,12 @@ impl<'a> OpenedFile<'a> {
         }) {
             return says(Shown::Nothing, why.to_owned(), Vec::new());
         }
-        let acting = profile.acting();
-        let found = misreadings::read(&acting, Reading::SPEC, self.file);
-        let (shows, how) = self.judge(&acting, found, profile);
+        let active_misreadings = profile.active_misreadings();
+        let found = misreadings::read(&active_misreadings, Reading::SPEC, self.file);
+        let (shows, how) = self.judge(&active_misreadings, found, profile);
         let because = match shows {
             Shown::Right => Vec::new(),
-            _ => self.causes(&acting, shows, profile),
+            _ => self.causes(&active_misreadings, shows, profile),
         };
         match (shows, effects.first()) {
             (Shown::Right, Some(Effect::Wrong(how))) => {
@@ -116,10 +116,10 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// Returns the result of the reader, and its fault.
+    /// Compares the result of the reader with the correct one, and describes the fault.
     fn judge(
         &self,
-        acting: &[&Misreading],
+        active_misreadings: &[&Misreading],
         found: ReaderResult,
         profile: &ReaderProfile,
     ) -> (Shown, String) {
@@ -137,18 +137,18 @@ impl<'a> OpenedFile<'a> {
                 ),
             };
         };
-        let shown = edited(acting, shown);
-        let edits = misreadings::edits_of(acting);
+        let shown = apply_to_planes(active_misreadings, shown);
+        let edits = misreadings::edits_of(active_misreadings);
         match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }
     }
 
-    /// Returns the misreadings that each alone have the same kind of result; all of them if several are needed.
+    /// Returns the misreadings that alone give the same kind of result, or all misreadings if none does alone.
     fn causes(
         &self,
-        acting: &[&'static Misreading],
+        active_misreadings: &[&'static Misreading],
         shows: Shown,
         profile: &ReaderProfile,
     ) -> Vec<&'static str> {
@@ -161,17 +161,17 @@ impl<'a> OpenedFile<'a> {
         if self.truth.is_err() && shows == Shown::Nothing {
             return Vec::new();
         }
-        let causes: Vec<&&'static Misreading> = acting.iter().filter(alone).collect();
+        let causes: Vec<&&'static Misreading> = active_misreadings.iter().filter(alone).collect();
         match causes.is_empty() {
-            true => slugs(acting.iter().collect()),
+            true => slugs(active_misreadings.iter().collect()),
             false => slugs(causes),
         }
     }
 }
 
-/// Returns the planes after the reader's mistakes with them.
-fn edited(acting: &[&Misreading], mut ptm: Ptm) -> Ptm {
-    for one in acting {
+/// Applies the misreadings that change planes.
+fn apply_to_planes(active_misreadings: &[&Misreading], mut ptm: Ptm) -> Ptm {
+    for one in active_misreadings {
         if let At::Planes(edit) = one.at {
             edit(&mut ptm);
         }

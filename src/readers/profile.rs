@@ -13,20 +13,20 @@ use crate::ptm::Format;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderProfile {
-    /// The short name by which it is selected.
+    /// Short name by which the reader is selected.
     pub name: String,
-    /// Its repository (owner and name), or its name if it has none.
+    /// Repository (owner and name), or the reader's name if it has none.
     pub reader: String,
-    /// The version or commit that was examined, if known.
+    /// Version or commit that was examined, if known.
     pub version: Option<String>,
-    /// The formats that it reads, by their short names.
+    /// Short names of the supported formats.
     pub reads: Vec<String>,
-    /// The evidence for its formats.
+    /// Evidence for the supported formats.
     pub evidence: Evidence,
-    /// Its misreadings.
+    /// Misreadings of the reader.
     #[serde(default)]
     pub misreadings: Vec<KnownMisreading>,
-    /// Its other limits.
+    /// Other limits of the reader.
     #[serde(default)]
     pub limits: Vec<KnownLimit>,
 }
@@ -37,7 +37,7 @@ pub struct ReaderProfile {
 pub enum Evidence {
     /// The reader was run on the cases.
     Run,
-    /// Its source was read.
+    /// The source of the reader was examined.
     Code,
 }
 
@@ -72,7 +72,7 @@ pub fn profiles() -> &'static [ReaderProfile] {
     &ALL
 }
 
-/// Reads the readers of a file such as `readers.yaml`.
+/// Parses a file such as `readers.yaml`.
 ///
 /// # Errors
 /// A sentence that names the line or the reader at fault.
@@ -86,14 +86,14 @@ pub fn profiles_of(text: &str) -> Result<Vec<ReaderProfile>, String> {
 }
 
 impl ReaderProfile {
-    /// Returns true if it reads this format at all.
+    /// Returns true if the reader supports a format.
     #[must_use]
     pub fn reads(&self, format: Format) -> bool {
         self.reads.iter().any(|name| name == format.short_name())
     }
 
-    /// Returns its misreadings, in the order in which they act on a file.
-    pub(super) fn acting(&self) -> Vec<&'static Misreading> {
+    /// Returns the misreadings in the order in which they affect a file.
+    pub(super) fn active_misreadings(&self) -> Vec<&'static Misreading> {
         let named = self.misreadings.iter();
         named
             .filter_map(|known| misreadings::find(&known.slug))
@@ -104,21 +104,24 @@ impl ReaderProfile {
         let unknown = |what: &str| Err(format!("{}: {what}", self.name));
         for name in &self.reads {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
-                return unknown(&format!("no format is called {name}"));
+                return unknown(&format!("unknown format {name}"));
             }
         }
-        let acting = self.acting();
+        let active_misreadings = self.active_misreadings();
         for known in &self.misreadings {
-            if !acting.iter().any(|one| one.slug == known.slug) {
-                return unknown(&format!("no misreading is called {}", known.slug));
+            if !active_misreadings.iter().any(|one| one.slug == known.slug) {
+                return unknown(&format!("unknown misreading {}", known.slug));
             }
         }
-        // Of two mistakes in one decision the second would replace the first.
-        let decisions = acting.iter().filter(|one| one.at.is_decision());
+        // If two misreadings changed the same decision, the second would replace the first.
+        let decisions = active_misreadings.iter().filter(|one| one.at.is_decision());
         let mut seen: Vec<&Misreading> = Vec::new();
         for one in decisions {
             if let Some(other) = seen.iter().find(|other| other.at.is_at(&one.at)) {
-                return unknown(&format!("{} and {} act at one place", other.slug, one.slug));
+                return unknown(&format!(
+                    "{} and {} change the same decision",
+                    other.slug, one.slug
+                ));
             }
             seen.push(one);
         }

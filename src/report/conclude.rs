@@ -89,7 +89,7 @@ pub fn causes<C: TestCase, A: 'static>(
         )));
     }
     if run.stop.load(Ordering::Relaxed) {
-        let says = "the search for causes was interrupted; failures have no cause";
+        let says = "the search for causes was interrupted, so failures are listed without causes";
         report.remarks.push(Remark::note(says.to_owned()));
     }
     report

@@ -14,7 +14,7 @@ use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report, 
 use crate::session::outcome::Outcome;
 
 /// Maximum number of changed cases that are described in full.
-const MAX_IN_FULL: usize = 12;
+const MAX_FULL_DESCRIPTIONS: usize = 12;
 
 impl Report {
     /// Describes the changes from this report to `new`; empty if the two are equal. Many changed cases are grouped unless
@@ -78,8 +78,8 @@ fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<ChangedCa
 fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std::fmt::Result {
     let groups = groups(old, new);
     let changed = groups.iter().map(|(_, pairs)| pairs.len()).sum::<usize>();
-    let in_full = every_case || changed <= MAX_IN_FULL;
-    for (name, of) in HEADS {
+    let in_full = every_case || changed <= MAX_FULL_DESCRIPTIONS;
+    for (name, of) in HEADER_PARTS {
         write_lines(out, "", name, &of(old), &of(new))?;
     }
     let causes = |report: &Report| causes_in_words(report, in_full);
@@ -102,7 +102,7 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std:
 }
 
 /// Parts of a report that are compared line by line.
-const HEADS: [(&str, fn(&Report) -> String); 10] = [
+const HEADER_PARTS: [(&str, fn(&Report) -> String); 10] = [
     ("suite", |report| yaml(&report.suite)),
     ("tool", |report| yaml(&report.tool)),
     ("decoder", |report| yaml(&report.decoder)),

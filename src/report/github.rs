@@ -28,7 +28,7 @@ pub fn annotations(report: &Report) -> String {
     if left_out > 0 {
         let _ = writeln!(
             text,
-            "::notice title={} conformance::{left_out} more errors stand in the report",
+            "::notice title={} conformance::see the report for {left_out} more errors",
             property(report.suite.short())
         );
     }

@@ -15,7 +15,7 @@ use crate::session::outcome::Outcome;
 use crate::session::remark::Remark;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::suite::compare::LOSSY;
+use crate::suite::compare::LOSSY_TOLERANCE;
 use crate::suite::dialect::Right;
 use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, TestCase};
@@ -152,7 +152,7 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
 fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = "raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes";
     let lossy = format!(
-        "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY}, so small mistakes are not found"
+        "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY_TOLERANCE}, so small mistakes are not found"
     );
     let remarks = [
         (Allowance::AnotherTransform, others.to_owned()),

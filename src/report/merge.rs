@@ -83,7 +83,7 @@ impl<C: Reported> KeptAnswers<C> {
         let ask = |request: &Request<'_, C::View>, _: usize| {
             self.reply(suite, request).unwrap_or_else(|| {
                 missing.get_or_init(|| format!("{} in {}", request.name, request.view));
-                Answer::NotStarted("no part of the run asked for this".to_owned()).into()
+                Answer::NotStarted("no part of the run requested this".to_owned()).into()
             })
         };
         let mut session = Session::new(suite, &plan, &ask);
@@ -95,7 +95,7 @@ impl<C: Reported> KeptAnswers<C> {
         let mut run = session.verdicts(contact, observations, &|_, _| ());
         if let Some(what) = missing.into_inner() {
             return Err(format!(
-                "no part of the run asked for {what}: are the responses of the decoder nondeterministic?"
+                "no part of the run requested {what}: are the decoder's responses nondeterministic?"
             ));
         }
         let report = conclude(suite, &plan, &mut run, circumstances, remarks)?;
@@ -170,11 +170,11 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
             serde_json::to_string(&end).expect("it can be written")
         };
         if run(end) != run(first) {
-            return named(&format!("not of the same run as {}", first_path.display()));
+            return named(&format!("from another run than {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {
             let part = end.part;
-            return named(&format!("part {part} did not finish: {why}; run it again"));
+            return named(&format!("part {part} did not finish: {why}. Run it again"));
         }
     }
     for number in 1..=first.part.of {

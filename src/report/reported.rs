@@ -64,7 +64,7 @@ pub trait Reported: TestCase {
     ) -> Result<(), String> {
         match slugs {
             [] => Ok(()),
-            _ => Err("--assume is for the suite of PTM files".to_owned()),
+            _ => Err("--assume works only with the suite of PTM files".to_owned()),
         }
     }
     /// Returns the causes of failures, in addition to the assumed mistakes; the one that explains most first.

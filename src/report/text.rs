@@ -216,7 +216,7 @@ impl<C: TestCase> Page<'_, C> {
         }
         let weak = report.cases.iter().filter(|case| case.weak).count();
         if weak > 0 {
-            let why = "their exit status may mean a crash as well, and is less evidence than 65";
+            let why = "their exit status may also mean a crash, so they prove less than status 65";
             writeln!(out, "{weak} refusals are weak: {why}")?;
         }
         writeln!(out, "{}", report.scores)
@@ -292,7 +292,7 @@ fn write_case<C: TestCase>(
     }
     match case.view.as_str() {
         "" => writeln!(out, "  expected: {}", case.expect)?,
-        view => writeln!(out, "  expected: {}, asked in {view}", case.expect)?,
+        view => writeln!(out, "  expected: {}, requested in {view}", case.expect)?,
     }
     if !case.says.is_empty() {
         writeln!(out, "  {}", case.says)?;

@@ -16,7 +16,7 @@ fn known(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, &str
 }
 
 /// Maximum number of misreadings with the same effect that are described; the others are counted.
-const MAX_ALIKE: usize = 3;
+const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
 /// A further detail of a cause: a sentence without a period, around a name.
 pub(super) struct Detail<'a> {
@@ -37,14 +37,16 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         page: None,
     };
     let mut details = Vec::new();
-    for (slug, clause, effect) in known(suite, &cause.or).take(MAX_ALIKE) {
+    for (slug, clause, effect) in known(suite, &cause.or).take(MAX_EQUIVALENT_MISREADINGS) {
         let before = format!("Would look the same: a decoder that {effect} (clause {clause}; ");
         details.push(Detail {
             page: Some(suite.misreading_page(slug)),
             ..detail(before, slug, ")")
         });
     }
-    let more = known(suite, &cause.or).skip(MAX_ALIKE).count();
+    let more = known(suite, &cause.or)
+        .skip(MAX_EQUIVALENT_MISREADINGS)
+        .count();
     if more > 0 {
         let misreadings = if more == 1 {
             "misreading"
@@ -94,7 +96,7 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
             "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
         ),
         SuiteName::Ptm if command == CALLER => {
-            "The functions raw(file), coef(file) and rgb(file, lu, lv) get the bytes of a file and return an image; see the README of the package.".to_owned()
+            "The functions raw(file), coef(file) and rgb(file, lu, lv) take the bytes of a file and return an image; see the README of the package.".to_owned()
         }
         SuiteName::Ptm if command.contains("{in}") => {
             "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()

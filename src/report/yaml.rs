@@ -33,7 +33,7 @@ impl Report {
         let named = |error: String| format!("{}: {error}", path.display());
         let hint = match text.starts_with("- ") {
             true => {
-                "\nit is a list, as FILE.partial is; a report is a mapping that begins with schema:"
+                "\nit is a list, like FILE.partial; a report is a mapping that begins with schema:"
             }
             false => "",
         };
@@ -49,7 +49,7 @@ impl Report {
                 report => Ok(report),
             },
             Some(other) => Err(named(format!(
-                "line 1: a report of schema {other}, and this program reads schema {SCHEMA}"
+                "line 1: a report of schema {other}, but this program reads schema {SCHEMA}"
             ))),
             None => Err(named(format!(
                 "line 1: no report of schema {SCHEMA}; run check again if an older version wrote it"

@@ -84,7 +84,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     let message = || String::from_utf8_lossy(&bytes).into_owned();
     let answer = match word.as_str() {
         "ok" if length > most => {
-            Answer::Flooded(format!("{length} bytes, at most {most} are read"))
+            Answer::Flooded(format!("{length} bytes exceed the limit of {most}"))
         }
         "ok" => answer_from_bytes(&bytes, request.view, request.most()),
         "reject" => Answer::Rejected,

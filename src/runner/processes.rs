@@ -19,10 +19,10 @@ use rustix::process::{
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
 /// Processes that this one has started and not yet waited for; its other children are orphans.
-static STARTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Read-locked while a process is started, until it is in [`STARTED`]; the write lock excludes processes between the two.
-static STARTING: RwLock<()> = RwLock::new(());
+/// Read-locked while a process is started, until it is in [`STARTED_PROCESSES`]; the write lock excludes processes between the two.
+static START_LOCK: RwLock<()> = RwLock::new(());
 
 /// Returns true if memory can be measured and orphans found.
 #[must_use]
@@ -61,7 +61,7 @@ pub(crate) fn files_are_limited_from_outside() -> bool {
 /// # Errors
 /// Errors of the system.
 pub fn start(command: &mut Command) -> io::Result<Child> {
-    let _starting = STARTING.read().unwrap_or_else(PoisonError::into_inner);
+    let _starting = START_LOCK.read().unwrap_or_else(PoisonError::into_inner);
     let child = command.spawn()?;
     started().push(child.id());
     Ok(child)
@@ -77,7 +77,9 @@ pub fn has_been_waited_for(pid: u32) {
 }
 
 fn started() -> std::sync::MutexGuard<'static, Vec<u32>> {
-    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+    STARTED_PROCESSES
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Returns the bytes of memory that a process, its descendants and the orphans of its call hold together.
@@ -149,7 +151,7 @@ fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
         return Vec::new();
     }
     // An apparent orphan may be a process that is just being started.
-    let _nothing_starts = STARTING.write().unwrap_or_else(PoisonError::into_inner);
+    let _nothing_starts = START_LOCK.write().unwrap_or_else(PoisonError::into_inner);
     let mut orphans = inherited();
     orphans.retain(|&pid| wanted(pid));
     orphans

@@ -313,7 +313,7 @@ impl Decoder {
         }
         result.stderr = workspace.without_directories(&result.stderr);
         if !is_untouched(&input, invocation.file)? {
-            result.output = Err(Answer::Tampered(TAMPERED.to_owned()));
+            result.output = Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()));
         }
         Ok(result)
     }
@@ -392,7 +392,7 @@ impl Decoder {
         scratch: &Scratch,
     ) -> Result<Vec<u8>, String> {
         if self.template.is_some() {
-            return Err("its command line has no place for such a word".to_owned());
+            return Err("its command line has no placeholder for such a word".to_owned());
         }
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
@@ -417,7 +417,7 @@ impl Decoder {
         let mut exit = None;
         let output = match remains.ended {
             Ended::OutOfMemory => Err(self.out_of_memory()),
-            Ended::Stopped => Err(Answer::Hung(STOPPED.to_owned())),
+            Ended::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
             Ended::Flood => Err(Answer::Flooded(format!(
                 "more than {} bytes on standard output",
                 limits.output
@@ -460,10 +460,10 @@ impl Decoder {
 }
 
 /// Message for a decoder that changed or removed its input.
-pub(crate) const TAMPERED: &str = "the file it was given is changed or gone";
+pub(crate) const INPUT_CHANGED_MESSAGE: &str = "its input file was changed or removed";
 
 /// Message for a call that was cut short.
-pub(crate) const STOPPED: &str = "the run was ended by the user";
+pub(crate) const STOPPED_MESSAGE: &str = "the run was ended by the user";
 
 /// Describes the end of a process.
 pub(crate) fn describe(status: ExitStatus) -> String {

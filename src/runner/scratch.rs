@@ -159,7 +159,7 @@ impl Workspace<'_> {
                 }
             }
         }
-        let (root, error) = failure.expect("there is a root, and it did not return");
+        let (root, error) = failure.expect("the root directory exists");
         let what = format!(
             "write an input of {} bytes in {}",
             bytes.len(),

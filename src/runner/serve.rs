@@ -24,7 +24,7 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    Decoder, Failure, Reply, Request, STOPPED, TAMPERED, describe, printable,
+    Decoder, Failure, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe, printable,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_untouched};
 use crate::runner::trouble::Trouble;
@@ -193,7 +193,7 @@ impl<'a> Server<'a> {
         }
         let answer = outcome?;
         if !untouched? {
-            return Err(Answer::Tampered(TAMPERED.to_owned()).into());
+            return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
         }
         self.expect_silence("its answer is followed by", "")?;
         let stderr = printable(&self.call.errors);
@@ -247,7 +247,7 @@ impl<'a> Server<'a> {
                 return Err(self.hung(most, limit, decoder).into());
             }
             if decoder.stop.load(Ordering::Relaxed) {
-                return Err(Answer::Hung(STOPPED.to_owned()).into());
+                return Err(Answer::Hung(STOPPED_MESSAGE.to_owned()).into());
             }
             self.measure(decoder)?;
             let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
@@ -371,7 +371,7 @@ fn read_answer(
     let number = number.ok_or_else(|| unexpected(line, sequence))?;
     if number != sequence {
         return Err(format!(
-            "it answers request {sequence} with the number {number}: {}",
+            "its answer to request {sequence} has the number {number}: {}",
             quoted(line)
         ));
     }
@@ -387,7 +387,7 @@ fn read_answer(
                 Ok(Some((Answer::Rejected, end + 1)))
             }
             _ => Err(format!(
-                "the code of a refusal is {EXIT_MALFORMED}, found {}",
+                "expected the refusal code {EXIT_MALFORMED}, found {}",
                 quoted(line)
             )),
         },
@@ -400,14 +400,14 @@ fn read_answer(
 fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, String> {
     if length > most as u64 {
         return Err(format!(
-            "it announces {length} bytes, and no frame of that file has more than {most}"
+            "it announces {length} bytes, but no frame of that file has more than {most}"
         ));
     }
     let Some(frame) = bytes.get(..length as usize) else {
         return Ok(None);
     };
     let frame = Frame::read(frame).map_err(|what| {
-        format!("it announces {length} bytes, the line of the frame included: {what}")
+        format!("it announces {length} bytes, including the first line of the frame: {what}")
     })?;
     Ok(Some(Answer::Decoded(frame)))
 }

@@ -18,7 +18,7 @@ pub(crate) fn start_failure(program: &OsStr, error: &io::Error) -> String {
     match check_program(program, &name.to_string_lossy()) {
         Err((says, next)) => format!("{says}; {next}"),
         Ok(()) if error.kind() == io::ErrorKind::NotFound => format!(
-            "{}: the file is there, so its loader is missing: is it built for another C library? See ldd",
+            "{}: the file exists, but its loader is missing: is it built for another C library? See ldd",
             name.display()
         ),
         Ok(()) => format!("{}: {error}", name.display()),
@@ -57,7 +57,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
                 format!("write ./{text}"),
             )
         } else {
-            missing(text, "no program of this name is in PATH")
+            missing(text, "no program with this name is in PATH")
         };
         return Err((says, next));
     };
@@ -116,11 +116,11 @@ fn beginning(path: &Path) -> Vec<u8> {
 }
 
 /// First bytes of files that this system cannot run by themselves: their kind, and what to do.
-const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
+const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"MZ",
         "a Windows program",
-        "run it by wine (-- wine my-decoder.exe), or run it there on an exported corpus: ptm-conform generate --help",
+        "run it with wine (-- wine my-decoder.exe), or run it on Windows on an exported corpus: ptm-conform generate --help",
     ),
     (b"\xcf\xfa\xed\xfe", MACH, MACH_REMEDY),
     (b"\xce\xfa\xed\xfe", MACH, MACH_REMEDY),
@@ -128,7 +128,7 @@ const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"PK\x03\x04",
         "an archive",
-        "a jar is run by java: -- java -jar my-decoder.jar",
+        "run a jar with java: -- java -jar my-decoder.jar",
     ),
     (
         b"\xef\xbb\xbf#!",
@@ -138,7 +138,7 @@ const OTHER_KINDS: [(&[u8], &str, &str); 6] = [
 ];
 
 const MACH: &str = "a macOS program, or a Java class";
-const MACH_REMEDY: &str = "build it for this system; run a class by java";
+const MACH_REMEDY: &str = "build it for this system; run a class with java";
 
 /// Checks the beginning of a file, which tells the system how to run it.
 fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
@@ -154,7 +154,7 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     if let [0x7f, b'E', b'L', b'F', ..] = beginning {
         return check_elf(text, beginning);
     }
-    let mut kinds = OTHER_KINDS.iter();
+    let mut kinds = FOREIGN_FILE_KINDS.iter();
     let kind = kinds.find(|(first, what, _)| {
         beginning.starts_with(first) && (*what != MACH || cfg!(target_os = "linux"))
     });
@@ -165,7 +165,7 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     } else {
         let interpreter = interpreter_for(text).unwrap_or("python3");
         (
-            format!("{text} has no #! line, so the system does not know what runs it"),
+            format!("{text} has no #! line, so the system does not know its interpreter"),
             format!(
                 "begin it with #!/usr/bin/env {interpreter}, or name the interpreter: -- {interpreter} {text}"
             ),
@@ -180,9 +180,9 @@ fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     if line.ends_with(b"\r") {
         return Err((
             format!(
-                "the first line of {text} ends in CR LF, and the CR is taken for a part of the interpreter's name"
+                "the first line of {text} ends in CR LF, and the CR becomes part of the interpreter's name"
             ),
-            "save the script with line feeds alone (dos2unix)".to_owned(),
+            "save the script with LF line endings (dos2unix)".to_owned(),
         ));
     }
     let line = String::from_utf8_lossy(line);
@@ -190,9 +190,9 @@ fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     if !Path::new(interpreter).is_file() {
         return Err((
             format!(
-                "the first line of {text} names the interpreter {interpreter:?}, which is not there"
+                "the first line of {text} names the interpreter {interpreter:?}, which does not exist"
             ),
-            "name one that is, for example #!/usr/bin/env python3".to_owned(),
+            "name one that exists, for example #!/usr/bin/env python3".to_owned(),
         ));
     }
     Ok(())
@@ -213,7 +213,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     }
     Err((
         format!("{text} is a program for another machine: {name}, {bits} bits"),
-        "build it for this machine, or run it by an emulator: -- qemu-aarch64 ./my-decoder"
+        "build it for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder"
             .to_owned(),
     ))
 }
@@ -269,7 +269,7 @@ fn interpreter_for(text: &str) -> Option<&'static str> {
 fn source(text: &str, language: &str) -> Obstacle {
     (
         format!("{text} is {language} source code, not a program"),
-        "build it, and name the program that the build makes".to_owned(),
+        "build it, and name the resulting program".to_owned(),
     )
 }
 

@@ -46,7 +46,7 @@ impl Template {
     pub fn parse(text: &str) -> Result<Template, String> {
         let template = Template::split(text, &[])?;
         if !template.pieces().any(|piece| *piece == TemplatePiece::In) {
-            return Err("it has no {in}, the place for the PTM file".to_owned());
+            return Err("it has no {in}, the placeholder for the PTM file".to_owned());
         }
         if template.outputs().count() > 1 {
             return Err("it has {out} more than once".to_owned());
@@ -61,13 +61,15 @@ impl Template {
     pub fn parse_for_writer(text: &str, names: &[&str]) -> Result<Template, String> {
         let template = Template::split(text, names)?;
         if template.outputs().count() != 1 {
-            return Err("it needs {out}, the place for the file to write, once".to_owned());
+            return Err(
+                "it needs exactly one {out}, the placeholder for the output file".to_owned(),
+            );
         }
         let is_input =
             |piece: &TemplatePiece| matches!(piece, TemplatePiece::In | TemplatePiece::Value(_));
         if !template.pieces().any(is_input) {
             return Err(format!(
-                "it names nothing of the request: {{in}}, {{{}}}",
+                "it has no placeholder for the request: {{in}}, {{{}}}",
                 names.join("}, {")
             ));
         }
@@ -85,7 +87,7 @@ impl Template {
     /// Splits a template into words, the first of which is a program.
     fn split(text: &str, names: &[&str]) -> Result<Template, String> {
         let words =
-            shlex::split(text).ok_or("a quotation in it has no end, or a backslash ends it")?;
+            shlex::split(text).ok_or("it has an unclosed quotation mark or ends in a backslash")?;
         let words: Vec<Vec<TemplatePiece>> = words
             .iter()
             .enumerate()
@@ -94,7 +96,7 @@ impl Template {
         match words.first().map(Vec::as_slice) {
             None => Err("it is empty".to_owned()),
             Some([TemplatePiece::Text(_)]) => Ok(Template { words }),
-            Some(_) => Err("its first word is the program, without placeholders".to_owned()),
+            Some(_) => Err("its first word must be the program, without placeholders".to_owned()),
         }
     }
 
@@ -304,7 +306,7 @@ impl OutputFile {
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
             Ok(file) => File::from(file),
-            Err(Errno::NOENT) => return fault("is not there, though it exits with 0"),
+            Err(Errno::NOENT) => return fault("is missing, although it exits with 0"),
             Err(Errno::LOOP) => return fault("is a link"),
             Err(error) if is_shortage(&error.into()) => {
                 return Err(Trouble::new("read an output file", &error.into()));

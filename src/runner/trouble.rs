@@ -14,11 +14,11 @@ pub(crate) struct Trouble(String);
 const REMEDIES: [(&[Errno], &str); 6] = [
     (
         &[Errno::NOSPC, Errno::DQUOT],
-        "let TMPDIR name a directory with more space",
+        "set TMPDIR to a directory with more space",
     ),
     (
         &[Errno::ROFS, Errno::ACCESS, Errno::PERM],
-        "let TMPDIR name a directory that can be written to",
+        "set TMPDIR to a writable directory",
     ),
     (&[Errno::FBIG], "raise the limit on file sizes (ulimit -f)"),
     (

@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::protocol::frame::Answer;
-use crate::runner::run::{CallResult, Decoder, Failure, TAMPERED};
+use crate::runner::run::{CallResult, Decoder, Failure, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_untouched};
 use crate::runner::template::Template;
 
@@ -98,7 +98,7 @@ impl Decoder {
         inputs.push((input, request.as_bytes()));
         for (path, bytes) in inputs {
             if !is_untouched(&path, bytes)? {
-                result.output = Err(Answer::Tampered(TAMPERED.to_owned()));
+                result.output = Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()));
             }
         }
         Ok(result)

@@ -13,7 +13,7 @@ use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::test_case::TestCase;
 
 /// The most failures of one kind that are repeated at first.
-const MAX_ALIKE: usize = 8;
+const MAX_REPEATED_PER_KIND: usize = 8;
 
 /// A run with fewer requests may be repeated as a whole.
 const MIN_REPEATED: usize = 24;
@@ -76,7 +76,7 @@ impl<C: TestCase> Session<'_, C> {
             kinds.entry(kind).or_default().push(i);
         }
         let spread = kinds.values().flat_map(|alike| {
-            let step = alike.len().div_ceil(MAX_ALIKE).max(1);
+            let step = alike.len().div_ceil(MAX_REPEATED_PER_KIND).max(1);
             alike.iter().copied().step_by(step)
         });
         let some: BTreeSet<usize> = spread.take(most).collect();
@@ -109,7 +109,7 @@ impl<C: TestCase> Session<'_, C> {
             if self.is_over() {
                 return false;
             }
-            let differs = !alone.response.is_like(&first.response);
+            let differs = !alone.response.is_equivalent(&first.response);
             if differs {
                 let says = difference(served, &first, &alone, once_more.as_ref());
                 first.nondeterminism = Some(Nondeterminism { served, says });
@@ -139,7 +139,7 @@ fn difference<C: TestCase>(
     let (one, other) = (first.response.describe(), alone.response.describe());
     let after = after_request(first.after.as_ref());
     match once_more {
-        Some(once_more) if once_more.response.is_like(&first.response) => format!(
+        Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
             "answers with {one}; one repetition in a new process ended with {other}, and the next as before"
         ),
         Some(_) if served => {

@@ -188,7 +188,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     let (after, alone) = (after_request(reply.after.as_ref()), &reply.answer);
     let says = || {
         let (trouble, alone) = (served.describe(), alone.name());
-        format!("in serve mode{after}: {trouble}; asked alone it answers ({alone})")
+        format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})")
     };
     (!served.is_of_kind(alone)).then(|| Nondeterminism {
         served: true,

@@ -212,7 +212,7 @@ impl<C: TestCase> Session<'_, C> {
                 offer.views.push(view);
             } else if answered(suite, first, view, None) {
                 remarks.push(Remark::failure(format!(
-                    "it decodes none of the first files in view {view}, but decodes them in another view; {view} is not requested"
+                    "it decodes none of the first files in view {view}, but decodes them in another view, so {view} is not requested"
                 )));
             } else if declares(view) && asked_for(view) {
                 remarks.push(Remark::failure(format!(

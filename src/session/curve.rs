@@ -16,7 +16,7 @@ pub(super) struct Curve {
 type Candidate = ((String, String), Curve);
 
 /// Curves by name, as functions from 0 … 1.
-const NAMED: [(&str, fn(f64) -> f64); 8] = [
+const CURVES: [(&str, fn(f64) -> f64); 8] = [
     ("the sRGB curve is applied to all values", |v| {
         match v <= 0.003_130_8 {
             true => 12.92 * v,
@@ -46,8 +46,7 @@ const NAMED: [(&str, fn(f64) -> f64); 8] = [
     ("each value is 255 minus the correct one", |v| 1.0 - v),
 ];
 
-const NO_CURVE: &str =
-    "a color is a linear number from 0 to 255: no gamma, no color management, no auto-contrast";
+const NO_CURVE: &str = "write colors as linear numbers from 0 to 255, without gamma, color management or auto-contrast";
 
 fn candidate(says: &str, next: &str, slack: u8, curve: impl Fn(f64) -> f64) -> Candidate {
     let table = (0..256).map(|v| curve(f64::from(v))).collect();
@@ -68,7 +67,7 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
         let named = |(says, curve): (&str, fn(f64) -> f64)| {
             candidate(says, NO_CURVE, 1, |v| 255.0 * curve(v / 255.0))
         };
-        curves.extend(NAMED.map(named));
+        curves.extend(CURVES.map(named));
         curves.extend(fitted(points));
     }
     curves
@@ -139,8 +138,8 @@ fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
         false => format!("all values are multiplied by about {factor:.3}"),
     };
     let next = match is_real {
-        true => "send the values as they are",
-        false => "send the values as they are, from 0 to 255",
+        true => "write the values unchanged",
+        false => "write the values unchanged, from 0 to 255",
     };
     let slack = u8::from(view == ViewKind::Rgb);
     Some(candidate(&says, next, slack, |v| v * factor))

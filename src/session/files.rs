@@ -252,7 +252,9 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
         (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
             "shows an image of a file that the reference refuses: {error}"
         )),
-        (Answer::Decoded(_), Err(error)) => Ok(format!("the reference does not read it: {error}")),
+        (Answer::Decoded(_), Err(error)) => {
+            Ok(format!("the reference does not support it: {error}"))
+        }
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
         (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
         (answer, _) => Err(answer.describe()),

@@ -132,7 +132,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
-            Response::Unsupported => fail(C::NOT_UNSUPPORTED),
+            Response::Unsupported => fail(C::UNSUPPORTED_MESSAGE),
             Response::Image {
                 right,
                 difference,
@@ -211,7 +211,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         };
         match (self.case.expect(), right) {
             (Expect::Reject | Expect::Refuse, _) => {
-                fail(format!("{}: {}", C::ACCEPTED, self.case.fault()))
+                fail(format!("{}: {}", C::ACCEPTED_MESSAGE, self.case.fault()))
             }
             (Expect::Spelling, _) if self.spelling_known => verdict(Outcome::OtherDialect, ""),
             (Expect::Lenient | Expect::Robust, _)

@@ -13,7 +13,7 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
 /// Languages for which every locale has a decimal comma.
-const WITH_COMMA: [&str; 12] = [
+const COMMA_LANGUAGES: [&str; 12] = [
     "de_DE", "fr_FR", "es_ES", "it_IT", "nl_NL", "pl_PL", "pt_BR", "ru_RU", "sv_SE", "da_DK",
     "fi_FI", "cs_CZ",
 ];
@@ -28,7 +28,7 @@ pub fn with_comma() -> Option<String> {
 
 fn choose(list: &str) -> Option<String> {
     let language_of = |name: &str| name.split(['.', '@']).next().unwrap_or_default().to_owned();
-    WITH_COMMA.iter().find_map(|language| {
+    COMMA_LANGUAGES.iter().find_map(|language| {
         let mut names = list.lines().map(str::trim);
         names
             .find(|name| language_of(name) == *language)
@@ -73,7 +73,7 @@ pub fn difference(
         };
         let answer = decoder.ask(&request, scratch).answer;
         let got = match &answer {
-            answer if answer.is_like(&reply.answer) => return None,
+            answer if answer.is_equivalent(&reply.answer) => return None,
             Answer::Decoded(other)
                 if (other.width, other.height) != (frame.width, frame.height) =>
             {

@@ -75,11 +75,11 @@ pub enum Response<C: TestCase = Case> {
 impl<C: TestCase> Response<C> {
     /// Returns true if both agree in all that a decoder controls.
     #[must_use]
-    pub fn is_like(&self, other: &Response<C>) -> bool {
+    pub fn is_equivalent(&self, other: &Response<C>) -> bool {
         match (self, other) {
             (Response::Image { right: a, .. }, Response::Image { right: b, .. }) if a != b => false,
             (Response::Image { frame: a, .. }, Response::Image { frame: b, .. }) => match (a, b) {
-                (Some(a), Some(b)) => C::is_like(a, b),
+                (Some(a), Some(b)) => C::is_equivalent(a, b),
                 (a, b) => a.is_none() && b.is_none(),
             },
             (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),

@@ -138,7 +138,7 @@ impl Outputs {
         }
         if given.is_empty() {
             let directory = directory.display();
-            return Err(format!("{directory}: there is no answer to any request"));
+            return Err(format!("{directory}: no request is answered"));
         }
         Ok(Outputs {
             given,
@@ -205,7 +205,7 @@ fn listed_ids(
 
 /// Returns the view of all requests, whose files are those of `suite`.
 fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
-    let other = "these requests are of another version of this program; export them anew";
+    let other = "these requests are from another version of this program; export them again";
     let mut view = None;
     for listed in list {
         let case = suite.case(&listed.id).ok_or(other)?;
@@ -216,7 +216,7 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
             return Err(other.to_owned());
         }
         if *view.get_or_insert(asked.name()) != asked.name() {
-            return Err("all requests are of one view".to_owned());
+            return Err("all requests have one view".to_owned());
         }
     }
     view.ok_or_else(|| "there are no requests".to_owned())
@@ -243,7 +243,7 @@ fn answers(
         let refusal = REFUSALS.into_iter().find(|(_, of, _)| *of == suffix);
         let answer = refusal.map_or_else(|| Ok(path.clone()), |(.., refusal)| Err(refusal));
         if given.insert(id.to_owned(), answer).is_some() {
-            return Err(io::Error::other(format!("there are two answers for {id}")));
+            return Err(io::Error::other(format!("two answers for {id}")));
         }
     }
     strangers.sort();

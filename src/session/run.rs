@@ -236,7 +236,7 @@ fn nothing_decoded<C: TestCase>(
     let mut asked = legal.filter_map(|(_, seen)| seen.as_ref()).peekable();
     let unsupported = |seen: &Observation<C>| matches!(seen.response, Response::Unsupported);
     (asked.peek().is_some() && asked.all(unsupported))
-        .then(|| "it exits with 69 (unsupported) on every file that it should decode".to_owned())
+        .then(|| "it exits with 69 (unsupported) on every legal file".to_owned())
 }
 
 impl<C: TestCase> Run<C> {

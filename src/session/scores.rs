@@ -54,7 +54,8 @@ impl TryFrom<String> for Fraction {
     fn try_from(text: String) -> Result<Fraction, String> {
         let parts = text.split_once('/');
         let parts = parts.and_then(|(part, whole)| Some((part.parse().ok()?, whole.parse().ok()?)));
-        let (part, whole) = parts.ok_or_else(|| format!("expected 3/4 or so, found {text:?}"))?;
+        let (part, whole) =
+            parts.ok_or_else(|| format!("expected a fraction such as 3/4, found {text:?}"))?;
         Ok(Fraction { part, whole })
     }
 }

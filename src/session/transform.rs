@@ -61,7 +61,7 @@ pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
     let words = |(views, transform): (Vec<&str>, &CommonTransform)| {
         let CommonTransform { says, next, .. } = transform;
         Remark::failure(format!(
-            "{}: {says}; all cases are judged with this undone\n→ {next}",
+            "{}: {says}; all cases are judged after undoing this\n→ {next}",
             views.join(", ")
         ))
     };

@@ -160,7 +160,7 @@ impl Files {
     /// A sentence that names the missing part or file.
     pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
         let parts = self.files.get(file);
-        let parts = parts.ok_or_else(|| format!("there is no file {file}"))?;
+        let parts = parts.ok_or_else(|| format!("unknown file {file}"))?;
         for part in with {
             if parts.iter().all(|old| old.is != part.is) {
                 return Err(format!("{file} has no part {:?}", part.is));

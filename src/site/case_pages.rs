@@ -40,7 +40,7 @@ pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
 fn list(paper: Paper) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
-        p.lead { (cases.len()) " files, each with one thing in it that a reader can get wrong." }
+        p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
         (Paper::kinds(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
         (filter("cases"))
@@ -160,7 +160,7 @@ fn fields(paper: Paper, inspection: &Inspection) -> Markup {
         @if let Some(error) = &inspection.error {
             p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.what) }
         }
-        @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " on belong to no field: " code { (rest.begins) } } }
+        @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " onward do not belong to a field: " code { (rest.begins) } } }
     }
 }
 

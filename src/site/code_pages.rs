@@ -94,7 +94,7 @@ fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
         @if !seen.is_empty() || !cases.is_empty() {
             h2 { "Readers" }
             @if !cases.is_empty() {
-                p { "Of the files that provoke it:" }
+                p { "Of the files that trigger it:" }
                 ul { @for run in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
                     @for (i, (outcome, count)) in tally(run).iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
                 } } }

@@ -157,7 +157,7 @@ fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
             Err(format!("the file is refused (clause {clause}): {why}"))
         }
         (Found::Values(..), _, Some(expected)) => Err(format!(
-            "the file is decoded, and not refused (clause {expected})"
+            "the file is decoded, not refused (clause {expected})"
         )),
         (Found::Values(_, rows), Some(value), None) => {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();

@@ -39,7 +39,7 @@ fn contents(paper: Paper) -> SiteFile {
         h1 { "The format, annotated" }
         p.lead {
             "PTM 1.2 section by section, in our own words: every rule has an id, an example in bytes that was executed when this page was built, the mistakes that "
-            "readers make in it, and, where the text is silent, how this suite reads it and why."
+            "readers make in it, and how this suite reads it where the text is silent, with reasons."
         }
         p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " says which of them a format needs." }
         ol.chapters {
@@ -102,7 +102,7 @@ fn clause<'a>(
     let id = annotated.clause.as_str();
     let known = library
         .clause(id)
-        .ok_or_else(|| format!("there is no clause {id}"))?;
+        .ok_or_else(|| format!("unknown clause {id}"))?;
     let executed = execute(annotated, known.ruling.as_deref(), &library.annotated.files)?;
     let anchor = format!("c-{}", id.replace('/', "-"));
     let mistakes: Vec<&Misreading> = misreadings::all()

@@ -29,11 +29,11 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
         p.lead {
             "A Polynomial Texture Map (PTM) is an image that can be relit: six numbers per texel describe its response to light. Museums and archives use it for "
-            "Reflectance Transformation Imaging (RTI). Here the format is explained rule by rule, and tested."
+            "Reflectance Transformation Imaging (RTI). This site explains and tests the format, rule by rule."
         }
         p {
             "The specification is " cite { "Polynomial Texture Map (.ptm) File Format" } ", Tom Malzbender and Dan Gelb, Hewlett-Packard Laboratories, version 1.2, November 2001 ("
-            a href=(SPECIFICATION) { "archived copy" } "). It leaves questions open, which readers answer differently. "
+            a href=(SPECIFICATION) { "archived copy" } "). It leaves some questions open, and readers answer them differently. "
             "The suite and its tools are " a href=(env!("CARGO_PKG_REPOSITORY")) { "ptm-conform" } "."
         }
         (lit())
@@ -46,7 +46,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         ul {
             li { "You write a reader: read " a href="format/index.html" { "the format" } " from its first chapter, let your program speak " (paper.protocol()) ", then try it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
             li { "A file looks wrong: " a href="drop.html" { "drop it" } ", or " code { "ptm-conform lint FILE" } "; the codes are explained " a href="codes/index.html" { "here" } "." }
-            li { "A program shows it wrong: find its mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
+            li { "A program displays it wrong: find its mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
             li { "You map it onto a surface: " a href="texture/index.html" { "the texture chapter" } "." }
         }
     };

@@ -22,7 +22,7 @@ pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
 /// The description of the protocol in the search index.
 const PROTOCOL_WORDS: &str =
-    "what a decoder is asked, and what exit status 0, 65, 69 and others count as";
+    "the requests to a decoder, and the meaning of exit status 0, 65, 69 and others";
 
 /// A subject of a page, as the search index lists it.
 pub(super) struct PageSubject<'a> {

@@ -69,7 +69,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
         h2 { "The smallest file that shows it" }
         @match witness {
             Some(witness) => (witness_markup(paper, misreading, witness)),
-            None => p { "No file of the suite shows it by itself: it acts on a choice or on the spelling of a table." },
+            None => p { "No file of the suite shows it by itself: it concerns a choice or the spelling of a table." },
         }
     };
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
@@ -128,7 +128,7 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
             figure { (or_words(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
             figure { (or_words(wrong.as_ref(), "wrong", answer_in_words(&witness.answer))) figcaption { "with the mistake" } }
         }
-        @if view == View::Raw { p.quiet { "Stored values, one plane next to the other; under a light the difference is not visible." } }
+        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
     }
 }
 

@@ -138,7 +138,7 @@ impl Paper<'_> {
                     (self.head(part))
                     main #main tabindex="-1" { (body) }
                     footer {
-                        p { "Made by ptm-conform " (env!("CARGO_PKG_VERSION")) " from the files of its suite. No page asks a server for anything." }
+                        p { "Made by ptm-conform " (env!("CARGO_PKG_VERSION")) " from the files of its suite. No page loads anything from a server." }
                     }
                 }
             }

@@ -65,7 +65,7 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: Paper) -> SiteFile {
     let body = html! {
-        p.lead { "Public programs that read PTM files: those on which this suite was run, and those whose source was read. "
+        p.lead { "Public programs that read PTM files. The suite was run on some; of the others, the source was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
@@ -89,7 +89,7 @@ fn page(paper: Paper, reader: &str) -> SiteFile {
     let body = html! {
         h1 { (reader) }
         @if let Some(run) = run { (run_results(paper, run)) }
-        @else { p { "The suite was not run on this reader. What is listed here was seen in its source." } }
+        @else { p { "The suite was not run on this reader. This list is from its source." } }
         @if let Some(profile) = profile(reader) { (profiled(profile)) }
         @if !mistakes.is_empty() {
             h2 { "Its mistakes" }
@@ -115,7 +115,7 @@ fn profiled(profile: &ReaderProfile) -> Markup {
             @if !profile.limits.is_empty() {
                 dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
             }
-            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " says what it will make of a file." }
+            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what it displays for a file." }
         }
     }
 }
@@ -172,7 +172,7 @@ pub(super) fn scoreboard(paper: Paper) -> SiteFile {
     };
     let body = html! {
         h1 { "Scoreboard" }
-        p.lead { "What public readers made of the cases about each clause: passed of judged. A case may be about several clauses, so one mistake can show in several rows; "
+        p.lead { "Results of public readers for the cases about each clause: passed of judged. A case may be about several clauses, so one mistake can show in several rows; "
             "a reader's page says which mistakes are known." }
         (legend())
         form.tools {

@@ -108,7 +108,7 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
         let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
         for (outcome, cases) in &run.outcomes {
             if !known(outcome) {
-                return Err(format!("{name}.yaml: no outcome is called {outcome:?}"));
+                return Err(format!("{name}.yaml: unknown outcome {outcome:?}"));
             }
             let cases = cases.iter().map(|case| (case.clone(), outcome.clone()));
             run.by_case.extend(cases);

@@ -10,7 +10,7 @@ use crate::suite::clauses::{Ruling, RulingKind};
 pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
-        p.lead { "Where the text leaves something open, this suite says how it reads it, who reads how, and whether another reading fails." }
+        p.lead { "Where the text leaves something open: the reading of this suite, the readings of public readers, and whether another reading fails." }
         (Paper::kinds(&paper.library.texts.ruling_kinds, ["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }

@@ -29,8 +29,8 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
-        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were pictures and are "
-            "lost; what stands for them here is rebuilt from the words around them and from related texts, and marked by a ruling." }
+        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 says what becomes of it on a surface. Its formulas were images and are "
+            "lost. They are reconstructed here from the surrounding text and from related documents; rulings mark them." }
         p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is asked" } }
         h2 #steps { "Step by step: a question and its answer" }
         p { "Every answer was computed by the reference when this page was built, and compared with the one that the suite expects." }
@@ -66,7 +66,7 @@ fn question(paper: Paper, (op, does): &(String, String)) -> Result<Markup, Strin
     let cases = paper.library.textures.cases.iter();
     let cases = cases.filter(|case| case.op == *op);
     let case = cases.min_by_key(|case| case.question().to_string().len());
-    let case = case.ok_or_else(|| format!("no case asks for {op}"))?;
+    let case = case.ok_or_else(|| format!("no case has the operation {op}"))?;
     let mut answers = verify(case).into_iter();
     if let Some(wrong) = answers.find(|answer| answer.holds == Some(false)) {
         return Err(format!("texture case {}: {}", wrong.id, wrong.says));

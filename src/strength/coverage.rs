@@ -145,7 +145,7 @@ impl Coverage {
         }
         writeln!(
             out,
-            "redundant: {} of {} cases kill nothing and separate no pair that others do not",
+            "redundant: {} of {} cases neither detect a misreading nor distinguish a pair that no other case does",
             self.redundant.len(),
             suite.cases.len()
         )
@@ -168,7 +168,7 @@ impl Coverage {
         for clause in self.clauses.iter().filter(is_weak) {
             writeln!(
                 out,
-                "  {}: {} cases, and no misreading of it is killed",
+                "  {}: {} cases, but none detects a misreading",
                 clause.clause, clause.cases
             )?;
         }

@@ -33,7 +33,7 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
         );
     }
     if let Some(unknown) = ids.iter().find(|id| suite.case(id).is_none()) {
-        return Err(format!("smoke.yaml: no case is called {unknown}"));
+        return Err(format!("smoke.yaml: unknown case {unknown}"));
     }
     let selected = suite.cases.iter().map(|case| ids.contains(&case.id));
     Ok(selected.collect())
@@ -84,7 +84,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
 #[must_use]
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(
-        "# Few cases that catch every misreading of the catalog: `ptm-conform check --smoke`.\n\
+        "# A small set of cases that catches every misreading of the catalog: `ptm-conform check --smoke`.\n\
          # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it anew.\n",
     );
     for &i in chosen {

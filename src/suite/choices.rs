@@ -81,9 +81,9 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "motion-border",
         readings: &[
-            ("the edge of a plane goes on outside", |r| r),
+            ("samples outside a plane repeat its edge", |r| r),
             (
-                "a plane begins again at its other side",
+                "samples outside a plane come from its opposite side",
                 Reading::with_border_wrapped,
             ),
             ("outside a plane is 128", Reading::with_border_gray),
@@ -104,7 +104,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
         readings: &[
             ("records of lossless files are applied", |r| r),
             (
-                "records of lossless files are stepped over",
+                "records of lossless files are skipped",
                 Reading::with_side_information_only_if_lossy,
             ),
         ],

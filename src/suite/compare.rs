@@ -3,7 +3,7 @@
 //! - raw: equal; in lossy JPEG planes on which inverse DCTs may differ, within the slack of the model, modulo 256.
 //! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`; plus that slack.
 //! - rgb: the byte within 1 + 1/64 of the exact color, which allows any rounding and arithmetic in `f32`; in a JPEG image
-//!   within [`LOSSY`] more.
+//!   within [`LOSSY_TOLERANCE`] more.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ const COLOR: f64 = 1.0 + 1.0 / 64.0;
 
 /// Additional tolerance for a byte of a JPEG image. At quality 95 no sample of the images of the suite deviates by more than
 /// 29; the rest is for other encoders and their tables.
-pub const LOSSY: f64 = 48.0;
+pub const LOSSY_TOLERANCE: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {
     bytes.iter().copied().map(f64::from).collect()
@@ -136,7 +136,7 @@ impl Expected {
                 received: received_type.to_owned(),
             });
         }
-        let loss = if frame.lossy { LOSSY } else { 0.0 };
+        let loss = if frame.lossy { LOSSY_TOLERANCE } else { 0.0 };
         self.difference(|i| frame.samples.real(i), loss)
     }
 

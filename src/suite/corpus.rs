@@ -13,7 +13,7 @@ use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
 /// Maximum size of files of the committed corpus; of larger files, only the manifest has digests.
-pub const COMMITTED: usize = 4 * 1024;
+pub const MAX_COMMITTED_SIZE: usize = 4 * 1024;
 
 /// An entry of the manifest for a file of the corpus.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

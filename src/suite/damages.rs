@@ -14,7 +14,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
     let mut damages: Vec<Damage> = Vec::new();
     for (line, damage) in records::<Damage>(text)? {
         if [&damage.name, &damage.clause, &damage.effect].contains(&&String::new()) {
-            return Err(format!("line {line}: a damage has slug, clause and effect"));
+            return Err(format!("line {line}: expected slug, clause and effect"));
         }
         if damages.iter().any(|other| other.name == damage.name) {
             return Err(format!("line {line}: {} is there twice", damage.name));
@@ -53,7 +53,7 @@ mod tests {
   flip: { "plane[1].sof": hex ff } => line 4: unknown part in the place "plane[1].sof"
   index: { second: entries } => line 4: unknown variant `second`
   needs: { coding: gif } => line 4: unknown variant `gif`
-- slug: b => line 4: a damage has slug, clause and effect
+- slug: b => line 4: expected slug, clause and effect
 "#;
 
     #[test]

@@ -68,7 +68,7 @@ impl Suite {
                     let case =
                         case.map_err(|error| format!("{name}: line {line}: case {id}: {error}"))?;
                     if places.insert(id.clone(), cases.len()).is_some() {
-                        return Err(format!("{name}: line {line}: case {id} is there twice"));
+                        return Err(format!("{name}: line {line}: duplicate case {id}"));
                     }
                     cases.push(case);
                 }
@@ -93,7 +93,7 @@ MAKE    compression: { baseline: yes } => line 1: case a: expected true or false
 MAKE    scene: nose => line 1: case a: unknown scene
 MAKE  views: [coefs] => line 1: case a:
   expect: decode↵  bytes: [{ is: format, text: "PTM_FORMAT_LRGB\n" }]↵  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }↵  views: [coef] => line 1: case a: its values lack the view coef
-  expect: reject↵  twin_of: b↵  damage: width-zero => line 1: case a: its twin b does not stand before it
+  expect: reject↵  twin_of: b↵  damage: width-zero => line 1: case a: its twin b must precede it
 "#;
 
     #[test]

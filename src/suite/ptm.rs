@@ -160,8 +160,8 @@ impl TestCase for Case {
         difference.likeness()
     }
 
-    fn is_like(one: &Frame, other: &Frame) -> bool {
-        one.is_like(other)
+    fn is_equivalent(one: &Frame, other: &Frame) -> bool {
+        one.is_equivalent(other)
     }
 
     fn expected_output(&self, view: &View) -> Option<Frame> {

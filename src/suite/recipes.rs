@@ -180,7 +180,7 @@ impl CompressionRecord {
         self.baseline.flag("baseline", words, &mut jpeg.baseline)?;
         if let Some(sampling) = self.sampling.filled(words) {
             let factors = sampling.split_once('x');
-            let (across, down) = factors.ok_or("sampling factors are written 2x1")?;
+            let (across, down) = factors.ok_or("expected sampling factors such as 2x1")?;
             jpeg.sampling = (number("sampling", across)?, number("sampling", down)?);
         }
         if let Some(step) = self.step.filled(words) {

@@ -102,7 +102,7 @@ impl CaseRecord {
                 })
             }
             (None, None, Some(id)) => {
-                let twin = twin.ok_or_else(|| format!("its twin {id} does not stand before it"))?;
+                let twin = twin.ok_or_else(|| format!("its twin {id} must precede it"))?;
                 self.damaged(words, twin)
                     .map_err(|error| format!("its twin {id} {error}"))
             }
@@ -167,7 +167,7 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let model = Model::paint(recipe);
     for (&sample, &slack) in model.samples.iter().zip(&model.slack) {
         if slack > 0 && (sample < slack || 255 - sample < slack) {
-            return Err("its samples come too close to 0 or 255 for any view but raw".to_owned());
+            return Err("its samples are too close to 0 or 255 for any view except raw".to_owned());
         }
     }
     Ok(())

@@ -32,9 +32,9 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// The open questions.
     const CHOICES: Choices<Self::Decisions>;
     /// Message for an answer where a refusal is expected.
-    const ACCEPTED: &'static str = "accepted a file that must be refused";
+    const ACCEPTED_MESSAGE: &'static str = "accepted a file that must be refused";
     /// Message for 69 if cases with the same features were answered.
-    const NOT_UNSUPPORTED: &'static str =
+    const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 
     /// Returns its permanent name.
@@ -113,7 +113,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         0.0
     }
     /// Returns true if two outputs agree in all that a decoder controls.
-    fn is_like(one: &Self::Output, other: &Self::Output) -> bool {
+    fn is_equivalent(one: &Self::Output, other: &Self::Output) -> bool {
         one == other
     }
     /// Returns the reference's output for the file in the default spelling, if there is one.

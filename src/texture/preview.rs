@@ -52,7 +52,7 @@ pub struct PreviewImage {
     pub rgb: Vec<u8>,
 }
 
-const EYE: Vector = [0.0, 0.0, 4.0];
+const EYE_POSITION: Vector = [0.0, 0.0, 4.0];
 /// The distance of the light.
 const LIGHT_DISTANCE: f64 = 2.2;
 const OUTLINE: Color = [0.95, 0.45, 0.1];
@@ -163,7 +163,7 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     let [u, v] = across.map(|c| c * (1.0 + 2.0 * preview.around) - preview.around);
     let place = |position| Place {
         position: Some(position),
-        eye: Some(EYE),
+        eye: Some(EYE_POSITION),
         normal: Some(normal),
         geometric_normal: Some(normal),
     };
@@ -189,7 +189,7 @@ fn lit(preview: &Preview, point: &Point) -> Lit {
     let (lu, lv) = preview.light;
     let lw = (1.0 - lu * lu - lv * lv).max(0.0).sqrt();
     let to_lamp = normalized([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
-    let to_eye = normalized([0, 1, 2].map(|c| EYE[c] - position[c]));
+    let to_eye = normalized([0, 1, 2].map(|c| EYE_POSITION[c] - position[c]));
     let halfway = normalized([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
     let diffuse = dot(normal, to_lamp).max(0.0);
     let highlight = dot(normal, halfway).max(0.0).powi(60);

@@ -36,7 +36,7 @@ impl Target {
         let is_jpeg = format.is_jpeg();
         match self.quality {
             None if is_jpeg => Err(format!(
-                "quality from 20 to 100 is needed: {format} loses something; a JPEGLS format can be exact"
+                "quality: expected 20 to 100, because {format} is lossy; JPEGLS formats can be exact"
             )),
             Some(_) if !is_jpeg => Err(format!("quality is for JPEG formats, not for {format}")),
             _ if self.loss > 0 && (is_jpeg || !format.is_compressed()) => {
@@ -108,20 +108,20 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format holds all of them"
         )),
         (_, Format::Lum) => Err(format!(
-            "{source} into {target}: no map becomes Y, Cr and Cb without a loss"
+            "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
         )),
         (Shape::Rgb, _) if target.channels() == 18 => Ok(ptm.planes.samples.clone()),
         (Shape::Lrgb, _) if target.channels() == 9 => Ok(ptm.planes.samples.clone()),
         (Shape::Rgb, _) => each_texel(
             ptm,
             target,
-            "its three polynomials are not multiples of one that fits",
+            "its three polynomials are not multiples of one representable polynomial",
             factor_colors,
         ),
         (Shape::Lrgb, _) => each_texel(
             ptm,
             target,
-            "a coefficient times its color, over 255, is no whole number that fits",
+            "a coefficient times its color, divided by 255, is not a representable integer",
             multiply_colors,
         ),
     }
@@ -137,7 +137,7 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: TexelRule) -> Resul
     let set = &ptm.header.scale_bias;
     if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
-            "{} into {target}: a bias is beyond {MAX_EXACT_BIAS}",
+            "{} into {target}: a bias exceeds {MAX_EXACT_BIAS}",
             ptm.header.format
         ));
     }
@@ -234,7 +234,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let wrong = |what: &str| {
         format!(
-            "the converted file was read back and {what}; this is a mistake of this program, and nothing is written"
+            "the converted file was read back and {what}; this is a bug in ptm-conform, and nothing is written"
         )
     };
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
@@ -267,7 +267,7 @@ fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
         let (a, b) = (a.evaluate(lu, lv), b.evaluate(lu, lv));
         let mut pairs = a.values.iter().zip(&b.values);
         if pairs.any(|(a, b)| (a - b).abs() > 1e-6) {
-            return Err(format!("has other colors under the light {lu},{lv}"));
+            return Err(format!("has different colors under the light {lu},{lv}"));
         }
     }
     Ok(())

@@ -37,7 +37,7 @@ pub fn convert_for(
     let names = names.join(" and ");
     if formats.is_empty() {
         return Err(format!(
-            "{names}: no format without a loss is read by all of them"
+            "{names}: no lossless format is read by all of them"
         ));
     }
     let mut reasons = Vec::new();
@@ -48,7 +48,7 @@ pub fn convert_for(
         }
     }
     Err(format!(
-        "no way to write this map is right in {names}: {}",
+        "{names} display no spelling of this map correctly: {}",
         reasons.join("; ")
     ))
 }

@@ -66,7 +66,7 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
         let first = a_file.iter().zip(b_file).position(|(a, b)| a != b);
         let first = first.unwrap_or(a.min(b));
         difference.written.push(format!(
-            "{a} and {b} bytes, the first that differs is byte {first}"
+            "{a} and {b} bytes; the first difference is at byte {first}"
         ));
     }
     difference
@@ -149,7 +149,7 @@ impl MapDifference {
         for plane in &self.planes {
             let _ = writeln!(
                 out,
-                "plane {} ({}): {}, by {} at most; the first is column {}, row {} from the top, {} and {}",
+                "plane {} ({}): {}, by at most {}; the first is at column {}, row {} from the top: {} and {}",
                 plane.plane,
                 plane.channel,
                 match plane.texels {

@@ -272,7 +272,7 @@ impl Inspection {
         if let Some(rest) = &self.rest {
             let why = match self.error {
                 Some(_) => "not read",
-                None => "after the last value, read by nobody",
+                None => "after the last value, unused",
             };
             let _ = writeln!(
                 out,

@@ -98,7 +98,9 @@ impl FromStr for Profile {
         let mut profiles = Profile::ALL.into_iter();
         let found = profiles.find(|(_, known, _)| *known == name);
         let found = found.map(|(profile, ..)| profile);
-        found.ok_or_else(|| format!("profiles are minimal, standard and exhaustive, not {name:?}"))
+        found.ok_or_else(|| {
+            format!("unknown profile {name:?}; profiles are minimal, standard and exhaustive")
+        })
     }
 }
 

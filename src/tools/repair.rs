@@ -52,9 +52,9 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     if changes.is_empty() {
         return Err("there is nothing to repair".to_owned());
     }
-    let unlike = "this is a mistake of this program, and nothing is written";
+    let unlike = "this is a bug in ptm-conform, and nothing is written";
     let after =
-        decode(&bytes).map_err(|error| format!("the result is refused: {error}; {unlike}"))?;
+        decode(&bytes).map_err(|error| format!("the result is malformed: {error}; {unlike}"))?;
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
         return Err(format!("the result is another map; {unlike}"));
     }
@@ -76,7 +76,7 @@ impl<'a> Loose<'a> {
         };
         let name = next_word(file, &mut at)?;
         let format = Format::ALL.into_iter().find(|format| format.name() == name);
-        let format = format.ok_or_else(|| format!("no format is called {name:?}"))?;
+        let format = format.ok_or_else(|| format!("unknown format {name:?}"))?;
         let mut lines = vec![vec![version], vec![name]];
         let planes = format.channels();
         let more = match format {
@@ -96,21 +96,20 @@ impl<'a> Loose<'a> {
         Ok(Loose {
             lines,
             line_end,
-            payload: payload.ok_or("nothing says where its header ends")?,
+            payload: payload.ok_or("the end of its header cannot be found")?,
             format,
         })
     }
 
     /// Returns the file as the text requires it.
     fn legal(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
-        const BLANKS: &str =
-            "the header has its numbers in lines, one space between two, and line feeds alone";
+        const BLANKS: &str = "the numbers in the header are now separated by single spaces, and its lines end in line feeds";
         let as_lines = self.written();
         if let Ok(ptm) = decode(&as_lines) {
             let is_exact = Dissection::parse(&as_lines).end() == as_lines.len();
             if self.line_end != "\n" && !is_exact {
                 return Err(format!(
-                    "its lines do not end in a line feed alone, and its payload is longer than {} texels need: it was copied in text mode, which changed the payload too",
+                    "its header has line ends other than line feeds, and its payload is longer than {} texels need: it was copied in text mode, which also changed the payload",
                     ptm.header.size
                 ));
             }
@@ -118,7 +117,9 @@ impl<'a> Loose<'a> {
             return Ok(as_lines);
         }
         if !self.format.is_compressed() {
-            return Err("what is wrong with it cannot be put right without guessing; `lint` says what it is".to_owned());
+            return Err(
+                "its faults cannot be repaired without guessing; `lint` lists them".to_owned(),
+            );
         }
         self.measure_streams(changes)?;
         Ok(self.written())
@@ -133,7 +134,7 @@ impl<'a> Loose<'a> {
     /// Sets sizes to those of the streams, if the streams fill the file, each beginning at the end of the previous one.
     fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
         const SIZES: usize = 12;
-        let unsettled = "the streams do not settle what is wrong with it";
+        let unsettled = "the streams do not determine the correct sizes";
         let mut at = 0_usize;
         for plane in 0..self.format.channels() {
             let stream = self.payload.get(at..).ok_or(unsettled)?;
@@ -192,7 +193,7 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
-        changes.push(format!("{rest} bytes after the last value are left out"));
+        changes.push(format!("{rest} bytes after the last value are removed"));
         bytes.truncate(end);
     }
     bytes
@@ -223,7 +224,7 @@ fn without_overridden_records(
         if kept.len() < all {
             let left_out = all - kept.len();
             changes.push(format!(
-                "plane {plane}: {left_out} records that a later one overrides are left out"
+                "plane {plane}: {left_out} records that later ones override are removed"
             ));
             let kept = kept.concat();
             edits.push((size, kept.len().to_string().into_bytes()));

@@ -90,7 +90,7 @@ pub fn ask<C: WritingCase>(
         Ok(bytes) => Answer::Decoded(WrittenFile(bytes)),
         Err(answer) => match answer.decoded() {
             Err(answer) => answer,
-            Ok(_) => unreachable!("what was decoded is what it wrote"),
+            Ok(_) => unreachable!("the decoded values are those of the file it wrote"),
         },
     };
     Reply {

@@ -222,16 +222,18 @@ fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     };
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
-        "1.0/1" => "fits the images worse than the best map does",
-        "2.2/1" => "writes another format than it is asked for",
-        "2.3/1" => "writes another size than it is asked for",
-        "2.4/3" => "writes other scales than it is asked for",
-        "2.4/4" => "writes other biases than it is asked for",
-        "2.6/2" => "writes another matrix than it is asked for",
-        "2.9.1/1" => "loses more than the compression parameter allows, or writes another one",
+        "1.0/1" => "fits the images worse than the best map",
+        "2.2/1" => "writes another format than requested",
+        "2.3/1" => "writes another size than requested",
+        "2.4/3" => "writes other scales than requested",
+        "2.4/4" => "writes other biases than requested",
+        "2.6/2" => "writes another matrix than requested",
+        "2.9.1/1" => {
+            "loses more than the compression parameter allows, or writes another parameter"
+        }
         "2.9.8/4" => "writes no side information where the loss wraps around",
         "2.9.8/8" => "writes wrong values into side information",
-        _ => "writes other values than it is asked for",
+        _ => "writes other values than requested",
     };
     let fix = match clause {
         "refused" => "look at the byte that the example names",
@@ -239,14 +241,14 @@ fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
         "2.4/3" => "write all digits of the six scales, in the order of the coefficients",
-        "2.4/4" => "write the six biases as they are, whatever their sign and size",
+        "2.4/4" => "write the six biases unchanged, whatever their sign and size",
         "2.6/2" => "write the sixteen numbers in the order of the request, with all their digits",
         "2.9.1/1" => {
             "predict from the planes that a decoder has, with the parameter of the request"
         }
-        "2.9.8/4" => "write a record for every texel that the loss takes past the end of the scale",
+        "2.9.8/4" => "write a record for every texel that the loss makes wrap around",
         "2.9.8/8" => "write the value that the texel should have",
-        _ => "see where the values of the example lie in the file",
+        _ => "compare the bytes of the example with the request",
     };
     (effect, fix)
 }

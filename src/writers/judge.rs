@@ -132,7 +132,7 @@ fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<
         .map(i64::from);
     match (wanted, dissection.number(Role::Parameter)) {
         (Some(wanted), Some(found)) if wanted != found => {
-            let says = format!("expected the compression parameter {wanted}, the file has {found}");
+            let says = format!("expected the compression parameter {wanted}, found {found}");
             Err(WriterFault::new("2.9.1/1", says))
         }
         _ => Ok(()),

@@ -113,7 +113,8 @@ impl<'a> LossyPlane<'a> {
                 return Err(self.fault("2.9.8/8", place, why));
             }
             if wanted.abs_diff(found) > 128 {
-                let why = "the loss takes it past the end of the scale, and no record of side information corrects it";
+                let why =
+                    "the loss makes it wrap around, and no record of side information corrects it";
                 return Err(self.fault("2.9.8/4", place, why));
             }
         }
@@ -124,7 +125,7 @@ impl<'a> LossyPlane<'a> {
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
         let mut pairs = self.wanted.iter().zip(&self.found);
         let place = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
-        let why = format!("a loss of at most {near} was asked for");
+        let why = format!("a loss of at most {near} was requested");
         place.map_or(Ok(()), |place| Err(self.fault("2.9.1/1", place, &why)))
     }
 

@@ -41,7 +41,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
         }
     }
     if !list.answers && list.faults() == 0 {
-        let next = "write at least one format; LRGB is the one that most readers know";
+        let next = "write at least one format; most readers support LRGB";
         list.bad("it answers every request with 69 (unsupported)", next);
     }
     Ok(list)
@@ -58,7 +58,7 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     let mistake = writing::all().find(|one| explains(&request, &right, &file.0, one.at));
     let next = match mistake {
         Some(mistake) => format!(
-            "such a file comes of a writer that {}: {}",
+            "a writer that {} produces such a file: {}",
             mistake.effect, mistake.fix
         ),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),
@@ -75,10 +75,10 @@ fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         Answer::ProtocolError(_) => "write the file to OUT, the last argument",
         Answer::Crashed(_) => "exit with 0, 65 or 69; any other status is a crash",
         Answer::Hung(_) => "exit after writing the file, without waiting for input",
-        Answer::Rejected => "these are ordinary values: fix what its standard error says",
-        Answer::Flooded(_) => "write the file and nothing else",
-        Answer::OutOfMemory(_) => "allocate by the sizes in the request",
-        Answer::Tampered(_) => "open request and planes for reading only",
+        Answer::Rejected => "the request is ordinary; see its standard error",
+        Answer::Flooded(_) => "write only this file",
+        Answer::OutOfMemory(_) => "allocate buffers for the sizes in the request",
+        Answer::Tampered(_) => "open the request and the planes for reading only",
         _ => "run it by hand from another directory",
     };
     let what = reply.answer.violation().unwrap_or(reply.answer.name());

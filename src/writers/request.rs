@@ -91,7 +91,8 @@ impl RequestHeader {
     /// Returns the JSON, one line for each key.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("a request is numbers and names");
+        let text =
+            serde_json::to_string_pretty(self).expect("a request consists of numbers and strings");
         text + "\n"
     }
 
@@ -110,7 +111,7 @@ impl RequestHeader {
         let expected = (self.height, self.width, format.channels() as u32);
         if shape != expected {
             return Err(format!(
-                "the planes have shape {shape:?}, and the request needs {expected:?}"
+                "the planes have shape {shape:?}, but the request needs {expected:?}"
             ));
         }
         WriteRequest {

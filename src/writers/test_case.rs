@@ -85,8 +85,8 @@ impl TestCase for WriterCase {
 
     const VIEWS: &'static [&'static str] = &["write"];
     const CHOICES: Choices<()> = Choices(&[]);
-    const ACCEPTED: &'static str = "wrote a file where none is legal";
-    const NOT_UNSUPPORTED: &'static str =
+    const ACCEPTED_MESSAGE: &'static str = "wrote a file although no legal file exists";
+    const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but writes other files of this kind";
 
     fn id(&self) -> &str {
@@ -166,7 +166,7 @@ impl TestCase for WriterCase {
         }
     }
 
-    fn is_like(one: &WrittenFile, other: &WrittenFile) -> bool {
+    fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
         one.has_values_of(other)
     }
 
@@ -176,7 +176,9 @@ impl TestCase for WriterCase {
 
     fn fault(&self) -> String {
         match self.entries() {
-            Some(entries) => format!("{entries} distinct polynomials are more than two bytes name"),
+            Some(entries) => {
+                format!("{entries} distinct polynomials are more than two bytes can index")
+            }
             None => "no legal file has these values".to_owned(),
         }
     }

@@ -16,7 +16,7 @@ use crate::writers::seen::{SeenFile, edited, explains};
 const MAX_REPAIRS: usize = 20;
 
 /// The headers from which a repair starts: the right one, and those of a writer who negates biases or divides by scales.
-const STARTS: [fn(&mut RequestHeader); 3] = [
+const STARTING_HEADERS: [fn(&mut RequestHeader); 3] = [
     |_| (),
     |header| header.bias = header.bias.map(|bias| -bias),
     |header| header.scale = header.scale.map(|scale| 1.0 / scale),
@@ -34,7 +34,7 @@ pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8
     let found = edited(&right, mistake).filter(shows);
     let found = found.or_else(|| lost().filter(shows));
     let found = found.or_else(|| moved(request, mistake).filter(shows));
-    found.or_else(|| STARTS.iter().filter_map(repaired).find(shows))
+    found.or_else(|| STARTING_HEADERS.iter().filter_map(repaired).find(shows))
 }
 
 /// Returns the reference's file of a request, if there is one.

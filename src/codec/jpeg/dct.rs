@@ -5,8 +5,8 @@
 //! factorization of Loeffler, Ligtenberg and Moschytz (ICASSP 1989): twelve multiplications for
 //! eight values. Columns and rows are transformed one after the other.
 //!
-//! Numbers are integers with a fixed point: factors have `FRACTION` bits after it, and values keep
-//! `EXTRA` such bits from the first pass to the second.
+//! Numbers are integers with a fixed point: factors have `FRACTION_BITS` bits after it, and values keep
+//! `EXTRA_BITS` such bits from the first pass to the second.
 //!
 //! This file, `inverse_dct` and `forward_dct` are based in part on the work of the Independent JPEG
 //! Group.
@@ -14,10 +14,10 @@
 use std::ops::{Add, Neg, Sub};
 
 /// Factors are multiplied by 2¹³ and rounded.
-pub(super) const FRACTION: u32 = 13;
+pub(super) const FRACTION_BITS: u32 = 13;
 
 /// Between the two passes values keep two more bits than samples need.
-pub(super) const EXTRA: u32 = 2;
+pub(super) const EXTRA_BITS: u32 = 2;
 
 /// Fixed-point numbers, in integers of 64 or 32 bits.
 ///
@@ -48,7 +48,7 @@ impl FixedPoint for i64 {
 
     #[inline]
     fn times(self, factor: f64) -> i64 {
-        self * (factor * f64::from(1 << FRACTION) + 0.5) as i64
+        self * (factor * f64::from(1 << FRACTION_BITS) + 0.5) as i64
     }
 
     #[inline]

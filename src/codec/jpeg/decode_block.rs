@@ -47,7 +47,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     // The sum of 64 samples of at most 128, over 8, needs eleven bits; quantization only makes it
     // smaller.
     if !(-2048..2048).contains(previous_dc) {
-        let what = format!("a DC coefficient of {previous_dc} does not exist");
+        let what = format!("the DC coefficient {previous_dc} is out of range");
         return Err(malformed(bits.plain().offset(), what));
     }
     block[0] = *previous_dc * i32::from(steps[0]);
@@ -61,12 +61,12 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
             (0, 0) => break,                   // EOB
             (15, 0) | (_, 1..=10) => k += run, // ZRL is fifteen zeros and then a zero
             _ => {
-                let what = format!("an AC code for run {run}, size {size} does not exist");
+                let what = format!("no AC code has run {run} and size {size}");
                 return Err(malformed(bits.plain().offset(), what));
             }
         }
         if k > 63 || (k == 63 && size == 0) {
-            let what = "a run of zeros leaves the block";
+            let what = "a run of zeros extends past the end of the block";
             return Err(malformed(bits.plain().offset(), what));
         }
         let value = extend(bits.receive(u32::from(size))?, size);
@@ -84,7 +84,7 @@ fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
 ) -> StreamResult<i32> {
     let size = bits.symbol(table)?;
     if size > 11 {
-        let what = format!("a DC difference of {size} bits does not exist");
+        let what = format!("no DC difference has {size} bits");
         return Err(malformed(bits.plain().offset(), what));
     }
     Ok(extend(bits.receive(u32::from(size))?, size))

@@ -75,7 +75,7 @@ fn tables_of_scan(
     if scan.parameters != [0, 63, 0] {
         let [first, last, approximation] = scan.parameters;
         let found = format!("{first} {last} {approximation}");
-        let what = format!("a sequential scan has parameters 0 63 0, found {found}");
+        let what = format!("expected parameters 0 63 0 of a sequential scan, found {found}");
         return Err(malformed(scan.at + 1, what));
     }
     let (dc, ac) = (scan.tables >> 4, scan.tables & 15);

@@ -13,7 +13,7 @@
 //! Format notes
 //! - No decoder depends on these roundings, but files that are identical to libjpeg's do.
 
-use super::dct::{EXTRA, FRACTION, FixedPoint};
+use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
 /// Transforms samples less 128 to DCT coefficients times eight, both in row order.
 pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
@@ -21,14 +21,14 @@ pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     for (row, out) in block.chunks_exact(8).zip(half.chunks_exact_mut(8)) {
         let row = forward_dct_of_8(std::array::from_fn(|x| i64::from(row[x])));
         for (out, value) in out.iter_mut().zip(row) {
-            *out = value.round_shift(FRACTION - EXTRA);
+            *out = value.round_shift(FRACTION_BITS - EXTRA_BITS);
         }
     }
     let mut coefficients = [0; 64];
     for x in 0..8 {
         let column = std::array::from_fn(|y| half[8 * y + x]);
         for (y, value) in forward_dct_of_8(column).into_iter().enumerate() {
-            coefficients[8 * y + x] = value.round_shift(FRACTION + EXTRA).to_i32();
+            coefficients[8 * y + x] = value.round_shift(FRACTION_BITS + EXTRA_BITS).to_i32();
         }
     }
     coefficients

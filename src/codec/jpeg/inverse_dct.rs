@@ -16,7 +16,7 @@
 //! - The last step keeps ten bits of the result, as a signed number, and clamps them. For every
 //!   stream of an encoder this is plain clamping; coefficients far out of range wrap.
 
-use super::dct::{EXTRA, FRACTION, FixedPoint};
+use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
 /// Transforms DCT coefficients to samples, both in row order.
 pub(super) fn inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
@@ -29,7 +29,7 @@ pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64
     for x in 0..8 {
         let column = std::array::from_fn(|y| T::from_i32(coefficients[8 * y + x]));
         for (y, value) in inverse_dct_of_8(column).into_iter().enumerate() {
-            half[8 * y + x] = value.round_shift(FRACTION - EXTRA);
+            half[8 * y + x] = value.round_shift(FRACTION_BITS - EXTRA_BITS);
         }
     }
     let mut samples = [0; 64];
@@ -37,7 +37,7 @@ pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64
         let row = inverse_dct_of_8(std::array::from_fn(|x| row[x]));
         for (sample, value) in out.iter_mut().zip(row) {
             // Three more bits, because each of the two passes multiplies by √8.
-            *sample = to_sample(value.round_shift(FRACTION + EXTRA + 3).to_i32());
+            *sample = to_sample(value.round_shift(FRACTION_BITS + EXTRA_BITS + 3).to_i32());
         }
     }
     samples

@@ -6,7 +6,7 @@
 
 use std::num::Wrapping;
 
-use super::dct::{FRACTION, FixedPoint};
+use super::dct::{FRACTION_BITS, FixedPoint};
 use super::inverse_dct::{inverse_dct, inverse_dct_in};
 
 /// Returns the result of [`inverse_dct`] for all coefficients.
@@ -30,7 +30,7 @@ impl FixedPoint for Wrapping<i32> {
 
     #[inline]
     fn times(self, factor: f64) -> Self {
-        self * Wrapping((factor * f64::from(1 << FRACTION) + 0.5) as i32)
+        self * Wrapping((factor * f64::from(1 << FRACTION_BITS) + 0.5) as i32)
     }
 
     #[inline]

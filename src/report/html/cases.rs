@@ -18,7 +18,7 @@ use crate::suite::name::SuiteName;
 pub const MAX_EVIDENCE: usize = 3_500_000;
 
 /// Number of cases of a group that are visible initially.
-const SHOWN: usize = 12;
+const INITIALLY_VISIBLE_CASES: usize = 12;
 
 /// Failing cases with the cause that explains them; unexplained ones are last.
 pub(super) struct Group<'a> {
@@ -130,7 +130,7 @@ pub(super) fn failures<C: Reported>(
             @for (i, group) in groups.iter().enumerate() {
                 section.group id=(group.anchor()) aria-label=(group.heading()) {
                     h3 { (group.heading()) " " span.count { (group.cases.len()) } }
-                    @let (first, more) = group.cases.split_at(SHOWN.min(group.cases.len()));
+                    @let (first, more) = group.cases.split_at(INITIALLY_VISIBLE_CASES.min(group.cases.len()));
                     @for (j, case) in first.iter().enumerate() {
                         (card(case, i == 0 && j == 0))
                     }

@@ -7,7 +7,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use maud::{Markup, html};
 
 /// The longest side on the page, in CSS pixels.
-const SHOWN: usize = 208;
+const MAX_SIDE_PIXELS: usize = 208;
 
 /// Two images of the same size, three bytes per texel.
 pub(super) struct Compared<'a> {
@@ -36,7 +36,7 @@ impl Compared<'_> {
     }
 
     fn picture(&self, role: &str, name: &str, rgba: &[u8]) -> Markup {
-        let scale = (SHOWN / self.width.max(self.height)).max(1);
+        let scale = (MAX_SIDE_PIXELS / self.width.max(self.height)).max(1);
         html! {
             div.picture data-role=(role) {
                 img width=(self.width * scale) height=(self.height * scale) alt=(name) src=(png(self.width, self.height, rgba));

@@ -19,7 +19,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             @if failures == 0 {
                 p.lead {
                     @if report.verdict == "pass" { "All judged cases passed." }
-                    @else { "No case failed, but the run does not count as passed. The top of this page and the cases below say why." }
+                    @else { "No case failed, but the run does not count as passed. The reasons are at the top of this page and in the cases below." }
                 }
             }
             @for group in groups {
@@ -70,10 +70,10 @@ pub(super) fn next_steps(report: &Report) -> Markup {
     html! {
         section #main tabindex="-1" aria-labelledby="next" {
             h2 #next { "What to do next" }
-            p.lead { "No case was judged. The program must implement the protocol first." }
+            p.lead { "No case was judged, because the program does not implement the protocol yet." }
             ol.steps { @for line in called.lines() { li { (line) } } }
             p { a href=(published(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
-                "The directory " code { "examples/decoders" } " holds a wrapper to begin with." }
+                "The directory " code { "examples/decoders" } " contains a wrapper to start from." }
         }
     }
 }

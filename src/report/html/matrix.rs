@@ -15,7 +15,7 @@ use crate::suite::clauses::Clause;
 pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<String, String> {
     let suite = reports.first().ok_or("no reports")?.suite;
     if reports.iter().any(|report| report.suite != suite) {
-        return Err("these reports are not of one suite".to_owned());
+        return Err("these reports are from different suites".to_owned());
     }
     let tallies: Vec<_> = reports.iter().map(ClauseTally::count).collect();
     let is_first = |report: &Report| report.tool.corpus == reports[0].tool.corpus;
@@ -30,7 +30,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
         }
         main #main tabindex="-1" {
             @if !reports.iter().all(is_first) {
-                p.note { "These reports were made with different versions of the suite; their numbers are not to be compared." }
+                p.note { "These reports were made with different versions of the suite; do not compare their numbers." }
             }
             p.legend {
                 span.tile data-state="fail" { "✗" } " cases passed of cases judged, at least one failed "

@@ -83,7 +83,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     let of = report.cases.len();
     html! {
         dl.scores {
-            (score("Correctness", report.scores.correctness, "cases passed, of those judged among what it supports"))
+            (score("Correctness", report.scores.correctness, "cases passed, of the judged cases that it supports"))
             (score("Breadth", report.scores.breadth, "features decoded, of those in the suite"))
             (score("Robustness", report.scores.robustness, "calls that ended with an image or a refusal"))
         }
@@ -157,8 +157,8 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
     Ok(html! {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
-            p { "The specification leaves some values open. Each of these readings is correct if it is followed in all files." }
-            @if report.dialect.is_empty() { p.quiet { "No case showed any of them." } } @else {
+            p { "The specification leaves some values open. Each of these readings is correct if the decoder follows it in all files." }
+            @if report.dialect.is_empty() { p.quiet { "No case distinguishes them." } } @else {
                 table.list {
                     thead { tr { th scope="col" { "ruling" } th scope="col" { "the question" } th scope="col" { "this decoder" } } }
                     tbody {
@@ -191,7 +191,7 @@ fn footer(report: &Report) -> Markup {
             ul { @for limit in &report.tool.limits { li { (limit) } } }
             p {
                 "A case, clause, ruling or misreading is explained by " code { "ptm-conform explain ID" } ", and on "
-                a href=(SITE) { "the site" } ". This page asks no server for anything; only links lead there."
+                a href=(SITE) { "the site" } ". This page loads nothing from a server."
             }
         }
     }

@@ -23,7 +23,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
             (pictures.markup("this decoder"))
             figcaption {
                 b { (fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
-                ", asked for " code { (scene.view) } ". The scene is for the eye and is not judged."
+                ", asked for " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
     }
@@ -58,7 +58,7 @@ const LIGHTS: &[(&str, f64, f64)] = &[
     ("It is lit from below: v points down.", 1.0, -1.0),
     ("It is lit from the right: u points to the left.", -1.0, 1.0),
     (
-        "It is lit from the lower right: u and v point the other way.",
+        "It is lit from the lower right: u and v are both negated.",
         -1.0,
         -1.0,
     ),

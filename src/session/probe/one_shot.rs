@@ -133,12 +133,12 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
     let name = sample.format.short_name();
     if sample.spelling != TableSpelling::default() {
         let newline = match sample.spelling.newline {
-            true => " and a line feed stands after the table",
+            true => ", with a line feed after the table",
             false => "",
         };
         let count = sample.spelling.count.name();
         list.good(format!(
-            "{name}: read where the number of entries is written \"{count}\"{newline}"
+            "{name}: read if the number of entries is spelled \"{count}\"{newline}"
         ));
     }
     for (view, reply) in replies {
@@ -154,7 +154,7 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
             },
             Answer::Unsupported => {
                 list.absent(format!(
-                    "{what}: exited with 69, so this view is not offered, and not needed"
+                    "{what}: exited with 69: this view is not offered, which is fine"
                 ));
                 continue;
             }
@@ -207,21 +207,21 @@ pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3
     let cut_short = &whole[..whole.len() - 7];
     [
         ("an empty file", "empty.ptm", b""),
-        ("a file that is no PTM", "no.ptm", no_ptm),
+        ("a file that is not a PTM", "no.ptm", no_ptm),
         ("a PTM that ends too soon", "cut-short.ptm", cut_short),
     ]
 }
 
 /// Requests a view that does not exist.
 pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
-    const UNKNOWN: &str = "no-such-view";
-    let reply = calls.ask_for(UNKNOWN, &["{in}"], &sample.file);
+    const UNKNOWN_VIEW: &str = "no-such-view";
+    let reply = calls.ask_for(UNKNOWN_VIEW, &["{in}"], &sample.file);
     let fault = match &reply.answer {
         Answer::Unsupported => return list.good("an unknown view: exited with 69"),
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
         answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    list.fault(&"an unknown view", fault, sample.repeat(&UNKNOWN));
+    list.fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
 }
 
 /// Requests the capabilities.
@@ -232,6 +232,6 @@ pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
     if reply.exit == Some(0) && says_so {
         list.good("capabilities: declared");
     } else {
-        list.absent("capabilities: not declared, and not needed");
+        list.absent("capabilities: not declared (optional)");
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn look(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.good("serve: it ends when its input ends"),
         Err(None) => {
-            list.absent("serve: not offered, and not needed; ptm-conform example shows both modes");
+            list.absent("serve: not offered (optional); ptm-conform example shows both modes");
         }
         Err(Some((count, fault))) => {
             list.fault(&"serve", fault, requests(first, count));
@@ -77,7 +77,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         Served::Answer(..) => return after(3, "serve-state"),
         _ => return after(3, "serve-third"),
     }
-    list.good("serve: what was refused leaves no trace");
+    list.good("serve: a refused file does not affect the next response");
     match dialog.end() {
         Served::Gone(true) => Ok(()),
         _ => after(3, "serve-end"),
@@ -109,7 +109,7 @@ fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), Pro
         };
         fault(name, &[("error", &error), ("line", &format!("{line:?}"))])
     })?;
-    match frame.is_like(right) {
+    match frame.is_equivalent(right) {
         true => Ok(()),
         false => Err(fault("serve-differs", &[])),
     }

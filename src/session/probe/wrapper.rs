@@ -180,7 +180,7 @@ fn no_refusal(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeSte
         return None;
     }
     let (what, file_name, file) = files[0];
-    let what = format!("{what}, and other malformed ones");
+    let what = format!("{what}, and other malformed files");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
     Some(ProbeStep::bad(&what, not_refused(&replies[0]), repeat))
 }

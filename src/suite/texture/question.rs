@@ -273,7 +273,7 @@ impl TextureStep {
             TextureStep::Depth {
                 size, dtdx, dtdy, ..
             } if !(1..=3).contains(&size.len()) || dtdx.len() > 3 || dtdy.len() > 3 => {
-                let expected = "size: one number for each of 1 to 3 directions";
+                let expected = "size: expected 1 to 3 numbers";
                 return Err(malformed(expected).into());
             }
             TextureStep::Depth {
@@ -371,7 +371,8 @@ fn interpolate(
     let equal_counts = ts.iter().all(|t| t.len() == count);
     let equal_corners = ts.len() == b.len() && b.len() == w.len();
     if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
-        let expected = "ts, b and w: as many as there are corners, 1 to 3 coordinates each";
+        let expected =
+            "ts, b and w: expected one element with 1 to 3 coordinates for each of the corners";
         return Err(malformed(expected).into());
     }
     let ts: Vec<Vector> = ts.iter().map(|t| padded(t, 0.0)).collect();
@@ -595,7 +596,7 @@ impl LevelsGiven {
         let mut levels = Vec::new();
         for given in &self.levels {
             if given.size.len() != dimensions || dimensions > 3 {
-                let expected = "a size has one number for each of 1 to 3 directions";
+                let expected = "expected a size of 1 to 3 numbers";
                 return Err(malformed(expected.to_owned()));
             }
             let mut size = [1; 3];
@@ -726,5 +727,5 @@ fn number(value: f64) -> Value {
 }
 
 fn entry_json(entry: &Entry) -> Value {
-    serde_json::to_value(entry).expect("the fields of an entry are numbers and words")
+    serde_json::to_value(entry).expect("the fields of an entry are numbers and strings")
 }

@@ -49,7 +49,7 @@ impl TestCase for TextureCase {
         let lost = match (self.basis, &self.ruling) {
             (Basis::Inferred, Some(ruling)) => {
                 format!(
-                    "\nThe chapter's formula is lost; ruling {ruling} says what stands for it and why."
+                    "\nThe chapter's formula is lost; ruling {ruling} gives a replacement and its reasons."
                 )
             }
             _ => String::new(),

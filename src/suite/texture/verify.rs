@@ -31,7 +31,7 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
     let line = |reading: Option<&String>, expect: &Value, rules: Option<Rules>| {
         let (holds, says) = match rules {
             Some(rules) => compare(case, expect, &rules),
-            None => (None, "this reading is not known here".to_owned()),
+            None => (None, "unknown reading".to_owned()),
         };
         VerifiedAnswer {
             id: case.id.clone(),

@@ -32,7 +32,9 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     for (choice, problem, place) in open_choices(dissection) {
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
             let difference = difference(dissection, ptm, streams, &change(Reading::SPEC))?;
-            Some(format!("for a reader for whom {words}, {difference}"))
+            Some(format!(
+                "for a reader that assumes that {words}, {difference}"
+            ))
         });
         if let Some(found) = differing {
             findings.add(problem, place, found);
@@ -60,7 +62,7 @@ fn colors(findings: &mut Findings, ptm: &Ptm) {
     for ((choice, problem, place), differing) in choices.iter().zip(colors_differ(ptm, &others)) {
         if let Some(difference) = describe_texels(ptm, &differing) {
             let words = choice.readings[1].0;
-            let found = format!("for a reader for whom {words}, {difference}");
+            let found = format!("for a reader that assumes that {words}, {difference}");
             findings.add(*problem, *place, found);
         }
     }

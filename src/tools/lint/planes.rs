@@ -202,8 +202,9 @@ fn duplicate_records(findings: &mut Findings, plane: usize) {
     positions.sort_unstable();
     let pairs = positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
     if let Some(&[(_, first), (position, second)]) = pairs.min_by_key(|pair| pair[1].1) {
-        let found =
-            format!("plane {plane}: records {first} and {second} are both of position {position}");
+        let found = format!(
+            "plane {plane}: records {first} and {second} have the same position {position}"
+        );
         let start = findings.dissection.start(role);
         findings.add_at(Problem::RecordTwice, start + 5 * second, found);
     }
@@ -277,7 +278,7 @@ fn first_of_each(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
         }
     }
     for (diagnostic, others) in kept.iter_mut().filter(|(_, others)| *others > 0) {
-        diagnostic.found = format!("{}; and {others} more such places", diagnostic.found);
+        diagnostic.found = format!("{}; and {others} more places", diagnostic.found);
     }
     kept.into_iter().map(|(diagnostic, _)| diagnostic).collect()
 }

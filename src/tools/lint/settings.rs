@@ -46,7 +46,7 @@ impl Settings {
         let mut codes = codes.chain(self.severity.keys());
         match codes.find(|code| Code::by_id(code).is_none()) {
             Some(unknown) => Err(format!(
-                "{unknown:?} is no code; `ptm-conform lint --codes` lists them"
+                "unknown code {unknown:?}; `ptm-conform lint --codes` lists all codes"
             )),
             None => Ok(()),
         }

@@ -81,7 +81,8 @@ mod tests {
 
     #[test]
     fn the_first_line_separates_other_files_other_versions_and_damage() {
-        const SOUND: &[u8] = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
+        const SOUND_FILE: &[u8] =
+            b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
         for (file, status) in [
             (&b""[..], Status::NotAPtm),
             (b"P6\n1 1\n255\n...", Status::NotAPtm),
@@ -92,7 +93,7 @@ mod tests {
             (b"PTM_1.\n", Status::Damaged),
             (b"PTM_1.2.3\n", Status::Damaged),
             (b"PTM_1.2\n", Status::Damaged),
-            (SOUND, Status::Sound),
+            (SOUND_FILE, Status::Sound),
         ] {
             assert_eq!(Status::new(&Dissection::parse(file)), status);
         }

@@ -157,7 +157,7 @@ impl TestCase for FitCase {
         }
     }
 
-    fn is_like(one: &WrittenFile, other: &WrittenFile) -> bool {
+    fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
         one.has_values_of(other)
     }
 

@@ -66,11 +66,11 @@ impl WrongMap {
                 let mut changed = self.set.clone();
                 change(&mut changed);
                 let lights = directions(&changed);
-                self.is_like(&Fitted::new(&changed, &lights, self.format))
+                self.is_equivalent(&Fitted::new(&changed, &lights, self.format))
             }
             Sign::Lights(light) => {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
-                self.is_like(&Fitted::new(&self.set, &lights, self.format))
+                self.is_equivalent(&Fitted::new(&self.set, &lights, self.format))
             }
             Sign::Numbers(order, value) => self.is_right(*order, *value),
             Sign::Map(shows) => shows(self),
@@ -78,7 +78,7 @@ impl WrongMap {
     }
 
     /// Returns true if the map looks like `other`, and is far from the optimum.
-    fn is_like(&self, other: &Fitted) -> bool {
+    fn is_equivalent(&self, other: &Fitted) -> bool {
         let other = other.polynomials();
         let from_best = self.found.distance(&self.best.polynomials(), &self.set);
         self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best
@@ -119,7 +119,7 @@ impl WrongMap {
 }
 
 /// The order of the coefficients in clause 1.0/1.
-const IN_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
+const CLAUSE_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
 /// Each step is wide, and each value within a step of the right one.
 fn has_wide_steps(evidence: &WrongMap) -> bool {
@@ -258,19 +258,19 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
         clause: "2.4/8",
         effect: "writes a bias that must be added after scaling",
         fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
-        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale + bias),
+        sign: Sign::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale + bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes a bias that must be subtracted after scaling",
         fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
-        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| raw * scale - bias),
+        sign: Sign::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale - bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes biases with the wrong sign",
         fix: "a coefficient is (raw − bias) · scale: the bias is subtracted",
-        sign: Sign::Numbers(IN_ORDER, |raw, scale, bias| (raw + bias) * scale),
+        sign: Sign::Numbers(CLAUSE_ORDER, |raw, scale, bias| (raw + bias) * scale),
     },
     FitMistake {
         clause: "1.0/1",

@@ -111,7 +111,7 @@ impl PictureSet {
         match size {
             Some(size) if photographs.len() == count => Ok(PictureSet { size, photographs }),
             _ => Err(at(&format!(
-                "it announces {count} images and lists {}",
+                "its first line announces {count} images, but it lists {}",
                 photographs.len()
             ))),
         }

@@ -30,7 +30,7 @@ pub struct SetPlan {
     in_order: bool,
 }
 
-const ORDINARY: SetPlan = SetPlan {
+const ORDINARY_SET: SetPlan = SetPlan {
     name: "ordinary",
     because: "Twelve lights from all directions, and images that a map reproduces exactly.",
     clause: "1.0/1",
@@ -45,19 +45,19 @@ const ORDINARY: SetPlan = SetPlan {
 
 /// All sets; the first is requested first.
 pub const SETS: [SetPlan; 9] = [
-    ORDINARY,
+    ORDINARY_SET,
     SetPlan {
         name: "noise",
         because: "Every pixel has noise of up to 8, so the best fit is not exact.",
         noise: 8,
         size: (7, 6),
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "few-lights",
         because: "Five lights do not determine six coefficients: many maps fit, and the one with small coefficients is expected.",
         lights: 5,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "one-side",
@@ -65,33 +65,33 @@ pub const SETS: [SetPlan; 9] = [
         lights: 14,
         is_one_sided: true,
         noise: 3,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "saturated",
         because: "Many pixels are white under every light.",
         brightness: 1.3,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "dark",
         because: "Many pixels are black, so their color is undetermined.",
         brightness: 0.12,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "long-vectors",
         because: "The light vectors have lengths of 1.5 to 3, as in files that state positions.",
         clause: "1.0/2",
         has_long_vectors: true,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "not-in-order-of-names",
         because: "The .lp file does not list the images in the order of their names.",
         clause: "1.0/2",
         in_order: false,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
     SetPlan {
         name: "many-lights",
@@ -99,7 +99,7 @@ pub const SETS: [SetPlan; 9] = [
         lights: 60,
         size: (17, 3),
         noise: 5,
-        ..ORDINARY
+        ..ORDINARY_SET
     },
 ];
 

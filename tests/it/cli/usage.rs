@@ -139,7 +139,7 @@ fn a_file_that_is_no_program_is_named_by_its_kind() {
             "main.rs is Rust source code, not a program; build it",
         ),
         ("-- /dev/null", "null is a device, a pipe or a socket"),
-        (missing, "no program of this name is in PATH"),
+        (missing, "no program with this name is in PATH"),
     ] {
         let checked = check(&format!("--case hand-lum {decoder}"));
         checked.ends(3, says);

@@ -109,7 +109,7 @@ SOI FF FE 00 03 | byte 4: a comment or application segment of 3 bytes extends pa
 SOI FF F7 | byte 2: expected a frame header, found a JPEG-LS frame
 SOI DQT WIDE | byte 76: expected 8 x 8 samples, found 16 x 8
 SOI DQT FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00 | byte 80: expected one component, found 3
-SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits do not exist here
+SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits are not allowed here
 SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors 1 x 5 are not within 1 to 4
 SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors 0 x 1 are not within 1 to 4
 SOI DQT FF C0 00 0A 08 00 08 00 08 01 01 11
@@ -143,23 +143,23 @@ SOI DQT SOF DHT0 DHT1 DATA | byte 128: expected a marker, found byte 3F
 SOI DQT SOF DHT0 DHT1 EOI | byte 128: expected the scan header, found marker FFD9
 SOI DQT SOF DHT0 DHT1 SOF | byte 128: expected the scan header, found marker FFC0
 SOI DQT SOF DHT0 DHT1 FF DA 00 0A 02 01 00 02 00 00 3F 00 | byte 132: expected one component, found 2
-SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: the scan is of component 2, the frame has only 1
+SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: the scan is for component 2, but the frame has only 1
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 00 00 3E 00
-  | byte 135: a sequential scan has parameters 0 63 0, found 0 62 0
+  | byte 135: expected parameters 0 63 0 of a sequential scan, found 0 62 0
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 40 00 3F 00 | byte 134: DC Huffman table 4 was not defined
 SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before its parameters
 SOI DQT SOF DHT0 DHT1 SOS EOI | byte 138: the entropy-coded segment ends too early
-SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits are no code of the Huffman table
-SOI DQT SOF DHT0 DHT1 SOS 3F 00 EOI | byte 139: the entropy-coded segment continues after its last sample
+SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits are not a code of the Huffman table
+SOI DQT SOF DHT0 DHT1 SOS 3F 00 EOI | byte 139: the entropy-coded segment continues after the last sample
 SOI DQT SOF DHT0 DHT1 SOS FF EOI | byte 138: the entropy-coded segment ends too early
 SOI DQT SOF DHT0 DHT1 SOS DATA | byte 139: the stream ends before a marker
 SOI DQT SOF DHT0 DHT1 SOS DATA FF | byte 140: the stream ends before the code of a marker
 SOI DQT SOF DHT0 DHT1 SOS DATA FF D0 | byte 139: expected the end of the image, found marker FFD0
-SOI DQT SOF FF C4 00 14 00 01 00*15 0C DHT1 SOS DATA EOI | byte 138: a DC difference of 12 bits does not exist
-SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 0B SOS DATA EOI | byte 138: an AC code for run 0, size 11 does not exist
-SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 10 SOS DATA EOI | byte 138: an AC code for run 1, size 0 does not exist
-SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zeros leaves the block
-SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros leaves the block
+SOI DQT SOF FF C4 00 14 00 01 00*15 0C DHT1 SOS DATA EOI | byte 138: no DC difference has 12 bits
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 0B SOS DATA EOI | byte 138: no AC code has run 0 and size 11
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 10 SOS DATA EOI | byte 138: no AC code has run 1 and size 0
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zeros extends past the end of the block
+SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros extends past the end of the block
 ";
 
 /// Two blocks. In the first table, code 0 is no difference and code 1 is one of four bits: 01 1000 0 | 01 1000 0 is eight
@@ -171,9 +171,9 @@ SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D1 61 EOI
   | byte 146: expected restart marker 0, found marker FFD1
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 60 C3 EOI
-  | byte 146: the entropy-coded segment continues after its last sample
+  | byte 146: the entropy-coded segment continues after the last sample
 SOI DQT WIDE FF C4 00 14 00 01 00*15 0B DHT1 SOS 7F F3 FF 00 BF EOI
-  | byte 142: a DC coefficient of 4094 does not exist
+  | byte 142: the DC coefficient 4094 is out of range
 ";
 
 #[test]
@@ -183,7 +183,7 @@ fn each_jpeg_stream_has_its_result() {
     }
     check(JPEG, 16, 8, JPEG_BLOCKS);
     let huge = "SOI DQT FF C0 00 0B 08 FF FF FF FF 01 01 11 00 DHT0 DHT1 SOS DATA EOI \
-        | byte 138: 65535 x 65535 samples do not fit in the 3 bytes left";
+        | byte 138: 65535 x 65535 samples cannot be coded in the 3 bytes left";
     check(JPEG, 65_535, 65_535, huge);
 }
 
@@ -217,7 +217,7 @@ SOI SOF SOS DATA SOS | byte 26: expected the end of the image, found marker FFDA
 SOI SOF SOS DATA FF DC | byte 26: a height defined by DNL is not implemented
 SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 | byte 7: expected 4 x 1 samples, found 5 x 1
 SOI FF F7 00 0B 08 00 01 00 04 03 01 11 00 | byte 11: expected one component, found 3
-SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits do not exist here
+SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits are not allowed here
 SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: samples of 12 bits are not implemented
 SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
 SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
@@ -235,7 +235,7 @@ SOI SOF FF F8 00 06 04 02 00 00 | byte 19: sizes over 65,535 are not implemented
 SOI SOF FF F8 00 03 05 | byte 19: the extensions of T.870 are not implemented
 SOI SOF FF DD 00 04 00 01 | byte 19: restart intervals in JPEG-LS are not implemented
 SOI SOF FF DA 00 08 02 01 00 00 00 00 | byte 19: expected one component, found 2
-SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: the scan is of component 7, the frame has only 1
+SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: the scan is for component 7, but the frame has only 1
 SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: samples that a mapping table translates are not implemented
 SOI SOF FF DA 00 08 01 01 00 80 00 00 | byte 22: NEAR 128 is more than half of MAXVAL 255
 SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: one component cannot be interleaved, found ILV 1
@@ -243,7 +243,7 @@ SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: a point transform is not implem
 SOI SOF SOS EOI | byte 25: the entropy-coded segment ends too early
 SOI SOF SOS 00 EOI | byte 26: the entropy-coded segment ends too early
 SOI SOF SOS FF EOI | byte 25: the entropy-coded segment ends too early
-SOI SOF SOS F0 00 EOI | byte 26: the entropy-coded segment continues after its last sample
+SOI SOF SOS F0 00 EOI | byte 26: the entropy-coded segment continues after the last sample
 SOI SOF SOS 00*5 EOI | byte 25: a code begins with more than 22 zeros
 SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: no sample has prediction error -129
 ";
@@ -260,6 +260,6 @@ fn each_jpeg_ls_stream_has_its_result() {
         | byte 25: a run of 5 samples and its end in a line with 5 to go";
     check(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
-        | byte 25: 65535 x 65535 samples do not fit in the 3 bytes left";
+        | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";
     check(JPEG_LS, 65_535, 65_535, huge);
 }

@@ -32,7 +32,7 @@ fn is_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => match (&a.samples, &b.samples) {
             (Samples::U8(_), Samples::U8(_)) => a == b,
-            _ => a.is_like(b),
+            _ => a.is_equivalent(b),
         },
         _ => a == b,
     }

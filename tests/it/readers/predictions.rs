@@ -36,10 +36,10 @@ fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
 fn an_impossible_profile_is_refused() {
     for [more, why] in rows(
         "
-reads: [GIF] | no format is called GIF
-reads: [RGB]↵  misreadings: [{ slug: none, evidence: code }] | no misreading is called none
+reads: [GIF] | unknown format GIF
+reads: [RGB]↵  misreadings: [{ slug: none, evidence: code }] | unknown misreading none
 reads: [RGB]↵  misreadings: [{ slug: no-128, evidence: code }, { slug: wrap-mod-255, evidence: code }]
-  | act at one place
+  | change the same decision
 reads: [RGB]↵  limits: [{ limit: none, evidence: code }] | none
 reads: [RGB]↵  likes: all | likes",
     ) {

@@ -297,7 +297,9 @@ fn colors_are_shown_with_their_arithmetic() {
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     keep("colors.html", &page);
-    assert!(page.contains("<figure class=\"scene\">") && page.contains("The scene is for the eye"));
+    assert!(
+        page.contains("<figure class=\"scene\">") && page.contains("The scene is for illustration")
+    );
     assert!(page.matches("<figure class=\"colors\">").count() > 20);
     assert!(page.contains("a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = "));
     assert!(page.contains("red differs in "));

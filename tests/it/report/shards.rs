@@ -179,7 +179,7 @@ fn incomplete_or_foreign_parts_are_refused() {
     let twice = [first.clone(), second.clone(), first.clone()];
     assert_eq!(refused(&twice), "duplicate part 1/2");
     let other = run(3, 3);
-    assert!(refused(&[first.clone(), other]).contains("not of the same run as "));
+    assert!(refused(&[first.clone(), other]).contains("from another run than "));
 
     let cut = answers_path(&second);
     let text = std::fs::read_to_string(&cut).expect("text");

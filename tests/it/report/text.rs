@@ -106,7 +106,7 @@ fn diff_reports_each_kind_of_change() {
     assert_diff(&correctness, "  + correctness: 1");
     for [find, replace, says] in rows(
         "
-10 s per call | 20 s per call | + - \"wall clock: 20 s
+10 s per call | 20 s per call | + - \"wall-clock time: 20 s
 breadth: 15/15 | breadth: 14/15 | + breadth: 14/15
 reading: nothing | reading: one line feed | + lut-newline: one line feed
 - id: first-lum↵  outcome: pass | - id: first-lum↵  outcome: fail

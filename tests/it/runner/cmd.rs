@@ -109,10 +109,10 @@ fn outputs_that_are_not_regular_files_are_not_followed() {
 ln -s /etc/passwd "$2" | its output file is a link
 mkfifo "$2" | its output file is not a regular file
 mkdir "$2" | its output file is not a regular file
-: | its output file is not there
+: | its output file is missing
 : > "$2" | its output file is empty
 dd if=/dev/zero of="$2" bs=1 count=1 seek=1000000000 2> /dev/null | flood
-w=$(pwd) && cd / && mv "$w" "$w.old" && ln -s /etc "$w" && : | its output file is not there
+w=$(pwd) && cd / && mv "$w" "$w.old" && ln -s /etc "$w" && : | its output file is missing
 printf 'P6 1 1 255 x' > "$2" | a Netpbm file:"#,
     ) {
         here.write_program("deed", format!("#!/bin/sh\n{deed}\n"));
@@ -131,7 +131,7 @@ viewer {lu} {in} | | {lu} and {lv}
 viewer {in} {lu} {lv} {light} | | unknown placeholder {light}
 viewer {in} {lu} {lv} {out} {out} | | more than once
 viewer 'x {in} {lu} {lv} | | quotation
-{in} {lu} {lv} | | first word is the program
+{in} {lu} {lv} | | first word must be the program
 viewer {in} {lu} {lv} | --view raw --view rgb | serves one view",
     ) {
         check(&here, &template, &options).ends(2, &says);

@@ -123,7 +123,7 @@ fn inputs_go_where_there_is_room() {
     let (status, text) = check("/dev/shm /var/tmp /tmp");
     assert_eq!(status, 2, "{text}");
     assert!(
-        text.contains("let TMPDIR name a directory with more space"),
+        text.contains("set TMPDIR to a directory with more space"),
         "{text}"
     );
 }

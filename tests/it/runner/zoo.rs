@@ -42,13 +42,13 @@ cuts-frame adds-a-byte | 3 | | not judged | announces
 announces-too-much | 3 | | not judged | more bytes than can be counted
 number-out-of-range | 3 | | not judged | is not a number
 floods | 3 | | not judged | flood: more than
-deletes-its-input | 3 | | not judged | tampering: the file it was given is changed or gone
+deletes-its-input | 3 | | not judged | tampering: its input file was changed or removed
 overwrites-its-input links-its-input input-becomes-a-pipe | 3 | | not judged | tampering
 accepts-all | 1 | | 17 | received raw 1x1
 accepts-malformed | 1 | | 2 | accepted a file that must be refused
 wrong-size | 1 | | 15 | received raw 1x1 with 1 channels
 crashes-on-malformed
-  | 1 | | not judged | an empty file, and other malformed ones: exit status 1 counts as a crash && use check --reject-exit 1 && see it again:↵  $
+  | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && see it again:↵  $
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
@@ -65,7 +65,7 @@ is-silent-about-lum | 0 | | none | unsupported (exit status 69): LUM
 declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no such file
 declares-coef-and-lacks-it | 1 | | none | declare view coef, but it exits with 69
 declares-coef-only | 0 | | none | pass:
-declares-exit-0 | 0 | | none | note: capabilities: no exit status 0 can mean a refusal
+declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a refusal
 ";
 
 /// Programs that are stopped by a limit.
@@ -82,13 +82,13 @@ serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass
 serves-not | 1 | --serve | none | serve mode failed && ended (exit status 64) without an answer
 declares-serve-and-lacks-it | 1 | | none | serve mode failed && ended (exit status 64) without an answer
-serves-the-number-before | 1 | --serve | none | serve mode failed && answers request 1 with the number 0
-serves-the-wrong-number | 1 | --serve | none | serve mode failed && answers request 1 with the number 4711
+serves-the-number-before | 1 | --serve | none | serve mode failed && its answer to request 1 has the number 0
+serves-the-wrong-number | 1 | --serve | none | serve mode failed && its answer to request 1 has the number 4711
 serves-interleaved | 1 | --serve | none | serve mode failed && protocol error
 serves-huge-numbers
-  | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, and no frame
+  | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, but no frame
 serves-impossible-numbers | 1 | --serve | none | serve mode failed && expected "1 ok NBYTES"
-serves-without-the-line | 1 | --serve | none | serve mode failed && the line of the frame included
+serves-without-the-line | 1 | --serve | none | serve mode failed && including the first line of the frame
 serves-bare-frames | 1 | --serve | none | serve mode failed && a frame follows a separate line
 serves-logs | 1 | --serve | none | serve mode failed && found "decoding"
 serves-text-mode | 1 | --serve | none | serve mode failed && text mode
@@ -96,7 +96,7 @@ serves-without-flush
   | 1 | --timeout 2 --serve | none | serve mode failed && flush standard output after each answer
 serves-extra | 1 | --serve | none | in serve mode && protocol error
 serves-before-asked | 1 | --serve --jobs 1 | any | in serve mode && protocol error
-serves-exit-codes | 1 | --serve --jobs 1 | 2 | the code of a refusal is 65
+serves-exit-codes | 1 | --serve --jobs 1 | 2 | expected the refusal code 65
 serves-five-times | 1 | --serve --jobs 1 | 3 | ended (exit status 0) without an answer; it had answered 5 requests
 serves-five-times-and-ignores-the-rest | 1 | --timeout 2 --serve --jobs 1 | 3 | hang: no answer within 2 s
 serves-until-lum

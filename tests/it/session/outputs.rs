@@ -59,7 +59,7 @@ fn answers_made_elsewhere_are_judged_as_those_of_a_decoder() {
 fn refusals_are_files_or_lists() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
-    check(&here).ends(2, "no answer to any request");
+    check(&here).ends(2, "no request is answered");
 
     answer(&here, "header-plain-lrgb");
     let write = |name: &str, text: &str| here.write(&format!("e/outputs/{name}"), text);
@@ -110,7 +110,7 @@ fn lists_of_another_version_are_wrong_usage() {
     let at = sound.find("sha256: ").expect("a digest") + 8;
     let other = format!("{}{}{}", &sound[..at], "0".repeat(64), &sound[at + 64..]);
     for (text, says) in [
-        (&*other, "export them anew"),
+        (&*other, "export them again"),
         ("[]", "there are no requests"),
         ("- id: x\n", "line 1"),
         ("&a [*a]", "line 1"),

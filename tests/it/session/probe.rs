@@ -97,9 +97,9 @@ fn commands_that_cannot_be_started() {
     for [decoder, says, next] in rows(
         r#"
 ./no-such-decoder | no such file | check the path of the decoder
-no-such-decoder-in-path | no program of this name is in PATH | name the decoder
+no-such-decoder-in-path | no program with this name is in PATH | name the decoder
 in-this-directory | looked up in PATH only | write ./in-this-directory
-'python3 plain.py' | no program of this name
+'python3 plain.py' | no program with this name
   | several words: write them without quotation marks, -- python3 plain.py
 sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
 . | is a directory | name the program in it
@@ -107,7 +107,7 @@ sh no-such-script.sh | no-such-script.sh: no such file in this directory | give 
 ./no-line | has no #! line | #!/usr/bin/env python3
 ./crlf | ends in CR LF | dos2unix
 ./bom | byte order mark | without byte order mark
-./lost | "/usr/bin/no-such-interpreter", which is not there | #!/usr/bin/env
+./lost | "/usr/bin/no-such-interpreter", which does not exist | #!/usr/bin/env
 ./empty | is empty | write the decoder
 ./windows.exe | is a Windows program | wine
 ./some.jar | is an archive | java -jar
@@ -173,7 +173,7 @@ fn frames_that_are_damaged_on_their_way() {
 3 | $_ .= "\n" | it prints "\n" after the samples && not println
 3 | s/ /  / | not separated by single spaces
 3 | s/(u8|f32)/$1 == "u8" ? "uint8" : "float32"/e | the type is uint8 instead of u8
-3 | chop | announces 135 bytes of samples, 134 follow && exactly as many bytes
+3 | chop | announces 135 bytes of samples, but 134 follow && exactly as many bytes
 3 | s/PTM1/PTM2/ | begins with "PTM2
 1 | $_ = substr($_, 0, 65536) | truncated after 65536 bytes, a multiple of 65536 && process.exitCode
 1 | $_ = substr($_, 0, 4096 * int(length($_) / 4096)) if length($_) > 4096
@@ -256,9 +256,9 @@ fn decoders_that_support_a_part_are_ready() {
 0 | case $1 in rgb:*) ;; *) exit 69;; esac↵grep -q PTM_FORMAT_RGB "$2" || { grep -q PTM_FORMAT_ "$2" && exit 69; exit 65; }↵right "$@" || exit 65
   | – not decoded: LRGB && ✓ RGB rgb:0.3125,-0.4375: decoded && – RGB raw: exited with 69 && ready.
 0 | case $1 in raw|coef|rgb:*) grep -aq _LUT "$2" && grep -aq nentries "$2" || exit 65;; *) exit 69;; esac↵right "$@"
-  | PTM_C_LUT raw: decoded correctly && is written "nentries 256" && ready. Next
+  | PTM_C_LUT raw: decoded correctly && is spelled "nentries 256" && ready. Next
 0 | case $1 in raw|coef|rgb:*) grep -aq _LUT "$2" && ! grep -aq 'nentries\|N_LUT_ENTRIES' "$2" || exit 65;; *) exit 69;; esac↵right "$@"
-  | PTM_C_LUT raw: decoded correctly && is written "256" && ready. Next"#,
+  | PTM_C_LUT raw: decoded correctly && is spelled "256" && ready. Next"#,
     );
 }
 

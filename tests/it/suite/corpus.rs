@@ -29,7 +29,7 @@ fn one_thread_and_many_write_what_is_committed() {
     let committed = tree(&root().join("corpus"));
     for jobs in [1, 7] {
         let scratch = tempfile::tempdir().expect("a scratch directory");
-        let limit = corpus::COMMITTED;
+        let limit = corpus::MAX_COMMITTED_SIZE;
         let written = corpus::write(&suite(), scratch.path(), limit, jobs, &|_, _| ());
         written.expect("the corpus is written");
         let written = tree(scratch.path());
@@ -112,7 +112,10 @@ fn the_readme_describes_the_generator() {
     let numbers = |texts: Vec<&str>| format!("`{}`", texts.join(" "));
     let words = readme.split_whitespace().collect::<Vec<_>>().join(" ");
     for said in [
-        format!("those over {} KiB are left out", corpus::COMMITTED / 1024),
+        format!(
+            "those over {} KiB are left out",
+            corpus::MAX_COMMITTED_SIZE / 1024
+        ),
         format!("| `scale` | {} |", numbers(recipe.scale.texts())),
         format!("| `bias` | {} |", numbers(recipe.bias.texts())),
         format!("| `matrix` | {} |", numbers(recipe.matrix.texts())),

@@ -293,7 +293,7 @@ fn a_conversion_that_the_target_cannot_hold_is_refused_and_writes_nothing() {
 1 | RGB.ptm | --to LRGB | 45 of 45 texels do not fit, the first at column 0, row 0
 1 | LRGB.ptm | --to RGB | texels do not fit
 1 | LUM.ptm | --to LRGB | lum-vector
-1 | LRGB.ptm | --to LUM | without a loss
+1 | LRGB.ptm | --to LUM | always loses precision
 2 | LRGB.ptm | --to JPEG_LRGB | --quality
 2 | LRGB.ptm | --to PTM_LUT --quality 90 | --quality is for JPEG
 2 | LRGB.ptm | --to PTM_LUT --loss 3 | --loss is for JPEGLS",

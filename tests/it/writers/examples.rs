@@ -41,7 +41,7 @@ fn a_probe_walks_a_writer_through_the_contract() {
 0 | PROBE PROGRAM reference | JPEGLS_LRGB: the file has the values
 3 | PROBE sh -c "printf 'PTM_1.2\n'" | not to standard output
 3 | PROBE sh -c 'exit 69' | write at least one format
-1 | PROBE sh exchanges-sizes.sh | such a file comes of a writer that"#;
+1 | PROBE sh exchanges-sizes.sh | produces such a file"#;
     let table = table.replace("PROBE", "probe --writer --");
     here.assert_lines(&table.replace("PROGRAM", PROGRAM));
 }

@@ -82,7 +82,7 @@ fn a_set_is_read_back_from_its_files() {
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
     let error = PictureSet::read(&lp).expect_err("one is missing");
     assert!(
-        error.ends_with("it announces 2 images and lists 1"),
+        error.ends_with("its first line announces 2 images, but it lists 1"),
         "{error}"
     );
 }

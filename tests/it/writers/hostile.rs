@@ -6,13 +6,13 @@ use crate::common::{Workspace, outcome, rows};
 
 /// Writers in `sh`, whose request is `$2` and whose output is `$3`, and a part of what is said about them.
 const WRITERS: &str = r#"
-true | its output file is not there, though it exits with 0
+true | its output file is missing, although it exits with 0
 : > "$3" | its output file is empty
 mkdir "$3" | its output file is not a regular file
 mkfifo "$3" | its output file is not a regular file
 ln -s /etc/hostname "$3" | its output file is a link
 ln -s ../../.. "$3" | its output file is a link
-d=$(dirname "$3"); cd /; rm -r "$d" && ln -s /etc "$d" | its output file is not there
+d=$(dirname "$3"); cd /; rm -r "$d" && ln -s /etc "$d" | its output file is missing
 printf 'PTM_1.2\nPTM_FORMAT_RGB\n3\n2\n' > "$3" | the reference refuses the file
 chmod u+w "$2"; echo x >> "$2" | tampering
 p=$(dirname "$2")/planes.npy; chmod u+w "$p" && echo x >> "$p" | tampering

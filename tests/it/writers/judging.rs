@@ -101,7 +101,7 @@ fn a_lossy_plane_may_lose_what_its_quality_allows_and_no_more() {
     assert_fault(
         &request,
         &file,
-        "expected the compression parameter 90, the file has 20",
+        "expected the compression parameter 90, found 20",
     );
     // The right number over the wrong streams.
     let disguised = replaced(&file, b"\n20\n0 0", b"\n90\n0 0");
