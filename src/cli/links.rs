@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_that_have_a_page_are_links_and_nothing_else_changes() {
+    fn only_words_with_a_page_become_links() {
         let page = |word: &str| PAGES.get(word).map(|page| published(page));
         let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
         let linked = with_links(text, &page);
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_address_of_a_page_is_a_link_to_it() {
+    fn page_addresses_become_links() {
         let line = page_line(SuiteName::Ptm.clause_page("2.9.8/2"));
         assert_eq!(
             line,

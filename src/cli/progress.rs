@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_line_says_what_is_done_and_what_is_left() {
+    fn progress_line_shows_done_and_remaining_work() {
         let asking = "asking 100 of 300, 7 wrong so far, about 4 min left";
         let searching = "searching, 7 wrong so far, at most 60 s left";
         for (what, done, all, is_limit, expected) in [

@@ -101,7 +101,7 @@ mod tests {
     const TEXT: &str = "64 of 64 failures: the decoder reads the high byte of an index first.\n  Fix: read the low byte first.\n  FAIL a-case  (2.5/2)\n    byte     0  version    PTM_1.2\n  $ printf '1 raw a-very-long-name.ptm' | decoder serve | xxd | head\n";
 
     #[test]
-    fn nothing_but_color_changes_off_a_terminal_and_commands_stay_whole_on_one() {
+    fn styling_changes_only_colors_and_never_wraps_commands() {
         let plain = |width| anstream::adapter::strip_str(&page(TEXT, width)).to_string();
         assert_eq!(plain(None), TEXT);
         let wrapped = TEXT.replacen("the high byte", "the\n  high byte", 1);
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_line_says_is_colored() {
+    fn lines_are_colored_by_their_meaning() {
         let colored = |line: &str| {
             let (end, style) = beginning(line)?;
             Some((line[..end].to_owned(), style))

@@ -159,7 +159,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_buffer_equals_the_plain_bits(
+        fn bit_buffer_equals_plain_bits(
             data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..60),
             sizes in prop::collection::vec(0_u32..=16, 0..60),
         ) {

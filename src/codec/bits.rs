@@ -119,7 +119,7 @@ mod tests {
 
     /// Checks the worked example above.
     #[test]
-    fn a_byte_ff_is_followed_by_a_stuffed_byte_in_t_81_and_by_a_stuffed_bit_in_t_87() {
+    fn jpeg_stuffs_a_byte_and_jpeg_ls_a_bit_after_ff() {
         let t_81 = [0, 0xFF, 0x00, 0xA1, 0xFF, 0xD9];
         let mut bits = Bits::<0>::new(&t_81, 1);
         assert_eq!(bits.receive(16), Ok(0xFFA1));

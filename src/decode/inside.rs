@@ -86,7 +86,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rows_are_texel_by_texel(
+        fn rows_equal_plain_texel_order(
             (width, height) in (1u32..12, 1u32..12),
             samples in proptest::collection::vec(any::<u8>(), 144),
             near in (-30i64..30, -30i64..30),

@@ -202,7 +202,7 @@ mod tests {
     ];
 
     #[test]
-    fn each_motion_choice_has_its_other_reading() {
+    fn each_motion_choice_has_another_reading() {
         for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
             let (height, reading) = (4 / width, choose(Reading::SPEC));
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn each_choice_of_prediction_has_its_other_reading() {
+    fn each_prediction_choice_has_another_reading() {
         let predicted = |choose: Choose, format| {
             let step = Step {
                 reference: Some(0),

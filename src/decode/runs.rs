@@ -65,7 +65,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn runs_are_texel_by_texel(
+        fn runs_equal_plain_texel_order(
             bytes in proptest::collection::vec(any::<u8>(), 9 * 300),
             indices in proptest::collection::vec(0u16..300, 12),
             (channel, count) in (0usize..18, 1usize..=18),

@@ -82,7 +82,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn threads_find_the_same_residuals_and_the_same_error(
+        fn threads_give_the_same_residuals_and_errors(
             payload in proptest::collection::vec(any::<u8>(), 18),
             sequence in proptest::collection::vec(0usize..18, 0..30),
             threads in 1usize..6,

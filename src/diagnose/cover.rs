@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_candidate_is_chosen_first_and_then_what_the_rest_needs() {
+    fn cover_chooses_the_largest_candidate_first() {
         let mut failing = vec![1, 2, 3, 4, 5];
         let candidates = vec![
             candidate('a', &[1, 2], &[]),
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn contradicted_candidates_are_last_and_equal_ones_are_alike() {
+    fn contradicted_candidates_come_last() {
         let mut failing = vec![1, 2];
         let candidates = vec![
             candidate('a', &[1, 2], &[7, 8]),

@@ -180,7 +180,7 @@ mod tests {
     use crate::session::run::check;
 
     #[test]
-    fn a_panic_in_the_search_is_reported_and_costs_one_cause() {
+    fn panic_in_the_search_loses_only_one_cause() {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let ask = |request: &Request<'_>, _: usize| {

@@ -94,7 +94,7 @@ pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
 mod tests {
     /// Each number is one more thing to get wrong.
     #[test]
-    fn at_most_thirty_numbers_decide() {
+    fn there_are_at_most_thirty_tuning_constants() {
         let is_number = |line: &&str| line.starts_with("pub") && line.contains(" const ");
         let count = include_str!("tuning.rs").lines().filter(is_number).count();
         assert!((1..=30).contains(&count), "{count} numbers");

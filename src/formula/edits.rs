@@ -451,7 +451,7 @@ mod tests {
     }
 
     #[test]
-    fn each_edit_is_generated_once_and_differs_from_the_formula() {
+    fn edits_are_distinct_and_differ_from_the_formula() {
         for (formula, name) in Formula::ALL {
             let texts = texts(formula);
             assert!(texts.len() > 3, "{name}: {}", texts.len());

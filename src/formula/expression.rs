@@ -497,7 +497,7 @@ mod tests {
     }
 
     #[test]
-    fn arithmetic_binds_as_usual() {
+    fn operators_have_the_usual_precedence() {
         assert_eq!(value_of("a + b * 2 - 1"), 2.0);
         assert_eq!(value_of("(a - bias[1]) / 2 * 4"), -26.0);
         assert_eq!(value_of("-a * b"), 14.0);
@@ -509,7 +509,7 @@ mod tests {
     }
 
     #[test]
-    fn text_is_read_back_as_the_same_expression() {
+    fn printed_expressions_parse_to_the_same_expression() {
         let shown = |text| parse(text, SCOPE).expect("an expression").display(SCOPE);
         for text in [
             "a + b * 2 - 1",
@@ -529,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_name_what_is_wrong() {
+    fn parse_errors_name_the_fault() {
         let error = |text: &str| parse(text, SCOPE).expect_err("no expression");
         assert_eq!(error("a + c"), "unknown name \"c\"");
         assert_eq!(error("min(a)"), "min takes 2 arguments");

@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn every_step_is_a_legal_file_and_none_changes_nothing() {
+    fn every_reduction_step_is_a_different_legal_file() {
         for (i, (id, file)) in small_files().enumerate() {
             let parts = Parts::parse(&file).expect("a legal file");
             let planes = |file: &[u8]| decode(file).expect("a legal file").planes;
@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_fails_in_one_texel_is_cut_down_to_it() {
+    fn failing_texel_is_isolated() {
         let recipe = Recipe::ordinary(Format::Rgb, "40x30".parse().expect("a size"));
         let file = write(&recipe, &Model::paint(&recipe)).bytes;
         let fails = |file: &[u8]| decode(file).is_ok_and(|ptm| ptm.planes.samples.len() >= 18 * 6);

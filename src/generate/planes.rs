@@ -340,7 +340,7 @@ mod tests {
     use crate::ptm::Format;
 
     #[test]
-    fn blocks_come_back_exactly_at_every_quality() {
+    fn blocks_round_trip_at_every_quality() {
         for (quality, baseline) in (1..=100).flat_map(|quality| [(quality, true), (quality, false)])
         {
             let mut recipe = Recipe::ordinary(Format::JpegLrgb, "17x9".parse().expect("a size"));

@@ -21,7 +21,7 @@ mod tests {
     use super::last_words;
 
     #[test]
-    fn an_error_is_quoted_and_not_what_an_interpreter_adds() {
+    fn last_words_omit_interpreter_trailers() {
         let node = "dec.js:3\n  f();\n  ^\n\nTypeError: f is not a function\n    at main (dec.js:3:5)\n\nNode.js v20.20.2\n";
         assert_eq!(last_words(node), Some("TypeError: f is not a function"));
         let python =

@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn results_come_in_turn_although_the_first_takes_longest() {
+    fn results_arrive_in_order() {
         let mut shown = Vec::new();
         let work = |item: usize| {
             if item == 0 {

@@ -398,7 +398,7 @@ id: a => line 1: expected a list
     }
 
     #[test]
-    fn texts_need_no_quotation_marks_and_numbers_have_none() {
+    fn quoted_and_plain_scalars_are_read_by_type() {
         let read: Vec<(usize, Record)> =
             records("- { id: 1.0, size: 255, way: down }\n- id: 'null'\n  first: true\n")
                 .expect("it is well-formed");

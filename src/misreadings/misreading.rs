@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_and_its_place_become_one_misreading() {
+    fn record_and_decision_become_one_misreading() {
         let yaml = record("one")
             + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
         let all = catalog(&yaml, CHANGES.iter(), |_| None).unwrap();
@@ -157,12 +157,12 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_key_is_an_error_with_its_line() {
+    fn unknown_key_is_reported_with_its_line() {
         rejects(&(record("one") + "- slug: two\n  cause: 2.2/1\n"), "line 3");
     }
 
     #[test]
-    fn slugs_that_differ_are_errors() {
+    fn mismatched_slugs_are_errors() {
         rejects(&record("one"), "expected two, found the end of the file");
         rejects(
             &(record("two") + &record("one")),

@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_answer_says_what_it_says_and_no_more() {
+    fn only_declared_capabilities_are_set() {
         let read = Capabilities::read(b"protocol: 1\nname: x\nversion: 1.10\nviews: [raw, png]\nmodes: [serve]\ncolour: blue\nreject_exit: 1\n");
         let capabilities = read.expect("it counts");
         assert_eq!(capabilities.name.as_deref(), Some("x"));
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn statuses_that_mean_something_else_are_no_refusals() {
+    fn reserved_statuses_cannot_mean_refusal() {
         for status in ["0", "69", "256", "-1", "99999999999"] {
             let answer = format!("protocol: 1\nreject_exit: {status}\n");
             let capabilities = Capabilities::read(answer.as_bytes()).expect("it counts");

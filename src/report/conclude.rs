@@ -111,7 +111,7 @@ mod tests {
     use crate::session::run::check;
 
     #[test]
-    fn a_search_that_panics_costs_no_verdict() {
+    fn panicking_search_loses_no_verdict() {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let ask = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);

@@ -263,7 +263,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_part_is_a_number_of_a_number() {
+    fn shard_is_parsed_as_index_and_count() {
         assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
         for wrong in ["", "3", "0/8", "9/8", "1/0", "3/8/1", "a/8", "-1/8"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
@@ -272,7 +272,7 @@ mod tests {
 
     /// If the assignment changed, old and new reports could not be merged.
     #[test]
-    fn every_case_has_one_part_for_ever() {
+    fn every_case_has_one_permanent_shard() {
         let part_of = |id: &str| {
             let parts = (1..=8).filter(|&number| Shard { number, of: 8 }.holds(id));
             parts.collect::<Vec<_>>()

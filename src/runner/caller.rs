@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_is_what_a_decoder_would_have_said() {
+    fn caller_responses_become_answers() {
         let (reply, _) = reply_to(b"ok 27\nPTM1 raw 1 1 9 u8\n123456789");
         let Answer::Decoded(frame) = reply.answer else {
             panic!("{reply:?}")
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_caller_that_does_not_answer_ends_the_run() {
+    fn silent_caller_ends_the_run() {
         for answer in [&b""[..], b"ok 27\nPTM1", b"ok\n", b"yes 0\n", b"ok -1\n"] {
             let (reply, stopped) = reply_to(answer);
             assert!(matches!(reply.answer, Answer::NotAsked(_)), "{reply:?}");

@@ -445,7 +445,7 @@ mod tests {
     const FRAME: &[u8] = b"PTM1 raw 1 1 1 u8\nx";
 
     #[test]
-    fn a_whole_answer_is_taken_and_a_part_is_waited_for() {
+    fn incomplete_answers_are_awaited() {
         let whole = [&b"7 ok 19\n"[..], FRAME, b"8 ok"].concat();
         for length in 0..8 + FRAME.len() {
             let part = read_answer(&whole[..length], 7, 1000, None);
@@ -456,7 +456,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_have_a_code_or_a_feature() {
+    fn refusals_need_a_code_or_a_feature() {
         for (line, reject_exit, answer) in [
             ("7 reject 65\n", None, Answer::Rejected),
             ("7 reject 1\n", Some(1), Answer::Rejected),
@@ -469,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_an_end_is_no_answer() {
+    fn unterminated_line_is_not_an_answer() {
         let error = read_answer(&[b'x'; 2000], 7, 1000, None).expect_err("it is wrong");
         assert!(error.contains("has no line end"), "{error}");
     }

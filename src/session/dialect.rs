@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_that_no_file_joins_are_settled_independently() {
+    fn unrelated_groups_are_decided_independently() {
         let (dialect, settled) = settled(&[
             image_right_in(&["motion-sign", "motion-border"], |of| of == [1, 2]),
             image_right_in(&["side-lossless"], |of| of == [1]),
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn files_that_share_a_choice_join_their_groups() {
+    fn shared_choices_join_groups() {
         // The first shows that one of both is read differently from the reference; the second shows which.
         let images = [
             image_right_in(&["motion-sign", "jpeg-ls-offset"], |of| of[0] + of[1] == 1),
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn the_reading_of_most_pictures_counts_and_ties_go_to_the_references() {
+    fn majority_decides_and_ties_go_to_the_reference() {
         let image = |reading: usize| image_right_in(&["motion-half"], move |of| of == [reading]);
         let mut all = vec![image(1); 8];
         all.push(image(0));

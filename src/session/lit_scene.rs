@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn every_format_and_view_shows_the_same_scene() {
+    fn scene_is_equal_in_every_format_and_view() {
         let wanted = lit(&ball(SIDE));
         let reference = |request: &Request<'_>, _: usize| {
             Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refusal_and_another_shape_are_no_scene() {
+    fn refusals_and_wrong_shapes_give_no_scene() {
         let refusing = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
         assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &refusing), None);
         let small = |_: &Request<'_>, _: usize| {

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_locale_with_a_comma_is_found_by_its_language() {
+    fn comma_locale_is_found_by_language() {
         assert_eq!(choose("C\nC.utf8\nPOSIX\nen_US.utf8\n"), None);
         let euro = Some("de_DE@euro".to_owned());
         assert_eq!(choose("C\nfr_FR.utf8\nde_DE@euro\n"), euro);

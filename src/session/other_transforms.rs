@@ -89,7 +89,7 @@ fn passes(reading: Reading, counts: &Counts) {
 }
 
 #[test]
-fn a_decoder_with_the_samples_of_jpeg_decoder_passes() {
+fn samples_of_jpeg_decoder_pass() {
     let reading = Reading {
         stream: |stream| with_samples_of(stream, by_jpeg_decoder, &BY_JPEG_DECODER),
         ..Reading::SPEC
@@ -98,7 +98,7 @@ fn a_decoder_with_the_samples_of_jpeg_decoder_passes() {
 }
 
 #[test]
-fn a_decoder_with_the_samples_of_zune_jpeg_passes() {
+fn samples_of_zune_jpeg_pass() {
     let reading = Reading {
         stream: |stream| with_samples_of(stream, by_zune, &BY_ZUNE),
         ..Reading::SPEC

@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn three_legal_files_in_a_row_that_hang_end_a_run_in_whatever_order_they_are_answered() {
+    fn three_hangs_end_a_run_in_any_order_of_answers() {
         assert_eq!(end(0..20, &[4, 6, 8]), Some(8));
         assert_eq!(end((0..20).rev(), &[4, 6, 8]), Some(8));
         assert_eq!(end(0..20, &[14, 16, 18]), Some(18));
@@ -91,14 +91,14 @@ mod tests {
     }
 
     #[test]
-    fn other_hangs_do_not_end_a_run() {
+    fn hangs_on_other_files_do_not_end_a_run() {
         assert_eq!(end(0..20, &[4, 6, 10, 12, 16, 18]), None);
         assert_eq!(end([4, 6, 10, 8], &[4, 6, 10]), None);
         assert_eq!(end(0..20, &[1, 3, 5, 7, 9, 11]), None);
     }
 
     #[test]
-    fn a_file_that_is_answered_in_another_view_does_not_hang() {
+    fn answer_in_another_view_is_not_a_hang() {
         assert_eq!(end([0, 2, 2, 4], &[0, 2, 4]), Some(4));
         let answers = [(0, true), (2, true), (2, false), (2, true), (4, true)];
         assert_eq!(end_after(answers), None);

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn names_numbers_and_scripts_are_set() {
+    fn formulas_are_typeset() {
         becomes("a_0", "<msub><mi>a</mi><mn>0</mn></msub>");
         becomes("L_u^2", "<msubsup><mi>L</mi><mi>u</mi><mn>2</mn></msubsup>");
         becomes(

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_dialect_knows_its_place_among_the_combinations() {
+    fn dialect_index_round_trips() {
         let some = CHOICES.axes(&["motion-border", "lum-major", "side-lossless"]);
         let all = CHOICES.combinations(&some);
         assert_eq!(all.len(), 12);

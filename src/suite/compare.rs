@@ -313,14 +313,14 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_differ_look_different() {
+    fn different_numbers_print_differently() {
         assert_eq!(distinct(0.5, -0.0, 3), ["0.5", "0"]);
         assert_eq!(distinct(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
         assert_eq!(distinct(0.038_086, 0.038_114, 3), ["0.038086", "0.038114"]);
     }
 
     #[test]
-    fn what_is_no_number_is_near_to_nothing() {
+    fn nan_is_close_to_no_number() {
         is_near(0.0, 0.0, true);
         is_near(-53.0, -53.0004, true);
         is_near(-53.0, -53.001, false);

@@ -97,7 +97,7 @@ MAKE  views: [coefs] => line 1: case a:
 "#;
 
     #[test]
-    fn what_means_nothing_is_refused_with_file_and_line() {
+    fn meaningless_cases_are_refused_with_file_and_line() {
         const MAKE: &str = "  expect: decode↵  make:↵    format: RGB↵    size: 3x2↵";
         for row in ERRORS.trim_matches('\n').lines() {
             let (text, error) = row.split_once(" => ").expect("a text and its error");

@@ -176,7 +176,7 @@ mod tests {
     use crate::suite::values::Values;
 
     #[test]
-    fn the_origin_of_a_sample_holds_the_value_that_was_painted() {
+    fn origin_of_a_sample_has_the_painted_value() {
         let suite = Suite::load().expect("the suite");
         let mut checked = 0;
         for case in &suite.cases {

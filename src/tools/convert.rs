@@ -280,7 +280,7 @@ mod tests {
     const COUNTS: [bool; 6] = [true; 6];
 
     #[test]
-    fn polynomials_are_factored_only_if_they_are_multiples_of_one() {
+    fn only_multiples_of_one_polynomial_are_factored() {
         // Multiples 10, 6 and 0 of d = (1, 2, −1, 0, 3, 1) over a bias of 100.
         let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
         let found = factor_colors(&[at(10), at(6), at(0)].concat(), &[100; 6], COUNTS);
@@ -295,7 +295,7 @@ mod tests {
 
     /// In every second texel the colors are fifths and their factors are multiples of 5; others fit by chance.
     #[test]
-    fn exact_products_are_factored_and_multiply_back() {
+    fn exact_products_are_factored() {
         let bias = [20, 30, 40, 50, 60, 70];
         let mut fitting = 0;
         for seed in 0..4000_u32 {

@@ -403,7 +403,7 @@ mod tests {
     use crate::generate::{Model, Recipe, write};
 
     #[test]
-    fn every_byte_of_every_format_is_in_a_part_or_between_two() {
+    fn parts_cover_every_byte() {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let written = write(&recipe, &Model::paint(&recipe));
@@ -422,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_are_cut_are_shown_as_far_as_they_go() {
+    fn truncated_parts_are_shown() {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_array_has_a_header_of_whole_lines_of_64_bytes() {
+    fn npy_header_is_aligned_to_64_bytes() {
         let size = "2x1".parse().expect("a size");
         let bytes = npy_bytes(&[1, 2, 3, 4, 5, 6], size, 3);
         assert_eq!(bytes.len(), 128 + 6);

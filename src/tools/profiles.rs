@@ -331,7 +331,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn profiles_grow_and_the_smallest_has_a_case_for_every_clause_that_has_a_small_one() {
+    fn profiles_are_nested_and_minimal_covers_every_clause() {
         let suite = Suite::load().expect("the suite loads");
         let [minimal, standard, exhaustive] = Profile::ALL.map(|row| row.0.cases(&suite));
         assert!(minimal.len() * 2 < standard.len() && standard.len() < exhaustive.len());

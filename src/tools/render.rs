@@ -286,7 +286,7 @@ mod tests {
     ];
 
     #[test]
-    fn a_normal_points_to_the_brightest_light() {
+    fn normal_points_to_the_brightest_light() {
         for (polynomial, expected) in NORMALS {
             let found = normal(&polynomial);
             let mut pairs = found.iter().zip(expected);
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_of_a_sheet_is_lit_from_the_rim() {
+    fn outer_images_of_a_sheet_are_lit_from_the_rim() {
         for (x, y) in [(1.0, 0.0), (1.0, 1.0), (-0.5, 1.0), (1.0, -0.25)] {
             let (lu, lv) = square_to_disc(x, y);
             assert!((lu.hypot(lv) - RIM_RADIUS).abs() < 1e-9, "{x}, {y}");
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_becomes_a_file_of_every_form() {
+    fn image_is_encoded_in_every_file_format() {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let image = Image::rgb("1x1".parse().expect("a size"), vec![7, 7, 7]);
         let file = |format| image.to_file(format).expect("a small picture");
@@ -320,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn an_enlarged_image_has_squares_and_a_shrunk_one_means() {
+    fn enlarging_repeats_and_shrinking_averages_pixels() {
         let image = Image::gray(3, 2, vec![10, 20, 31, 30, 41, 33]);
         assert_eq!(image.shrunk(2), Image::gray(2, 1, vec![25, 32]));
         let image = Image::gray(2, 2, vec![1, 2, 3, 4]);

@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn any_bytes_are_walked_to_their_end() {
+    fn segments_of_any_bytes_end() {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
         let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
         for at in 0..stream.len() {

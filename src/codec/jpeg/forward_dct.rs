@@ -71,7 +71,7 @@ mod tests {
 
     /// Checks that 64 samples of 3 above gray have the DC coefficient 24, the worked example of the inverse transform.
     #[test]
-    fn a_flat_block_has_a_dc_coefficient_only() {
+    fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];
         expected[0] = 24 * 8;
         assert_eq!(forward_dct(&[3; 64]), expected);

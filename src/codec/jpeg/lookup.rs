@@ -109,7 +109,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn looked_up_codes_equal_the_plain_way(
+        fn lookup_table_equals_plain_decoding(
             wanted in prop::collection::vec(0_u8..6, 16),
             symbol_list in prop::collection::vec(any::<u8>(), 1..60),
             data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..40),

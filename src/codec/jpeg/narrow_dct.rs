@@ -48,7 +48,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn thirty_two_bits_equal_the_plain_way(
+        fn narrow_dct_equals_plain_dct(
             bits in 1_u32..=27,
             values in prop::collection::vec(any::<i32>(), 64),
         ) {

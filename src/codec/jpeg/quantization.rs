@@ -93,7 +93,7 @@ mod tests {
 
     /// Checks the worked example above.
     #[test]
-    fn quality_is_a_percentage_of_the_steps_of_annex_k() {
+    fn quality_scales_the_tables_of_annex_k() {
         let dc_steps = [10, 50, 75, 90, 100].map(|quality| scaled_steps(quality, true)[0]);
         assert_eq!(dc_steps, [80, 16, 8, 3, 1]);
     }

@@ -109,7 +109,7 @@ mod tests {
 
     /// Checks the worked example of `decode_block`.
     #[test]
-    fn a_block_is_written_as_sizes_and_numbers() {
+    fn block_is_coded_as_symbols_and_extra_bits() {
         let mut block = [0; 64];
         (block[0], block[3]) = (-3, 5);
         let mut stream = Writer::new();

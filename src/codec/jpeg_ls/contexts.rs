@@ -110,7 +110,7 @@ mod tests {
 
     /// Checks the worked example above.
     #[test]
-    fn a_context_learns_how_far_predictions_are_off() {
+    fn context_learns_the_prediction_bias() {
         let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
         let mut context = fresh_contexts(&parameters)[1];
         let mut states = Vec::new();

@@ -162,7 +162,7 @@ mod tests {
 
     /// Checks the worked example above.
     #[test]
-    fn a_run_is_written_in_pieces() {
+    fn runs_are_coded_in_segments() {
         let (near, presets) = (0, None);
         let options = JpegLsOptions { near, presets };
         let stream = encode(&[0, 0, 0, 0, 0, 0, 0, 1], 8, 1, &options).stream;

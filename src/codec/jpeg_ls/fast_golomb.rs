@@ -56,7 +56,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn counted_zeros_equal_the_plain_way(
+        fn fast_golomb_equals_plain_golomb(
             data in prop::collection::vec(prop_oneof![Just(0xFF), Just(0), any::<u8>()], 0..40),
             codes in prop::collection::vec((0_u32..=9, 16_u32..=32, 1_u32..=8), 0..40),
         ) {

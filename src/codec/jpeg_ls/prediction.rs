@@ -70,7 +70,7 @@ mod tests {
 
     /// Checks the worked example above.
     #[test]
-    fn errors_are_numbers_modulo_range() {
+    fn prediction_errors_are_reduced_modulo_range() {
         let (a, b, d) = (5, 12, 40);
         assert_eq!(predict(Neighbors { a, b, c: 10, d }), 7);
         assert_eq!(predict(Neighbors { a, b, c: 20, d }), 5);

@@ -103,7 +103,7 @@ mod tests {
     use crate::ptm::Format;
 
     #[test]
-    fn what_one_sees_is_said() {
+    fn visible_faults_are_described() {
         fn times(scene: &LitScene, factor: f64) -> Vec<u8> {
             let times = |&byte: &u8| (f64::from(byte) * factor) as u8;
             scene.right.iter().map(times).collect()

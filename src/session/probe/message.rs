@@ -38,7 +38,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_message_is_used_and_every_used_message_exists() {
+    fn every_message_exists_and_is_used() {
         let source = concat!(
             include_str!("arrangement.rs"),
             include_str!("body.rs"),

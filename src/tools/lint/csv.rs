@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_neither_split_nor_computed() {
+    fn cells_are_quoted_and_never_formulas() {
         for (text, expected) in [
             ("coin.ptm", "coin.ptm"),
             ("a,b", "\"a,b\""),

@@ -57,7 +57,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn bytes_that_are_no_text_and_backslashes_can_be_told_apart() {
+    fn invalid_bytes_and_backslashes_are_distinguishable() {
         use std::os::unix::ffi::OsStrExt;
         assert_eq!(printable(OsStr::from_bytes(b"a\xffb")), "a\\xffb");
         assert_eq!(printable(OsStr::new("a\\xffb")), "a\\\\xffb");

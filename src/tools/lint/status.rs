@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_line_separates_other_files_other_versions_and_damage() {
+    fn first_line_distinguishes_other_files_versions_and_damage() {
         const SOUND_FILE: &[u8] =
             b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
         for (file, status) in [

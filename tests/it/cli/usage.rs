@@ -26,7 +26,7 @@ fn two_runs_give_equal_reports() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_ends_no_check_of_files() {
+fn unreadable_file_does_not_end_check_files() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
     std::os::unix::fs::symlink("no-such-file", here.path("a.ptm")).expect("a link");
@@ -38,7 +38,7 @@ fn a_file_that_cannot_be_read_ends_no_check_of_files() {
 }
 
 #[test]
-fn command_lines_end_with_their_status_and_output() {
+fn commands_have_the_expected_status_and_output() {
     let here = Workspace::new();
     here.assert_lines(
         "
@@ -86,7 +86,7 @@ fn command_lines_end_with_their_status_and_output() {
 }
 
 #[test]
-fn a_check_without_a_decoder_names_the_reference_first_and_last() {
+fn check_without_a_decoder_names_the_reference() {
     let here = Workspace::new();
     for suite in ["ptm", "texture"] {
         let line = format!("check --quiet --suite {suite} --case *lum* --case DEP-01");
@@ -130,7 +130,7 @@ fn the_file_of_one_case_is_written_alone() {
 }
 
 #[test]
-fn a_file_that_is_no_program_is_named_by_its_kind() {
+fn non_programs_are_named_by_kind() {
     let source = repository("src/main.rs");
     let missing = "--cmd 'no-such-viewer {in} {lu} {lv}'";
     for (decoder, says) in [
@@ -148,7 +148,7 @@ fn a_file_that_is_no_program_is_named_by_its_kind() {
 }
 
 #[test]
-fn a_pipe_gets_no_color_unless_it_is_asked_for() {
+fn pipes_get_no_color_by_default() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
     for [line, colored] in rows(
@@ -165,7 +165,7 @@ inspect --color always first-lrgb.ptm | true
 }
 
 #[test]
-fn a_decoder_is_found_from_the_users_own_directory() {
+fn decoder_path_is_relative_to_the_working_directory() {
     let here = Workspace::new();
     let script = format!("#!/bin/sh\nexec '{PROGRAM}' reference \"$@\"\n");
     here.write("my decoders/decode it", script);

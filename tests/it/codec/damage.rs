@@ -67,7 +67,7 @@ fn jpeg_ls_streams() -> Streams {
 
 /// A damaged stream is decoded, or refused within its length.
 #[test]
-fn damaged_streams_are_survived() {
+fn damaged_streams_cause_no_panic() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
         let mut draws = Draws(3);
         let mut outcomes = [0; 3];
@@ -94,7 +94,7 @@ fn damaged_streams_are_survived() {
 /// A stream that ends early is never taken for a whole one, and any size but that of the stream is refused, however
 /// large.
 #[test]
-fn streams_cut_short_or_of_another_size_are_malformed() {
+fn truncated_or_resized_streams_are_malformed() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
         for (stream, width, height) in streams {
             let assert_malformed = |stream: &[u8], width, height| {

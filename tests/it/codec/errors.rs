@@ -177,7 +177,7 @@ SOI DQT WIDE FF C4 00 14 00 01 00*15 0B DHT1 SOS 7F F3 FF 00 BF EOI
 ";
 
 #[test]
-fn each_jpeg_stream_has_its_result() {
+fn jpeg_streams_give_the_listed_results() {
     for table in [JPEG_SPELLINGS, JPEG_EXTREMES, JPEG_ERRORS] {
         check(JPEG, 8, 8, table);
     }
@@ -249,7 +249,7 @@ SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: no sample has prediction error -129
 ";
 
 #[test]
-fn each_jpeg_ls_stream_has_its_result() {
+fn jpeg_ls_streams_give_the_listed_results() {
     check(JPEG_LS, 4, 1, JPEG_LS_SPELLINGS);
     check(JPEG_LS, 4, 1, JPEG_LS_ERRORS);
     // 0: no run. 1 and then 11, because k is 2: number 3, which is error 2.

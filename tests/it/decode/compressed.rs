@@ -24,7 +24,7 @@ fn painted() -> Vec<(Case, Model)> {
 }
 
 #[test]
-fn only_natural_jpeg_planes_have_slack() {
+fn only_lossy_jpeg_planes_have_a_tolerance() {
     for (case, model) in painted() {
         let recipe = case.recipe().expect("painted");
         let natural_jpeg =
@@ -34,7 +34,7 @@ fn only_natural_jpeg_planes_have_slack() {
 }
 
 #[test]
-fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_corrected() {
+fn tolerance_grows_with_each_predictor_and_is_zero_where_corrected() {
     for (case, model) in painted()
         .iter()
         .filter(|(_, model)| !model.slack.is_empty())
@@ -63,7 +63,7 @@ fn slack_is_one_for_the_plane_and_one_for_each_on_its_way_and_none_where_correct
 }
 
 #[test]
-fn overflows_are_corrected_where_cases_say_so() {
+fn cases_with_overflows_have_corrections() {
     let mut cases = painted();
     cases.retain(|(case, _)| case.id.starts_with("overflows-"));
     assert!(!cases.is_empty());
@@ -74,7 +74,7 @@ fn overflows_are_corrected_where_cases_say_so() {
 }
 
 #[test]
-fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
+fn cases_show_only_choices_of_their_lists() {
     for (case, _) in painted() {
         let recipe = case.recipe().expect("painted");
         let touched = recipe.compression.axes(recipe.coding());
@@ -84,7 +84,7 @@ fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
 }
 
 #[test]
-fn every_open_choice_but_inversion_is_seen_alone_somewhere() {
+fn every_choice_except_inversion_has_an_isolated_case() {
     let cases = painted();
     let is_shown = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
     let axes = "jpeg-ls-offset motion-sign motion-vertical motion-half motion-border side-lossless";
@@ -95,7 +95,7 @@ fn every_open_choice_but_inversion_is_seen_alone_somewhere() {
 }
 
 #[test]
-fn lossy_planes_near_the_ends_are_asked_raw_only() {
+fn lossy_planes_near_0_or_255_are_requested_only_raw() {
     for (case, model) in painted() {
         let mut samples = model.samples.iter().zip(&model.slack);
         let near =

@@ -73,7 +73,7 @@ fn unescape(cell: &str) -> String {
 }
 
 #[test]
-fn each_malformed_file_is_refused_with_its_message() {
+fn malformed_files_give_the_listed_messages() {
     for [beginning, rest, message] in rows(WITNESSES) {
         let beginning = match beginning.as_str() {
             "none" => String::new(),
@@ -151,7 +151,7 @@ fn compressed(changes: &str) -> Vec<u8> {
 }
 
 #[test]
-fn each_faulty_compressed_file_is_refused_with_its_message() {
+fn malformed_compressed_files_give_the_listed_messages() {
     for [changes, message] in rows(COMPRESSED) {
         let error = decode(&compressed(&changes)).expect_err(&changes);
         assert_eq!(error.to_string(), message);
@@ -165,7 +165,7 @@ fn each_faulty_compressed_file_is_refused_with_its_message() {
 }
 
 #[test]
-fn limits_are_not_the_files_fault() {
+fn exceeded_limits_are_not_malformed_files() {
     let plain = header("LRGB") + "0123456789ab012345";
     let size = "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17";
     let planes = "image size (§2.3), byte 457: the planes need 9 bytes, the limit is 8";

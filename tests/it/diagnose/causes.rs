@@ -80,7 +80,7 @@ fn diagnosed(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -
 const WORK: usize = 200;
 
 #[test]
-fn a_search_among_failures_that_share_nothing_ends() {
+fn search_ends_for_unrelated_failures() {
     let mut suite = suite().prepared();
     suite.cases.retain(|case| !case.format().is_compressed());
     let run = run_of(&suite, |_, _| {
@@ -102,7 +102,7 @@ fn a_search_among_failures_that_share_nothing_ends() {
 }
 
 #[test]
-fn a_mistake_in_one_color_is_named_with_it() {
+fn mistake_in_one_channel_names_the_channel() {
     let wraps = misreading("color-wraps");
     let causes = diagnosed(&suite().prepared(), |request, answer| {
         let wrong = misread(&[wraps], request);
@@ -127,7 +127,7 @@ fn a_mistake_in_one_color_is_named_with_it() {
 
 /// A decoder without a format refuses some of its files before it sees their format, as any other.
 #[test]
-fn a_format_of_which_no_file_is_decoded_is_unsupported_though_some_are_refused() {
+fn undecoded_format_is_unsupported_despite_refusals() {
     let mut suite = suite().prepared();
     let is_wanted = |case: &Case| match case.format() {
         Format::Lum => case.expect == Expect::Decode,
@@ -163,7 +163,7 @@ polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u +
 ";
 
 #[test]
-fn a_mistake_in_a_formula_is_described() {
+fn formula_mistake_is_described() {
     let suite = suite().prepared();
     for [formula, expression, view, says] in rows(FORMULAS) {
         println!("{formula} = {expression}");
@@ -181,7 +181,7 @@ fn a_mistake_in_a_formula_is_described() {
 }
 
 #[test]
-fn a_mistake_that_is_in_no_formula_is_described() {
+fn mistake_outside_the_formulas_is_described() {
     let suite = suite().prepared();
     let decoders: &[(&str, Wrong, &[&str])] = &[
         (
@@ -310,7 +310,7 @@ fn every_misreading_is_named() {
 }
 
 #[test]
-fn one_in_forty_is_named_where_a_line_feed_ends_the_table() {
+fn one_in_forty_is_named_with_a_line_feed_after_tables() {
     names_where_a_line_feed_ends_the_table(3, 40);
 }
 

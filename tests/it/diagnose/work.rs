@@ -63,7 +63,7 @@ fn sizes_in_bytes(request: &Request) -> Answer {
 }
 
 #[test]
-fn the_search_is_bounded_whatever_is_wrong() {
+fn search_is_bounded_for_any_decoder() {
     let suite = suite().prepared();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", uniform, ""),

@@ -38,7 +38,7 @@ fn second_opinion(bytes: &[u8]) {
 }
 
 #[test]
-fn seeds_and_finds_hold() {
+fn seeds_and_earlier_finds_pass() {
     for (target, property) in TARGETS.into_iter().chain(SLOW) {
         for kind in ["seeds", "finds"] {
             let directory = format!("{}/fuzz/{kind}/{target}", env!("CARGO_MANIFEST_DIR"));
@@ -55,7 +55,7 @@ fn seeds_and_finds_hold() {
 }
 
 #[test]
-fn every_file_of_the_corpus_is_answered_however_it_is_read() {
+fn every_corpus_file_gives_a_result_in_every_reading() {
     let corpus = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/corpus"));
     let mut files = files_below(corpus);
     files.retain(|path| path.extension().is_some_and(|suffix| suffix == "ptm"));
@@ -79,7 +79,7 @@ fn every_target_calls_its_property() {
 
 proptest! {
     #[test]
-    fn all_hold_for_random_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..3000)) {
+    fn properties_hold_for_random_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..3000)) {
         for (_, property) in TARGETS {
             property(&bytes);
         }
@@ -90,7 +90,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4))]
 
     #[test]
-    fn a_diagnosis_ends_whatever_is_answered(bytes in proptest::collection::vec(any::<u8>(), 1..80)) {
+    fn diagnosis_ends_for_any_answers(bytes in proptest::collection::vec(any::<u8>(), 1..80)) {
         for (_, property) in SLOW {
             property(&bytes);
         }

@@ -45,7 +45,7 @@ fn asking(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync 
 }
 
 #[test]
-fn nothing_is_found_in_the_reference() {
+fn fuzzing_the_reference_finds_nothing() {
     let outcomes = fuzzed(&[], 3000);
     let names: Vec<String> = outcomes
         .finds
@@ -57,7 +57,7 @@ fn nothing_is_found_in_the_reference() {
 }
 
 #[test]
-fn mistakes_are_named_and_made_small() {
+fn finds_are_named_and_reduced() {
     for slug in ["width-by-largest-index", "rows-top-down"] {
         let outcomes = fuzzed(&[slug], 5000);
         let names: Vec<String> = outcomes
@@ -187,7 +187,7 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
 
 proptest! {
     #[test]
-    fn drawn_files_decode_to_what_was_painted(bytes in proptest::collection::vec(any::<u8>(), 2048)) {
+    fn generated_files_decode_to_painted_values(bytes in proptest::collection::vec(any::<u8>(), 2048)) {
         let draft = Draft::draw(&mut Unstructured::new(&bytes)).expect("enough bytes");
         prop_assume!(draft.width * draft.height < 5000);
         let cases = draft.cases("drawn").map_err(TestCaseError::fail)?;

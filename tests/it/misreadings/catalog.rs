@@ -133,7 +133,7 @@ fn every_clause_is_tested_or_gives_a_reason() {
 }
 
 #[test]
-fn every_link_leads_somewhere() {
+fn every_link_has_a_target() {
     let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
     let ids: HashSet<&String> = clauses.iter().map(|clause| &clause.id).collect();

@@ -103,7 +103,7 @@ fn views() -> [View; 3] {
 }
 
 #[test]
-fn any_misreading_after_any_other_returns() {
+fn any_two_misreadings_terminate() {
     let files = files_of_the_suite(&mut Draws(0x9e37_79b9));
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();

@@ -23,7 +23,7 @@ fn wheel(program: &Path, out: &Path) -> PathBuf {
 }
 
 #[test]
-fn the_same_program_gives_the_same_wheel_and_its_list_is_right() {
+fn wheel_is_reproducible_and_its_record_is_correct() {
     if !have_python(&["zipfile"]) {
         return;
     }
@@ -94,7 +94,7 @@ for damaged in (b"", file[:-1]):
 }
 
 #[test]
-fn functions_and_programs_get_the_same_verdicts() {
+fn functions_and_programs_get_equal_verdicts() {
     if !have_python(&["numpy", "PIL", "pillow_jpls"]) {
         return;
     }

@@ -63,7 +63,7 @@ fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_netpbm_file_is_an_image() {
+fn netpbm_files_are_images() {
     let color = frame(ViewKind::Rgb, (2, 1, 3), Samples::U8(b"\n12 56".to_vec()));
     for header in [
         "P6\n2 1\n255\n",
@@ -132,7 +132,7 @@ const LOSSLESS: [(ImageFormat, &str); 5] = [
 ];
 
 #[test]
-fn every_lossless_form_has_the_samples_that_were_saved() {
+fn lossless_forms_keep_all_samples() {
     let gray = [7, 80, 160, 250].iter().flat_map(|&gray| [gray; 3]);
     let gray: Vec<u8> = gray.collect();
     let color: Vec<u8> = (1..13).map(|i| i * 20).collect();
@@ -196,7 +196,7 @@ fn huge() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn a_small_file_that_announces_a_huge_image_is_refused_before_memory_is_allocated() {
+fn huge_images_are_refused_before_allocation() {
     for (name, file) in huge() {
         let error = read(&file, &rgb(), MOST).expect_err("no answer");
         assert!(error.starts_with(name), "{error}");
@@ -208,7 +208,7 @@ fn a_small_file_that_announces_a_huge_image_is_refused_before_memory_is_allocate
 }
 
 #[test]
-fn a_cut_or_damaged_image_causes_no_panic() {
+fn truncated_or_damaged_images_cause_no_panic() {
     let mut forms = LOSSLESS.to_vec();
     forms.push((ImageFormat::Jpeg, "a JPEG"));
     for (format, name) in forms {
@@ -234,7 +234,7 @@ fn jpeg(samples: &[u8], size: (u32, u32), quality: u8) -> Vec<u8> {
 }
 
 #[test]
-fn a_jpeg_is_lossy_and_fine_enough_or_refused() {
+fn coarse_jpegs_are_refused() {
     let samples: Vec<u8> = (0..192).collect();
     let frame = read(&jpeg(&samples, (8, 8), 95), &rgb(), MOST).expect("an image");
     assert!(frame.lossy && (frame.width, frame.height, frame.channels) == (8, 8, 3));
@@ -288,7 +288,7 @@ fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
 }
 
 #[test]
-fn a_png_of_any_color_type_is_an_image() {
+fn pngs_of_every_color_type_are_images() {
     use png::{BitDepth::Eight, BitDepth::One, ColorType};
     let color = [10, 20, 30, 40, 50, 60];
     let grey = [7, 7, 7, 200, 200, 200];
@@ -337,7 +337,7 @@ fn malformed_pngs_are_refused() {
 }
 
 #[test]
-fn an_array_is_a_frame_of_the_view_asked_for() {
+fn arrays_are_frames_of_the_requested_view() {
     let values = [1.5f32, -2.0, 3.0, 4.0, 5.0, 6.0];
     let data: Vec<u8> = values
         .iter()
@@ -399,7 +399,7 @@ fn malformed_arrays_are_refused() {
 }
 
 #[test]
-fn other_files_are_named() {
+fn unsupported_forms_are_named() {
     let gif = "a GIF image; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG";
     refuses(b"GIF89a", gif);
     refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");

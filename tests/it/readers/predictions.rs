@@ -33,7 +33,7 @@ fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
 }
 
 #[test]
-fn an_impossible_profile_is_refused() {
+fn impossible_profiles_are_refused() {
     for [more, why] in rows(
         "
 reads: [GIF] | unknown format GIF
@@ -109,7 +109,7 @@ impl Tally {
 }
 
 #[test]
-fn predictions_are_what_the_readers_answered() {
+fn predictions_match_recorded_readers() {
     let suite = suite();
     let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 4096;
     let legal = suite.cases.iter();
@@ -157,7 +157,7 @@ fn report(name: &str, tally: &Tally) -> [f64; 4] {
 }
 
 #[test]
-fn a_file_converted_for_a_reader_is_the_same_map_and_shown_correctly() {
+fn files_converted_for_a_reader_keep_the_map() {
     let suite = suite();
     let mut asked: BTreeMap<Format, usize> = BTreeMap::new();
     let (mut converted, mut refused) = (0, 0);
@@ -218,7 +218,7 @@ fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
 }
 
 #[test]
-fn a_wrong_image_is_described_by_its_look() {
+fn wrong_images_are_described() {
     let suite = suite();
     let how = |case: &str, profile: &str| {
         let case = suite.case(case).expect("a case");

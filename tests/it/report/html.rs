@@ -69,7 +69,7 @@ fn keep(name: &str, text: &str) {
 }
 
 #[test]
-fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
+fn large_pages_are_complete_small_and_self_contained() {
     let (suite, run, report) = upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     keep("failures.html", &page);
@@ -96,7 +96,7 @@ fn a_page_of_hundreds_of_failures_is_whole_small_and_asks_for_nothing() {
 }
 
 #[test]
-fn output_of_a_decoder_stays_text() {
+fn decoder_output_is_escaped() {
     let (suite, run, report) = mistaken("v-negated");
     for page in [
         html::page(&suite, &report, Some(&run)).expect("a page"),
@@ -196,7 +196,7 @@ fn several_reports_make_a_table_of_decoders_and_clauses() {
 }
 
 #[test]
-fn a_crash_is_described_and_misreads_no_clause() {
+fn crashes_are_not_misreadings() {
     let (suite, _, report) = upside_down();
     let mut report = report.clone();
     report.diagnoses.truncate(1);
@@ -219,7 +219,7 @@ fn a_crash_is_described_and_misreads_no_clause() {
 }
 
 #[test]
-fn the_badge_has_all_three_scores_in_140_pixels() {
+fn badge_shows_three_scores_in_140_pixels() {
     let (_, _, report) = upside_down();
     let mut report = report.clone();
     keep("badge.svg", &badge::badge(&report));
@@ -248,7 +248,7 @@ fn the_badge_has_all_three_scores_in_140_pixels() {
 
 /// Every failing case has a command that runs it alone, and its file where that is small.
 #[test]
-fn a_failing_case_has_its_file_and_a_command() {
+fn failing_cases_have_a_file_and_a_command() {
     let (suite, run, report) = upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     let mut files = 0;
@@ -306,7 +306,7 @@ fn colors_are_shown_with_their_arithmetic() {
 }
 
 #[test]
-fn the_page_of_a_program_that_is_not_a_decoder_names_the_next_step() {
+fn page_of_a_non_decoder_names_the_next_step() {
     let (suite, _, report) = upside_down();
     let mut report = report.clone();
     report.verdict = "not a decoder".to_owned();
@@ -351,7 +351,7 @@ fn questions_of_the_texture_stage_are_shown() {
 }
 
 #[test]
-fn github_sees_text_and_no_commands() {
+fn github_output_contains_no_commands() {
     let (suite, _, report) = upside_down();
     let mut report = report.clone();
     let annotations = github::annotations(&report);
@@ -407,7 +407,7 @@ fn junit_is_read_by_a_consumer() {
 }
 
 #[test]
-fn the_program_writes_them_all() {
+fn program_writes_every_form() {
     let here = Workspace::new();
     let outputs = "--report report.yaml --html report.html --junit junit.xml";
     let mut check = here.command(&format!("check --case hand-* --github {outputs}"));

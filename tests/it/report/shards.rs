@@ -132,7 +132,7 @@ fn draw(request: &Request, of: u32) -> bool {
 
 /// Each decoder has verdicts in one part that depend on answers in another.
 #[test]
-fn eight_parts_merged_are_the_whole_run() {
+fn eight_merged_shards_equal_the_whole_run() {
     let suite = suite().prepared();
     assert_same_report(&suite, &right);
     let mistake = misreading("rows-top-down");
@@ -164,7 +164,7 @@ fn eight_parts_merged_are_the_whole_run() {
 }
 
 #[test]
-fn incomplete_or_foreign_parts_are_refused() {
+fn incomplete_or_foreign_shards_are_refused() {
     let suite = suite().prepared();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = whole(&suite, &right).tool;
@@ -194,7 +194,7 @@ fn incomplete_or_foreign_parts_are_refused() {
 }
 
 #[test]
-fn the_program_merges_a_run_in_parts() {
+fn program_merges_shards() {
     let here = Workspace::new();
     let decoder = zoo("accepts-malformed");
     let check = |options: &str| {

@@ -31,7 +31,7 @@ fn show_prints_the_output_of_check() {
 }
 
 #[test]
-fn diff_states_every_change() {
+fn diff_lists_every_change() {
     let here = Workspace::new();
     here.succeeds(&check("right", "right", ""));
     here.exits(1, &check("bad", "accepts-malformed", ""));
@@ -228,7 +228,7 @@ fn known_failures_are_not_reported_as_new() {
 }
 
 #[test]
-fn wrong_lists_are_wrong_usage() {
+fn invalid_baselines_are_usage_errors() {
     let here = Workspace::new();
     for [list, says] in rows(
         r#"

@@ -45,7 +45,7 @@ fn check(here: &Workspace, decoder: &str, args: &str) -> Output {
 }
 
 #[test]
-fn every_input_that_a_step_uses_is_one() {
+fn action_steps_use_declared_inputs() {
     let text = repository_text("action.yml");
     let action = action();
     let mut used = 0;
@@ -66,7 +66,7 @@ fn every_input_that_a_step_uses_is_one() {
 
 /// A tag can be moved to other code; a digest cannot.
 #[test]
-fn workflows_name_the_actions_of_others_by_digest() {
+fn workflows_pin_actions_by_digest() {
     let workflows = fs::read_dir(repository(".github/workflows")).expect("a directory");
     let workflows = workflows.map(|entry| entry.expect("an entry").path());
     for path in workflows.chain([repository("action.yml").into()]) {
@@ -84,7 +84,7 @@ fn workflows_name_the_actions_of_others_by_digest() {
 }
 
 #[test]
-fn the_action_passes_on_the_result_of_the_check() {
+fn action_forwards_the_result() {
     if !have("bash") {
         return;
     }
@@ -109,7 +109,7 @@ fn the_action_passes_on_the_result_of_the_check() {
 }
 
 #[test]
-fn words_are_lines_where_there_are_several() {
+fn action_arguments_are_split_at_lines() {
     if !have("bash") {
         return;
     }
@@ -125,7 +125,7 @@ fn words_are_lines_where_there_are_several() {
 /// The steps as they run where nobody has a compiler: on an archive that `scripts/pack.sh` has made, and with a PATH that
 /// has what every runner has.
 #[test]
-fn the_action_takes_a_release_and_no_compiler() {
+fn action_needs_no_compiler() {
     let tools =
         "bash cat chmod cp curl cut dirname grep gzip mkdir mktemp mv rm sha256sum tar uname";
     if !tools.split(' ').all(have) {
@@ -188,7 +188,7 @@ fn the_action_takes_a_release_and_no_compiler() {
 
 /// The workflow that other projects copy, in a scratch folder: its own steps, with a decoder that has one mistake.
 #[test]
-fn the_fuzzing_workflow_finds_a_mistake_and_then_checks_its_file() {
+fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
     let here = Workspace::new();
     here.write(
         "my-decoder",

@@ -36,7 +36,7 @@ fn modules_depend_in_one_direction() {
 }
 
 #[test]
-fn no_files_import_each_other_in_a_circle() {
+fn files_have_no_import_cycles() {
     let imports = imports();
     // Files that import no file that is left are removed, again and again; the rest lies on circles or above them.
     let mut left: BTreeSet<&String> = imports.keys().collect();
@@ -64,7 +64,7 @@ fn no_files_import_each_other_in_a_circle() {
 
 /// A test that reads imports must see them: one of each way to write them.
 #[test]
-fn every_way_to_import_is_seen() {
+fn all_import_forms_are_recognized() {
     let module = |file: &str| {
         (
             file.split('/').map(str::to_owned).collect(),

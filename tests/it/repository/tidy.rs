@@ -41,7 +41,7 @@ fn the_writer_mirrors_the_reader() {
 }
 
 #[test]
-fn no_file_speaks_of_a_machine() {
+fn files_contain_no_machine_paths() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for directory in ["src", "tests", "spec-cases", "examples", ".github", ".ci"] {
         for path in files_below(&root.join(directory)) {
@@ -97,7 +97,7 @@ fn no_two_types_share_a_name() {
 }
 
 #[test]
-fn what_teaches_has_comments() {
+fn decoder_and_codecs_have_comments() {
     for room in ["decode/", "codec/"] {
         let (mut comments, mut code) = (0, 0);
         for (_, text) in sources().filter(|(file, _)| file.starts_with(room)) {

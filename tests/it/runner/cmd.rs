@@ -42,7 +42,7 @@ fn a_viewer_that_writes_images_passes() {
 }
 
 #[test]
-fn images_of_every_form_are_answers_and_those_of_jpeg_are_marked() {
+fn images_of_every_form_are_accepted_and_jpegs_are_marked() {
     let here = Workspace::new();
     for suffix in ["png", "ppm", "tiff", "bmp", "webp", "jpg"] {
         let render = |light: &str| {
@@ -64,7 +64,7 @@ fn images_of_every_form_are_answers_and_those_of_jpeg_are_marked() {
 }
 
 #[test]
-fn a_huge_image_takes_no_memory() {
+fn huge_images_allocate_no_memory() {
     let here = Workspace::new();
     let script = "#!/bin/sh\nprintf 'P6 30000 30000 255 x' > \"$2\"\n";
     here.write_program("liar", script);
@@ -77,7 +77,7 @@ fn a_huge_image_takes_no_memory() {
 }
 
 #[test]
-fn refusals_through_another_status_than_65_are_weak() {
+fn refusals_with_another_status_are_weak() {
     let template = "./viewer {lu} {lv} {in} {out}";
     let checked = check(&with_viewer(3), template, "--reject-exit 3");
     checked.ends(0, "refusals are weak");
@@ -93,7 +93,7 @@ fn refusals_through_another_status_than_65_are_weak() {
 }
 
 #[test]
-fn a_view_may_be_a_word_of_the_command() {
+fn view_may_be_a_word_of_the_command() {
     let template = format!("{PROGRAM} reference {{view}} {{in}}");
     let checked = check(&Workspace::new(), &template, "--reject-exit 65");
     checked.ends(0, "");
@@ -121,7 +121,7 @@ printf 'P6 1 1 255 x' > "$2" | a Netpbm file:"#,
 }
 
 #[test]
-fn wrong_templates_are_wrong_usage() {
+fn invalid_templates_are_usage_errors() {
     let here = Workspace::new();
     for [template, options, says] in rows(
         "
@@ -142,7 +142,7 @@ viewer {in} {lu} {lv} | --view raw --view rgb | serves one view",
 }
 
 #[test]
-fn doubled_braces_are_braces() {
+fn doubled_braces_are_literal() {
     let template = "sh -c 'echo ${{HOME:+x}} {{in}} {\"a\"} >&2; exit 9' {in} {lu} {lv}";
     check(&Workspace::new(), template, "").ends(3, "x {in} {a}");
 }

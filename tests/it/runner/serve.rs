@@ -30,7 +30,7 @@ fn serve(here: &Workspace, requests: &str) -> Vec<u8> {
 
 /// The examples of the page on serve mode are the actual texts.
 #[test]
-fn capabilities_and_answers_are_as_the_page_shows_them() {
+fn documented_capabilities_and_responses_work() {
     let page = repository_text("docs/check.md");
     let lines = page.lines().skip_while(|line| *line != "    protocol: 1");
     let lines = lines.take_while(|line| !line.is_empty());
@@ -61,7 +61,7 @@ fn serving_and_one_shot_give_the_same_verdicts() {
 }
 
 #[test]
-fn the_reference_serves_request_after_request() {
+fn reference_serves_many_requests() {
     let here = Workspace::new();
     let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 0.5\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x80\xff\x80\x00";
     here.write("a file.ptm", file);
@@ -91,7 +91,7 @@ fn the_python_decoder_declares_serve_mode_and_is_served() {
 }
 
 #[test]
-fn a_leak_is_reported_with_the_file_before_and_is_the_same_in_every_run() {
+fn state_leak_is_reported_with_the_previous_file() {
     let line = format!("{FEW} --serve --jobs 2 -- {}", zoo("serves-with-leaks"));
     let (one, two) = (check(&line), check(&line));
     one.ends(1, "");

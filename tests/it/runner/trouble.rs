@@ -57,12 +57,12 @@ fn is_root() -> bool {
 }
 
 #[test]
-fn a_program_that_was_started_with_children_ignored_waits_for_them() {
+fn ignored_sigchld_is_handled() {
     passes(check("trap '' CHLD", "", ""));
 }
 
 #[test]
-fn open_files_are_waited_for_where_few_are_allowed() {
+fn shortage_of_file_descriptors_is_waited_out() {
     passes(check("ulimit -n 64", "", "--jobs 32"));
     for limit in [20, 14, 12, 10, 8] {
         let before = format!("ulimit -n {limit}");
@@ -95,7 +95,7 @@ fn a_lack_of_processes_is_reported() {
 }
 
 #[test]
-fn inputs_go_where_there_is_room() {
+fn inputs_are_written_where_space_is_left() {
     let mount = |places: &str| {
         format!("for place in {places}; do mount -t tmpfs -o size=16k none $place || exit 9; done")
     };
@@ -130,7 +130,7 @@ fn inputs_go_where_there_is_room() {
 
 /// The run collects orphans of a decoder that have ended.
 #[test]
-fn orphans_that_have_ended_do_not_pile_up() {
+fn ended_orphans_are_reaped() {
     if !have_proc() {
         return;
     }

@@ -230,17 +230,17 @@ fn show_each(table: &str) {
 }
 
 #[test]
-fn each_that_answers_gets_its_verdict() {
+fn answering_decoders_get_the_listed_verdicts() {
     show_each(ANSWERING);
 }
 
 #[test]
-fn each_that_does_not_end_is_stopped() {
+fn endless_decoders_are_stopped() {
     show_each(STOPPED);
 }
 
 #[test]
-fn each_that_serves_gets_its_verdict() {
+fn serving_decoders_get_the_listed_verdicts() {
     show_each(SERVING);
 }
 
@@ -278,7 +278,7 @@ fn verdicts_are_the_same_under_load() {
 }
 
 #[test]
-fn a_decimal_comma_is_found_where_a_locale_writes_one() {
+fn decimal_comma_is_detected() {
     // A machine without such a locale gets a program that lists one; the decoder looks at LC_ALL alone.
     let here = Workspace::new();
     here.write_program("locale", "#!/bin/sh\necho C\necho de_DE.utf8\n");

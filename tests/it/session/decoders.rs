@@ -142,7 +142,7 @@ fn the_python_decoder_passes() {
 }
 
 #[test]
-fn a_format_that_is_left_out_is_unsupported_and_no_failure() {
+fn omitted_format_is_unsupported() {
     let Some(decoder) = decoder() else { return };
     let formats = "    b\"PTM_FORMAT_LUM\": read_lum,\n";
     let text = edited(&decoder, formats, &formats.replace("read_lum", "lacking"));
@@ -160,7 +160,7 @@ fn a_format_that_is_left_out_is_unsupported_and_no_failure() {
 }
 
 #[test]
-fn each_broken_copy_fails_the_case_for_its_mistake_and_passes_the_sibling() {
+fn broken_copies_fail_exactly_their_case() {
     for (name, diagnoses) in each_fails(COPIES, "") {
         let named = diagnoses.contains(&name) || diagnoses.len() == 1;
         assert!(named, "{name}: {diagnoses:?}");
@@ -168,14 +168,14 @@ fn each_broken_copy_fails_the_case_for_its_mistake_and_passes_the_sibling() {
 }
 
 #[test]
-fn each_copy_that_misreads_compressed_planes_fails_the_case_for_it_and_passes_the_sibling() {
+fn copies_with_wrong_compressed_planes_fail_exactly_their_case() {
     if have_python(&["PIL", "pillow_jpls"]) {
         each_fails(COMPRESSED_COPIES, "--view raw");
     }
 }
 
 #[test]
-fn a_mistake_in_all_images_is_stated_once_and_undone() {
+fn common_transform_is_reported_once_and_undone() {
     let Some(decoder) = decoder() else { return };
     let text = edited(&decoder, "reversed(range(height))", "range(height)");
     let text = edited(&text, "(?:[eE][+-]?[0-9]+)?\")", "\")");

@@ -70,7 +70,7 @@ fn the_c_decoder_reads_the_other_spellings_of_tables() {
 
 /// The viewer is made of the decoder in C: `viewer LU LV FILE IMAGE`, exit status 1 for every failure.
 #[test]
-fn a_viewer_that_only_writes_images_passes_in_its_wrapper() {
+fn wrapped_viewer_passes() {
     let Some(here) = with_c_decoder() else { return };
     let program = here.path("ptm_decoder");
     let text = format!(
@@ -143,7 +143,7 @@ fn the_decoder_in_javascript_passes() {
 }
 
 #[test]
-fn the_decoder_in_javascript_writes_a_large_image_whole() {
+fn javascript_decoder_writes_large_images_completely() {
     if !have("node") {
         return;
     }

@@ -54,7 +54,7 @@ fn kill(run: &mut Child) {
 }
 
 #[test]
-fn a_run_that_is_killed_leaves_its_findings_and_no_process() {
+fn killed_run_leaves_results_and_no_process() {
     if !have_proc() {
         return;
     }
@@ -94,7 +94,7 @@ fn a_run_that_is_killed_leaves_its_findings_and_no_process() {
 }
 
 #[test]
-fn a_report_that_is_a_link_stays_one() {
+fn report_link_is_kept() {
     let here = Workspace::new();
     here.write("reports/yesterday.yaml", "");
     // To a file that is not there yet, by way of another link, and then once more.
@@ -114,7 +114,7 @@ fn a_report_that_is_a_link_stays_one() {
 
 /// A decoder that hides where it works is known to the watcher as a child of the run.
 #[test]
-fn a_run_that_is_killed_leaves_no_hidden_process_either() {
+fn killed_run_leaves_no_hidden_process() {
     if !have_proc() {
         return;
     }
@@ -191,7 +191,7 @@ fn long_suite(count: usize) -> Suite {
 }
 
 #[test]
-fn ten_thousand_cases_take_no_more_memory_than_their_findings() {
+fn memory_does_not_grow_with_the_number_of_cases() {
     const COUNT: usize = 10_000;
     let command = [PROGRAM.into(), "reference".into()];
     let mut decoder = Decoder::new(&command).expect("a directory");

@@ -39,7 +39,7 @@ fn answer(here: &Workspace, beginning: &str) {
 }
 
 #[test]
-fn answers_made_elsewhere_are_judged_as_those_of_a_decoder() {
+fn offline_outputs_are_judged_like_a_decoder() {
     for view in ["rgb", "raw", "coef"] {
         let here = Workspace::new();
         here.succeeds(&format!("generate --requests {view} --out e"));
@@ -56,7 +56,7 @@ fn answers_made_elsewhere_are_judged_as_those_of_a_decoder() {
 }
 
 #[test]
-fn refusals_are_files_or_lists() {
+fn offline_refusals_are_files_or_lists() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
     check(&here).ends(2, "no request is answered");
@@ -103,7 +103,7 @@ version-1-3-lrgb.png | x | two answers for version-1-3-lrgb",
 }
 
 #[test]
-fn lists_of_another_version_are_wrong_usage() {
+fn request_lists_of_other_versions_are_usage_errors() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
     let sound = here.text("e/requests.yaml");

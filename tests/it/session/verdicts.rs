@@ -49,7 +49,7 @@ fn table(document: &str) -> Vec<(String, Vec<String>)> {
 }
 
 #[test]
-fn the_documents_show_the_table_that_decides() {
+fn documents_show_the_verdict_table() {
     use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Spelling};
     use ResponseKind::{Different, Expected, Rejected, Unsupported, Violation};
     let expects = [
@@ -94,7 +94,7 @@ fn the_documents_show_the_table_that_decides() {
 }
 
 #[test]
-fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
+fn tables_are_unsupported_for_a_decoder_without_tables() {
     let suite = suite();
     let plan = RunPlan::new(&suite, 2);
     let run = run(&suite, &plan, |case| {
@@ -119,7 +119,7 @@ fn a_decoder_without_tables_passes_no_case_with_a_table_and_fails_none() {
 }
 
 #[test]
-fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_table() {
+fn refusing_some_tables_passes_no_table_case() {
     let suite = suite();
     let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
         let refused = match case.expect {
@@ -133,7 +133,7 @@ fn a_decoder_that_refuses_tables_by_65_here_and_there_passes_no_case_with_a_tabl
 }
 
 #[test]
-fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_selected() {
+fn unselected_legal_files_still_decide_support() {
     let suite = suite();
     let cases = suite.cases.iter();
     let selected = cases.map(|case| case.expect == Expect::Spelling);
@@ -149,7 +149,7 @@ fn a_feature_is_known_not_to_be_supported_although_no_legal_file_with_it_is_sele
 }
 
 #[test]
-fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() {
+fn unsupported_passes_refuse_and_lenient_cases() {
     let suite = suite();
     let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
         matches!(
@@ -167,7 +167,7 @@ fn unsupported_stays_right_for_refuse_and_lenient_cases_of_supported_features() 
 }
 
 #[test]
-fn hangs_on_files_that_need_not_be_decoded_end_no_run() {
+fn hangs_on_optional_files_do_not_end_a_run() {
     let suite = suite();
     let run = run(&suite, &RunPlan::new(&suite, 3), |case| {
         (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
@@ -190,7 +190,7 @@ fn some_legal(suite: &Suite) -> Vec<usize> {
 }
 
 #[test]
-fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs() {
+fn three_hangs_end_a_run_for_any_number_of_jobs() {
     let suite = suite();
     let legal = some_legal(&suite);
     let hanging = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
@@ -216,7 +216,7 @@ fn three_legal_files_in_a_row_that_hang_end_a_run_alike_for_any_number_of_jobs()
 }
 
 #[test]
-fn a_first_file_that_hangs_in_every_view_ends_no_run() {
+fn hanging_first_file_does_not_end_the_run() {
     let suite = suite();
     for format in [Format::Rgb, Format::Lum] {
         let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
@@ -230,7 +230,7 @@ fn a_first_file_that_hangs_in_every_view_ends_no_run() {
 }
 
 #[test]
-fn which_limit_is_reached_first_is_no_nondeterminism() {
+fn different_limits_are_not_nondeterminism() {
     let suite = suite();
     let hoards = |case: &Case| case.expect == Expect::Decode && case.id.starts_with("hand-lrgb");
     let plan = RunPlan {

@@ -53,7 +53,7 @@ fn every_example_holds() {
 }
 
 #[test]
-fn a_changed_byte_ends_the_build_and_names_the_clause() {
+fn changed_example_byte_names_the_clause() {
     for [from, to, message] in rows(
         "
 83 02 03 04 05 0a | 84 02 03 04 05 0a | clause 2.4/8, example 1: expected 1.5 60, found 2 60
@@ -68,7 +68,7 @@ PTM_FORMAT_lrgb | PTM_FORMAT_LRGB | clause 2.2/1, example 2: the file is decoded
 
 /// Of the parts that the examples of a clause point at, at least one byte decides the result.
 #[test]
-fn the_bytes_that_an_example_points_at_decide_it() {
+fn highlighted_bytes_decide_the_example() {
     let annotated = annotated();
     let chapters = annotated.chapters.iter();
     for clause in chapters.flat_map(|chapter| &chapter.clauses) {

@@ -63,7 +63,7 @@ fn target(from: &str, link: &str) -> String {
 }
 
 #[test]
-fn every_link_and_anchor_leads_somewhere() {
+fn every_link_and_anchor_exists() {
     let paths: HashSet<&str> = SITE.iter().map(|file| file.path.as_str()).collect();
     let pages = SITE.iter().filter(|file| is_page(file));
     let pages: HashMap<&str, &str> = pages.map(|file| (&*file.path, text(file))).collect();
@@ -96,7 +96,7 @@ fn every_link_and_anchor_leads_somewhere() {
 }
 
 #[test]
-fn nothing_is_fetched_from_anywhere() {
+fn pages_load_nothing_external() {
     for file in SITE.iter().filter(|file| is_page(file)) {
         let page = text(file);
         for source in values(page, "src") {
@@ -110,7 +110,7 @@ fn nothing_is_fetched_from_anywhere() {
 
 /// The program makes them again in another process, on one thread.
 #[test]
-fn the_same_bytes_are_made_each_time_and_not_too_many() {
+fn site_is_reproducible_and_small() {
     let here = crate::common::Workspace::new();
     here.succeeds("site --jobs 1 --out again");
     let bytes: usize = SITE.iter().map(|file| file.bytes.len()).sum();
@@ -123,7 +123,7 @@ fn the_same_bytes_are_made_each_time_and_not_too_many() {
 
 /// Addresses that the program prints: every id of every catalog.
 #[test]
-fn every_address_leads_to_a_page() {
+fn every_published_address_has_a_page() {
     let mut addresses: Vec<String> = Vec::new();
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let suite = Suite::load().expect("the suite loads");
@@ -153,7 +153,7 @@ fn every_address_leads_to_a_page() {
 }
 
 #[test]
-fn the_search_finds_documents_words_and_the_protocol() {
+fn search_finds_documents_terms_and_the_protocol() {
     let entries = page("search-index.js").strip_prefix("window.searchIndex = ");
     let entries = entries.and_then(|entries| entries.trim_end().strip_suffix(';'));
     let entries: Vec<[String; 4]> =
@@ -192,7 +192,7 @@ fn a_ruling_lists_each_of_its_cases_with_its_verdict() {
 }
 
 #[test]
-fn runs_of_readers_name_cases_of_the_suite_each_once() {
+fn reader_reports_name_each_case_once() {
     let suite = Suite::load().expect("the suite loads");
     let runs = reader_runs().expect("the runs are read");
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("reports/readers");

@@ -25,7 +25,7 @@ fn digest(case: &Case) -> String {
 }
 
 #[test]
-fn one_thread_and_many_write_what_is_committed() {
+fn committed_corpus_is_reproducible_with_any_number_of_threads() {
     let committed = tree(&root().join("corpus"));
     for jobs in [1, 7] {
         let scratch = tempfile::tempdir().expect("a scratch directory");
@@ -63,7 +63,7 @@ fn the_manifest_lists_every_case() {
 }
 
 #[test]
-fn no_id_vanishes_and_no_file_changes_unseen() {
+fn published_ids_and_files_are_permanent() {
     // The ledger says what each id stood for when it was first published.
     let text = fs::read_to_string(root().join("spec-cases/ledger.yaml")).expect("the ledger");
     let ledger: BTreeMap<String, (String, String)> = from_yaml(&text).expect("the ledger is YAML");
@@ -131,7 +131,7 @@ fn the_readme_describes_the_generator() {
 }
 
 #[test]
-fn every_damage_is_done_by_a_case() {
+fn every_damage_has_a_case() {
     let suite = suite();
     let done = suite.cases.iter().filter_map(Case::damage);
     let done: Vec<&String> = done.map(|damage| &damage.name).collect();

@@ -85,7 +85,7 @@ fn each_wrong_copy_fails_with_the_requirement_it_misreads() {
 }
 
 #[test]
-fn without_a_ptm_reader_such_maps_are_unsupported() {
+fn maps_are_unsupported_without_a_ptm_reader() {
     let Some(text) = stage() else { return };
     let here = Workspace::new();
     here.write("alone.py", text);
@@ -97,7 +97,7 @@ fn without_a_ptm_reader_such_maps_are_unsupported() {
 }
 
 #[test]
-fn programs_that_answer_nothing_are_rejected_with_the_reason() {
+fn silent_programs_are_rejected_with_a_reason() {
     check("--suite texture -- true").ends(3, "protocol error");
     check("--suite texture -- false").ends(3, "crash");
     check("--suite texture -- /nonexistent/stage").ends(3, "cannot be started");
@@ -121,7 +121,7 @@ fn the_reference_answers_and_refuses_as_in_the_protocol() {
 }
 
 #[test]
-fn a_file_of_cases_is_held_against_the_reference() {
+fn case_file_is_checked_against_the_reference() {
     let here = Workspace::new();
     let cases = "\
 suite: pex-texture
@@ -143,7 +143,7 @@ cases:
 }
 
 #[test]
-fn a_ball_textured_with_a_ptm_is_rendered() {
+fn ptm_on_a_ball_is_rendered() {
     let here = Workspace::new();
     let header = b"PTM_1.2\nPTM_FORMAT_LRGB\n1 1\n1 1 1 1 1 1 0 0 0 0 0 0\n";
     let texel = [0, 0, 0, 0, 0, 128, 255, 128, 0];

@@ -177,7 +177,7 @@ proptest! {
     }
 
     #[test]
-    fn box_levels_commute_with_relighting(ptm in ptm(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
+    fn box_filtered_levels_commute_with_relighting(ptm in ptm(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
         let t = [t[0], t[1], 0.0];
         let entry = bounded([Boundary::Wrap; 3], SampleMethod::WeightedBetweenMipmaps);
         let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES).with_box_levels();
@@ -200,7 +200,7 @@ proptest! {
     }
 
     #[test]
-    fn inside_the_map_all_conditions_agree(map in luminance_map(), t in [0..256_i32, 0..256, 0..256]) {
+    fn boundary_conditions_agree_inside_the_map(map in luminance_map(), t in [0..256_i32, 0..256, 0..256]) {
         let t = t.map(|n| f64::from(2 * n + 1) / 512.0);
         let with = |boundary, method| sampled(&bounded([boundary; 3], method), &map, t, 0.0);
         let expected = with(Boundary::Wrap, SampleMethod::SingleBase);
@@ -221,7 +221,7 @@ proptest! {
     }
 
     #[test]
-    fn an_average_at_the_middle_of_a_texel_is_that_texel_and_lies_between_its_texels_elsewhere(
+    fn averages_lie_between_their_texels(
         map in luminance_map(), at in [0..5_usize, 0..5, 0..5], t in [coordinate(), coordinate(), coordinate()],
         boundary in select(Boundary::ALL),
     ) {
@@ -248,7 +248,7 @@ proptest! {
     }
 
     #[test]
-    fn fields_that_do_not_count_change_nothing(
+    fn irrelevant_fields_change_nothing(
         entry in entry(), texel in texel(), input in color(), other in color(), index in 0..9_usize,
         map in luminance_map(), t in [coordinate(), coordinate(), coordinate()], turned in -4..4_i32,
     ) {
@@ -295,7 +295,7 @@ proptest! {
     }
 
     #[test]
-    fn methods_meet_where_they_should(input in color(), alpha in unit(), t in color(), white in color(), environment in color(), background in color()) {
+    fn composition_methods_agree_for_neutral_texels(input in color(), alpha in unit(), t in color(), white in color(), environment in color(), background in color()) {
         let input = Shade { color: input, alpha };
         let by = |composition, kind: TexelKind, values: &[f64]| {
             let entry = Entry { composition, env_color: environment, background_color: background, ..Entry::default() };

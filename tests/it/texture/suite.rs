@@ -129,7 +129,7 @@ fn every_misreading_is_named_by_the_diagnosis_of_itself() {
 }
 
 #[test]
-fn a_stage_with_one_listed_reading_passes_and_one_that_mixes_them_fails() {
+fn mixing_readings_fails() {
     let suite = suite();
     for (axis, choice) in CHOICES.iter().enumerate() {
         for (reading, (name, _)) in choice.readings.iter().enumerate() {
@@ -184,7 +184,7 @@ fn an_answer_left_to_the_implementation_never_fails() {
 }
 
 #[test]
-fn a_refusal_is_right_only_where_a_question_is_out_of_range_and_the_step_is_known() {
+fn only_out_of_range_questions_may_be_refused() {
     let suite = suite();
     let refused = run(&suite, |case| match case.op.as_str() {
         "resolve" => Answer::Rejected,
@@ -261,7 +261,7 @@ fn every_enumerant_has_a_case() {
 }
 
 #[test]
-fn every_link_leads_somewhere_and_agrees() {
+fn every_cross_reference_exists_and_agrees() {
     let clauses = cases::clauses().expect("the requirements load").into_iter();
     let clauses: HashSet<String> = clauses.map(|clause| clause.id).collect();
     let are_known = |ids: &[String]| ids.iter().all(|id| clauses.contains(id));
@@ -306,7 +306,7 @@ fn every_link_leads_somewhere_and_agrees() {
 }
 
 #[test]
-fn a_malformed_question_is_refused_with_its_place() {
+fn malformed_questions_name_the_faulty_field() {
     for [question, says] in rows(
         r#"
 | EOF

@@ -62,7 +62,7 @@ fn write_collection(here: &Workspace, directory: &str, files: usize) {
 }
 
 #[test]
-fn ten_thousand_files_are_ten_thousand_rows_in_the_memory_of_a_thousand() {
+fn memory_does_not_grow_with_the_number_of_files() {
     let here = Workspace::new();
     let [few, many] = [1000, 10_000].map(|files| {
         write_collection(&here, &files.to_string(), files);
@@ -130,7 +130,7 @@ fn a_file_takes_at_most_twice_the_time_of_decoding_it() {
 }
 
 #[test]
-fn a_run_that_is_killed_leaves_whole_rows() {
+fn killed_lint_leaves_complete_rows() {
     let here = Workspace::new();
     write_collection(&here, "files", 3000);
     let mut seen = Vec::new();
@@ -182,7 +182,7 @@ fn is_plain(output: &Output) {
 }
 
 #[test]
-fn hostile_names_print_no_control_byte_and_are_no_formulas() {
+fn hostile_names_are_escaped() {
     let here = with_hostile_names();
     for format in ["text", "json", "yaml", "csv", "sarif"] {
         let output = here
@@ -225,7 +225,7 @@ fn python_reads_the_rows() {
 }
 
 #[test]
-fn a_file_that_is_special_or_too_large_is_a_row_and_not_read() {
+fn special_and_large_files_are_listed_unread() {
     let here = Workspace::new();
     let sparse = |name: &str, head: &[u8]| {
         let file = File::options().write(true).open(here.write(name, head));
@@ -260,7 +260,7 @@ fn a_file_that_is_special_or_too_large_is_a_row_and_not_read() {
 }
 
 #[test]
-fn the_exit_status_is_that_of_the_worst_file() {
+fn exit_status_is_that_of_the_worst_file() {
     let here = Workspace::new();
     here.write("other.ppm", b"P6\n");
     here.write("unknown-key.yaml", "alow: []\n");
@@ -308,7 +308,7 @@ fn settings_come_from_a_file_and_from_options() {
 }
 
 #[test]
-fn sarif_has_a_result_for_each_finding_with_its_rule_and_place() {
+fn sarif_lists_each_finding_with_rule_and_location() {
     let here = Workspace::new();
     here.write("files/a b%.ptm", b"PTM_1.2\n");
     symlink(".", here.path("files/link")).expect("a link");

@@ -123,7 +123,7 @@ fn lint_is_the_same_in_yaml_and_json() {
 }
 
 #[test]
-fn command_lines_end_with_their_status_and_output() {
+fn commands_have_the_expected_status_and_output() {
     let here = with_corpus();
     here.assert_lines(
         "
@@ -240,7 +240,7 @@ print(file.header()['ptm'])";
 }
 
 #[test]
-fn an_exported_file_is_the_same_every_time() {
+fn exports_are_reproducible() {
     let here = with_files();
     for format in Format::ALL {
         for name in ["x.exr", "x.npy", "x.png"] {
@@ -254,7 +254,7 @@ fn an_exported_file_is_the_same_every_time() {
 }
 
 #[test]
-fn maps_are_converted_without_a_loss_where_the_target_can_hold_them() {
+fn representable_maps_are_converted_losslessly() {
     let here = with_files();
     let mut converted = 0;
     for from in Format::ALL {
@@ -274,7 +274,7 @@ fn maps_are_converted_without_a_loss_where_the_target_can_hold_them() {
 }
 
 #[test]
-fn a_loss_stays_within_the_allowed_one() {
+fn conversion_loss_stays_within_the_limit() {
     let here = with_files();
     here.succeeds("convert LRGB.ptm --to jpegls_lrgb --loss 3 -o out.ptm");
     let value = printed(&here, "diff LRGB.ptm out.ptm", "diff");
@@ -286,7 +286,7 @@ fn a_loss_stays_within_the_allowed_one() {
 }
 
 #[test]
-fn a_conversion_that_the_target_cannot_hold_is_refused_and_writes_nothing() {
+fn unrepresentable_conversions_write_nothing() {
     let here = with_files();
     for [status, file, options, says] in rows(
         "
@@ -306,7 +306,7 @@ fn a_conversion_that_the_target_cannot_hold_is_refused_and_writes_nothing() {
 }
 
 #[test]
-fn gray_rgb_becomes_lrgb_and_comes_back() {
+fn gray_rgb_round_trips_through_lrgb() {
     let here = Workspace::new();
     // Red and green alike, blue three fifths of them, biases all 100; worked out by hand.
     let header = b"PTM_1.2\nPTM_FORMAT_RGB\n1\n1\n1 1 2 1 1 1\n100 100 100 100 100 100\n";
@@ -322,7 +322,7 @@ fn gray_rgb_becomes_lrgb_and_comes_back() {
 }
 
 #[test]
-fn a_table_of_too_many_texels_is_refused_with_their_number() {
+fn oversized_tables_are_refused_with_a_count() {
     let here = Workspace::new();
     let write = |entries: u32| {
         let header = format!("PTM_1.2\nPTM_FORMAT_LRGB\n{entries}\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n");
@@ -365,7 +365,7 @@ fn differences_are_exact() {
 }
 
 #[test]
-fn a_corpus_for_others_is_whole_and_the_same_every_time() {
+fn generated_corpus_is_complete_and_reproducible() {
     let here = Workspace::new();
     for (name, profile, jobs) in [
         ("one", "minimal", 1),
@@ -418,7 +418,7 @@ fn a_corpus_for_others_is_whole_and_the_same_every_time() {
 }
 
 #[test]
-fn the_test_in_the_readme_of_the_corpus_runs() {
+fn test_in_the_corpus_readme_runs() {
     let here = Workspace::new();
     here.succeeds("generate --profile minimal --out corpus");
     let readme = here.text("corpus/README.md");

@@ -51,7 +51,7 @@ fn ask_everything(file: &[u8]) {
 }
 
 #[test]
-fn every_small_file_of_the_suite_is_taken() {
+fn tools_accept_every_small_file_of_the_suite() {
     for case in &Suite::load().expect("the suite loads").cases {
         let file = &case.build(TableSpelling::default()).file;
         // A must-refuse file may ask for any memory; lint says so without taking it.
@@ -65,7 +65,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_edits_of_a_sound_file_are_taken(
+    fn tools_accept_any_edits_of_a_sound_file(
         format in 0..9_usize,
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..3_u8), 1..6),
     ) {

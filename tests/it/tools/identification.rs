@@ -50,7 +50,7 @@ fn write_legal(here: &Workspace) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_signature_knows_every_legal_file_and_no_damaged_beginning() {
+fn signatures_match_exactly_the_legal_files() {
     let here = Workspace::new();
     let files = write_legal(&here);
     assert!(files.len() > 1000);
@@ -92,7 +92,7 @@ fn count_ptms(here: &Workspace, files: &[PathBuf]) -> usize {
 }
 
 #[test]
-fn file_knows_every_legal_file_and_takes_no_other_for_one() {
+fn file_command_identifies_exactly_the_legal_files() {
     if !have("file") {
         return;
     }

@@ -58,7 +58,7 @@ fn files_that_must_be_refused_have_the_code_of_their_damage() {
 }
 
 #[test]
-fn every_code_is_provoked_by_each_of_its_cases() {
+fn every_code_is_triggered_by_its_cases() {
     let suite = suite();
     for code in ALL.iter() {
         assert!(!code.provoked_by.is_empty(), "{}", code.id);
@@ -77,7 +77,7 @@ fn every_code_is_provoked_by_each_of_its_cases() {
 }
 
 #[test]
-fn each_damage_has_one_error_each_id_its_severity_and_each_code_its_own_text() {
+fn codes_have_one_severity_and_unique_texts() {
     let mut damages = BTreeSet::new();
     let mut ids = BTreeSet::new();
     let mut texts = BTreeSet::new();
@@ -108,7 +108,7 @@ fn every_clause_of_a_code_is_a_clause() {
 }
 
 #[test]
-fn files_depend_on_no_choice_that_their_case_does_not_show() {
+fn files_depend_only_on_choices_of_their_case() {
     let (suite, mut shown) = (suite(), BTreeSet::new());
     let is_wanted = |case: &&Case| case.compression().is_some() && case.damage().is_none();
     for case in suite.cases.iter().filter(is_wanted) {

@@ -9,7 +9,7 @@ use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::repair::repair;
 
 #[test]
-fn a_repaired_file_is_its_twin_and_lints_clean() {
+fn repaired_file_equals_its_twin_and_lints_clean() {
     let suite = Suite::load().expect("the suite loads");
     let mut repaired: BTreeMap<&str, usize> = BTreeMap::new();
     for case in &suite.cases {
@@ -73,7 +73,7 @@ fn a_file_copied_in_text_mode_is_not_repaired() {
 }
 
 #[test]
-fn a_repaired_file_is_a_new_file() {
+fn repair_never_overwrites() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
     let sound = here.read("first-lrgb.ptm");

@@ -93,7 +93,7 @@ impl Requests {
 }
 
 #[test]
-fn there_are_mistakes_of_writers_in_all_sections() {
+fn every_section_has_writer_mistakes() {
     let all: Vec<&Miswriting> = writing::all().collect();
     assert!(all.len() >= 150, "{} mistakes", all.len());
     for section in "2.0 2.2 2.3 2.4 2.5 2.6 2.7 2.8 2.9".split(' ') {
@@ -106,7 +106,7 @@ fn there_are_mistakes_of_writers_in_all_sections() {
 }
 
 #[test]
-fn a_wrong_writer_is_named_by_its_mistake() {
+fn wrong_writers_are_named() {
     let requests = Requests::small();
     let slugs = ["rgb-blocks-bgr", "rows-top-down", "height-before-width"];
     let some: Vec<_> = slugs
@@ -119,7 +119,7 @@ fn a_wrong_writer_is_named_by_its_mistake() {
 
 /// A wrong matrix is not explained by scales, and lost digits of scales are not explained by the matrix.
 #[test]
-fn a_mistake_that_does_not_show_in_a_file_does_not_explain_it() {
+fn invisible_mistakes_explain_nothing() {
     let mut requests = Requests::small();
     let cases = &mut requests.suite.cases;
     cases.retain(|case| case.format() == Format::Lum);
@@ -240,7 +240,7 @@ fn is_named([find, replace, words]: &[String; 3]) -> bool {
 }
 
 #[test]
-fn wrong_copies_of_the_writer_in_python_are_named() {
+fn wrong_copies_of_the_python_writer_are_named() {
     if have("python3") {
         let copies = rows(COPIES);
         for copy in [&copies[1], &copies[18]] {

@@ -3,7 +3,7 @@
 use crate::common::{PROGRAM, Workspace, check_writer, have, python_example};
 
 #[test]
-fn the_reference_passes_as_a_process() {
+fn reference_writer_passes_as_a_process() {
     let checked = check_writer("--smoke");
     checked.ends(0, "");
     assert_eq!(checked.report["suite"], "writers");
@@ -19,21 +19,21 @@ fn the_writer_in_python_passes_in_the_formats_that_it_declares() {
 }
 
 #[test]
-fn a_template_calls_a_program_that_knows_only_its_own_options() {
+fn template_calls_a_program_with_other_options() {
     let checked = check_writer("--format LRGB --cmd 'cp {planes} {out}'");
     checked.ends(1, "the bytes there: \"\\x93NUMPY");
     check_writer("--cmd 'cp {planes} x'").ends(2, "{out}");
 }
 
 #[test]
-fn exit_statuses_are_those_of_check() {
+fn exit_statuses_match_check() {
     check_writer("-- true").ends(3, "true is not a writer");
     check_writer("--case nothing-is-called-so").ends(5, "");
     Workspace::new().exits(2, "reference write no-such-request.json");
 }
 
 #[test]
-fn a_probe_walks_a_writer_through_the_contract() {
+fn probe_tests_a_writer_step_by_step() {
     let here = Workspace::new();
     let swap = format!("{PROGRAM} reference write \"$2\" x && sed '3{{h;d}};4{{G}}' x > \"$3\"");
     here.write("exchanges-sizes.sh", swap);

@@ -28,7 +28,7 @@ fn real() -> Option<String> {
 }
 
 #[test]
-fn the_optimum_is_as_near_as_the_images_allow() {
+fn optimum_is_as_close_as_the_images_allow() {
     for plan in &SETS {
         for format in FORMATS {
             let set = plan.make(format);
@@ -48,7 +48,7 @@ fn the_optimum_is_as_near_as_the_images_allow() {
 }
 
 #[test]
-fn no_other_map_of_the_same_steps_is_nearer() {
+fn no_map_with_the_same_steps_is_closer() {
     let set = SETS[1].make(Format::Rgb);
     let best = optimum(&set, Format::Rgb);
     let total = |map: &ptm_conform::ptm::Ptm| -> f64 {
@@ -70,7 +70,7 @@ fn no_other_map_of_the_same_steps_is_nearer() {
 }
 
 #[test]
-fn a_set_is_read_back_from_its_files() {
+fn image_sets_round_trip_through_files() {
     let set = SETS[7].make(Format::Lrgb);
     let folder = tempfile::tempdir().expect("a directory");
     for of in &set.photographs {
@@ -88,7 +88,7 @@ fn a_set_is_read_back_from_its_files() {
 }
 
 #[test]
-fn a_request_conforms_to_its_schema_and_is_read_back() {
+fn requests_conform_to_their_schema_and_round_trip() {
     let schema = include_str!("../../../spec-cases/schema/fit-request.schema.json");
     let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
@@ -113,7 +113,7 @@ fn a_request_conforms_to_its_schema_and_is_read_back() {
 }
 
 #[test]
-fn hps_fitter_is_as_good_as_its_images_allow() {
+fn hp_fitter_is_as_good_as_its_images_allow() {
     let Some(lp) = real() else { return };
     let set = PictureSet::read(Path::new(&lp)).expect("the set");
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");

@@ -24,7 +24,7 @@ yes > "$3" | in its output file
 "#;
 
 #[test]
-fn each_writer_gets_its_verdict_and_leaves_no_file() {
+fn hostile_writers_get_the_listed_verdicts_and_leave_no_file() {
     for [script, says] in rows(WRITERS) {
         let here = Workspace::new();
         let temporary = here.path("temporary");

@@ -34,7 +34,7 @@ fn replaced(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn there_are_requests_enough_and_the_reference_carries_them_out() {
+fn reference_carries_out_every_request() {
     let suite = suite();
     assert!(suite.cases.len() >= 120, "{} requests", suite.cases.len());
     for case in &suite.cases {
@@ -51,7 +51,7 @@ fn there_are_requests_enough_and_the_reference_carries_them_out() {
 }
 
 #[test]
-fn a_request_conforms_to_its_schema_and_is_read_back() {
+fn requests_conform_to_their_schema_and_round_trip() {
     for case in &suite().cases {
         let request = case.request();
         let json = request.header.to_json();
@@ -65,7 +65,7 @@ fn a_request_conforms_to_its_schema_and_is_read_back() {
 }
 
 #[test]
-fn a_fault_in_the_header_is_named_with_its_numbers() {
+fn header_faults_are_named_with_numbers() {
     let (request, file) = request("lrgb-bias-negative");
     let clamped = replaced(&file, b"-1 -20 -128 -214 -5 -100", b"0 0 0 0 0 0");
     assert_fault(&request, &clamped, "bias 0: expected -1, the file has 0");
@@ -78,14 +78,14 @@ fn a_fault_in_the_header_is_named_with_its_numbers() {
 }
 
 #[test]
-fn a_scale_with_too_few_decimals_is_wrong() {
+fn truncated_scales_are_wrong() {
     let (request, file) = request("lrgb-scale-six-decimals-are-too-few");
     let short = replaced(&file, b"0.00001525878", b"0.000015");
     assert_fault(&request, &short, "scale 1: expected 0.00001525878");
 }
 
 #[test]
-fn a_wrong_value_is_named_with_its_byte() {
+fn wrong_values_are_named_with_their_bytes() {
     let (request, mut file) = request("rgb-5x3");
     let last = file.len() - 1;
     file[last] ^= 1;
@@ -93,7 +93,7 @@ fn a_wrong_value_is_named_with_its_byte() {
 }
 
 #[test]
-fn a_lossy_plane_may_lose_what_its_quality_allows_and_no_more() {
+fn lossy_planes_stay_within_their_quality() {
     let (request, _) = request("jpeg-lrgb-quality-90");
     let mut worse = request.clone();
     worse.header.quality = Some(20);
@@ -109,7 +109,7 @@ fn a_lossy_plane_may_lose_what_its_quality_allows_and_no_more() {
 }
 
 #[test]
-fn a_texel_that_wraps_needs_side_information() {
+fn wrapping_texels_need_side_information() {
     let (request, file) = request("jpegls-lrgb-wraps-5");
     assert_eq!(judge(&request, &file), Ok(()));
     // With one less at the upper end, the value that a record corrects is wrong.
