@@ -198,10 +198,8 @@ fn against_others(format: Format, directory: &Path) {
 }
 
 fn decode(format: Format, stream: &[u8]) {
-    let samples = match format {
-        Format::JpegLrgb => jpeg::decode(stream, SIDE, SIDE),
-        _ => jpeg_ls::decode(stream, SIDE, SIDE),
-    };
+    let coding = format.coding().expect("a compressed format");
+    let samples = coding.decode(stream, SIDE, SIDE);
     std::hint::black_box(samples.expect("a whole stream"));
 }
 

@@ -7,21 +7,7 @@ use std::str::FromStr;
 use super::predict::{INVERSION, MOTION};
 use crate::codec::jpeg::JpegOptions;
 use crate::codec::jpeg_ls::PresetParameters;
-use crate::ptm::{Format, Size};
-
-/// The standard of the streams.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Coding {
-    /// ITU-T T.81.
-    Jpeg,
-    /// ITU-T T.87.
-    JpegLs,
-}
+use crate::ptm::{Coding, Format, Size};
 
 /// Parameters for the compression of planes. All lists have a number for each plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -239,7 +225,7 @@ impl Compression {
     /// JPEG-LS.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {
-        let jpeg = format.is_jpeg();
+        let jpeg = format.coding() == Some(Coding::Jpeg);
         let count = format.channels();
         let (references, order) = Structure::Intra.lists(count as i64);
         Compression {

@@ -14,11 +14,11 @@ use std::collections::HashSet;
 
 use super::headers::with_headers;
 use super::paint::hash;
-use super::plan::{Coding, Compression, Residuals, Stream, Texels};
+use super::plan::{Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
 use super::recipe::Recipe;
 use crate::codec::{Encoded, jpeg, jpeg_ls};
-use crate::ptm::Size;
+use crate::ptm::{Coding, Size};
 
 /// The contents of a compressed file (2.9).
 #[derive(Clone, Debug, PartialEq)]

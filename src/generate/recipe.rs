@@ -2,10 +2,10 @@
 
 use std::str::FromStr;
 
-use super::plan::{Coding, Compression};
+use super::plan::Compression;
 use super::scene::Scene;
 use super::spelling::Spelling;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Format, Size};
 
 /// `N` numbers, each with its spelling.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,10 +113,7 @@ impl Recipe {
     /// Returns the standard of the streams of a compressed format.
     #[must_use]
     pub fn coding(&self) -> Coding {
-        match self.format {
-            Format::JpegRgb | Format::JpegLrgb => Coding::Jpeg,
-            _ => Coding::JpegLs,
-        }
+        self.format.coding().unwrap_or(Coding::JpegLs)
     }
 
     /// Checks that this recipe can be written.
@@ -124,8 +121,8 @@ impl Recipe {
     /// # Errors
     /// A sentence that says why it cannot be written.
     pub fn check(&self) -> Result<(), String> {
-        if self.format.is_compressed() {
-            self.compression.check(self.coding(), self.size)?;
+        if let Some(coding) = self.format.coding() {
+            self.compression.check(coding, self.size)?;
             if self.first.is_some() {
                 return Err(
                     "the first byte of a compressed payload is that of its first stream".to_owned(),

@@ -5,7 +5,7 @@ use super::layout::{turned, turned_if};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, PlaneStream};
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
 type PlaneSamples = Result<Vec<u8>>;
@@ -14,20 +14,24 @@ pub(super) const ACTS: &[(&str, At)] = &[
     // Rows
     (
         "compressed-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_compressed(), header, row)),
+        At::StoredRow(|header, row| turned_if(header.format.coding().is_some(), header, row)),
     ),
     (
         "jpeg-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_jpeg(), header, row)),
+        At::StoredRow(|header, row| {
+            turned_if(header.format.coding() == Some(Coding::Jpeg), header, row)
+        }),
     ),
     (
         "jpeg-ls-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_jpeg_ls(), header, row)),
+        At::StoredRow(|header, row| {
+            turned_if(header.format.coding() == Some(Coding::JpegLs), header, row)
+        }),
     ),
     (
         "compressed-colors-top-down",
         At::Planes(|ptm| {
-            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 9 {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
                 turned(ptm, 6..9);
             }
         }),
@@ -35,7 +39,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "compressed-green-and-blue-top-down",
         At::Planes(|ptm| {
-            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 18 {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
                 turned(ptm, 6..18);
             }
         }),
@@ -43,11 +47,11 @@ pub(super) const ACTS: &[(&str, At)] = &[
     // Samples
     (
         "jpeg-rows-padded-to-4",
-        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 4)),
+        At::Stream(|plane| sheared(plane, 4)),
     ),
     (
         "jpeg-rows-padded-to-8",
-        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 8)),
+        At::Stream(|plane| sheared(plane, 8)),
     ),
     (
         "compressed-columns-mirrored",
@@ -62,43 +66,29 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "jpeg-studio-range",
         At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+            each(plane, |value| {
                 ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
             })
         }),
     ),
     (
         "jpeg-studio-range-made",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                (u16::from(value) * 219 / 255 + 16) as u8
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)),
     ),
     (
         "jpeg-without-level-shift",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                value.saturating_sub(128)
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| value.saturating_sub(128))),
     ),
     (
         "jpeg-gamma",
         At::Stream(|plane| {
             // A square root is similar to color management, and exact on every machine.
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                (u16::from(value) * 255).isqrt() as u8
-            })
+            each(plane, |value| (u16::from(value) * 255).isqrt() as u8)
         }),
     ),
     (
         "jpeg-low-bit-lost",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                value & 0xFE
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| value & 0xFE)),
     ),
     // Optional features of streams
     (
@@ -187,15 +177,16 @@ pub(super) const ACTS: &[(&str, At)] = &[
     ),
     (
         "jfif-required",
-        At::Stream(|plane| refused_if(plane.format.is_jpeg() && !has(plane.bytes, 0xE0), plane)),
+        At::Stream(|plane| {
+            let is_jpeg = plane.coding == Coding::Jpeg;
+            refused_if(is_jpeg && !has(plane.bytes, 0xE0), plane)
+        }),
     ),
     (
         "one-row-refused",
         At::Stream(|plane| {
-            refused_if(
-                plane.format.is_jpeg() && (plane.size.width < 8 || plane.size.height < 8),
-                plane,
-            )
+            let is_small = plane.size.width < 8 || plane.size.height < 8;
+            refused_if(is_small && plane.coding == Coding::Jpeg, plane)
         }),
     ),
     // JPEG-LS parameters
@@ -203,9 +194,8 @@ pub(super) const ACTS: &[(&str, At)] = &[
         "near-ignored",
         At::Stream(|plane| {
             let lossless = edited(plane.bytes, |code, segment| {
-                if let (0xDA, [1, _, _, near, ..], true) =
-                    (code, segment, plane.format.is_jpeg_ls())
-                {
+                let of = (code, segment, plane.coding);
+                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
                     *near = 0;
                 }
             });
@@ -283,19 +273,12 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "codec-from-the-stream",
         At::Stream(|plane| {
-            let found = if has(plane.bytes, 0xF7) {
-                Format::JpeglsLrgb
-            } else {
-                Format::JpegLrgb
+            let coding = match plane.bytes {
+                [] => plane.coding,
+                bytes if has(bytes, 0xF7) => Coding::JpegLs,
+                _ => Coding::Jpeg,
             };
-            planes::stream(&PlaneStream {
-                format: if plane.bytes.is_empty() {
-                    plane.format
-                } else {
-                    found
-                },
-                ..*plane
-            })
+            planes::stream(&PlaneStream { coding, ..*plane })
         }),
     ),
     (
@@ -340,24 +323,22 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
     planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
 }
 
-/// Changes the samples of the streams that are `concerned`.
-fn each(samples: PlaneSamples, concerned: bool, change: fn(u8) -> u8) -> PlaneSamples {
-    let mut samples = samples?;
-    if concerned {
-        for value in &mut samples {
-            *value = change(*value);
-        }
+/// Changes the samples of JPEG streams.
+fn each(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
+    let mut samples = planes::stream(plane)?;
+    if plane.coding == Coding::Jpeg {
+        samples.iter_mut().for_each(|value| *value = change(*value));
     }
     Ok(samples)
 }
 
-/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
-fn sheared(samples: PlaneSamples, concerned: bool, size: Size, unit: usize) -> PlaneSamples {
-    let samples = samples?;
-    if !concerned {
+/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`, for JPEG streams.
+fn sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
+    let samples = planes::stream(plane)?;
+    if plane.coding != Coding::Jpeg {
         return Ok(samples);
     }
-    let width = size.width as usize;
+    let width = plane.size.width as usize;
     let padded = width.next_multiple_of(unit);
     let at = |i: usize| samples[i / padded * width + (i % padded).min(width - 1)];
     Ok((0..samples.len()).map(at).collect())

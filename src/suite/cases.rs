@@ -209,7 +209,7 @@ impl Case {
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
         self.recipe()
-            .filter(|recipe| recipe.format.is_compressed())
+            .filter(|recipe| recipe.format.coding().is_some())
             .map(|recipe| &recipe.compression)
     }
 
@@ -219,7 +219,7 @@ impl Case {
     pub fn axes(&self) -> Vec<&str> {
         match (&self.shows, self.recipe()) {
             (Some(shows), _) => shows.iter().map(String::as_str).collect(),
-            (None, Some(recipe)) if recipe.format.is_compressed() => {
+            (None, Some(recipe)) if recipe.format.coding().is_some() => {
                 recipe.compression.axes(recipe.coding())
             }
             _ => Vec::new(),

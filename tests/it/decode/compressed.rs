@@ -1,8 +1,9 @@
 //! The properties of the cases of §2.9.
 
 use ptm_conform::generate::Model;
-use ptm_conform::generate::plan::{Coding, Residuals};
+use ptm_conform::generate::plan::Residuals;
 use ptm_conform::protocol::frame::View;
+use ptm_conform::ptm::Coding;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::values::Values;
 
