@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use arbitrary::{Result, Unstructured};
 
-use crate::ptm::{Coding, Format};
+use crate::ptm::{Coding, Format, Storage};
 use crate::suite::cases::{Case, Expect, Suite};
 
 /// The words of a case that differ from the default file.
@@ -372,10 +372,10 @@ fn set_word(words: &mut DraftWords, key: &'static str, word: impl ToString) {
 
 /// Returns the section that describes the payload of a format.
 fn section(format: Format) -> &'static str {
-    match format {
-        Format::PtmLut | Format::PtmCLut => "2.8/1",
-        format if format.coding().is_some() => "2.9/1",
-        _ => "2.7/1",
+    match format.storage() {
+        Storage::Texels => "2.7/1",
+        Storage::Table | Storage::ColorTable => "2.8/1",
+        Storage::Streams(_) => "2.9/1",
     }
 }
 

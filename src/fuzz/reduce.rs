@@ -145,7 +145,7 @@ impl Parts {
     /// A plane is stored bottom row first, so its top left corner is at the end of the raster.
     fn cropped_plane(&self, plane: &StoredPlane, width: u32, height: u32) -> Option<StoredPlane> {
         let old = self.recipe.size;
-        let coding = self.recipe.coding();
+        let coding = self.recipe.compression.coding;
         let residual = (coding.decode(&plane.stream, old.width, old.height)).ok()?;
         let gone = old.height - height;
         let kept = &residual[(gone * old.width) as usize..];
@@ -170,7 +170,7 @@ impl Parts {
         let Size { width, height } = self.recipe.size;
         let residual = vec![128; self.recipe.size.texels()];
         let parameter = self.recipe.compression.parameter;
-        let stream = (self.recipe.coding()).encode(&residual, (width, height), parameter);
+        let stream = (self.recipe.compression.coding).encode(&residual, (width, height), parameter);
         self.compressed().planes[plane].stream = stream;
     }
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use super::plan::Compression;
 use super::scene::Scene;
 use super::spelling::Spelling;
-use crate::ptm::{Coding, Format, Size};
+use crate::ptm::{Format, Size};
 
 /// `N` numbers, each with its spelling.
 #[derive(Clone, Debug, PartialEq)]
@@ -110,19 +110,13 @@ impl Recipe {
         }
     }
 
-    /// Returns the standard of the streams of a compressed format.
-    #[must_use]
-    pub fn coding(&self) -> Coding {
-        self.format.coding().unwrap_or(Coding::JpegLs)
-    }
-
     /// Checks that this recipe can be written.
     ///
     /// # Errors
     /// A sentence that says why it cannot be written.
     pub fn check(&self) -> Result<(), String> {
-        if let Some(coding) = self.format.coding() {
-            self.compression.check(coding, self.size)?;
+        if self.format.coding().is_some() {
+            self.compression.check(self.size)?;
             if self.first.is_some() {
                 return Err(
                     "the first byte of a compressed payload is that of its first stream".to_owned(),

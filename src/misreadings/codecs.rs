@@ -111,7 +111,7 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "tables-of-16-bits-cut",
         At::Stream(|plane| {
-            let cut = edited(plane.bytes, |code, segment| {
+            edited(plane, |code, segment| {
                 if let (0xDB, Some((16..=31, table))) = (
                     code,
                     segment
@@ -124,17 +124,13 @@ pub(super) const ACTS: &[(&str, At)] = &[
                         entry[1] = entry[1].max(1);
                     }
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &cut,
-                ..*plane
             })
         }),
     ),
     (
         "quantisation-table-in-rows",
         At::Stream(|plane| {
-            let turned = edited(plane.bytes, |code, segment| {
+            edited(plane, |code, segment| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
@@ -145,10 +141,6 @@ pub(super) const ACTS: &[(&str, At)] = &[
                         .zip(zigzag())
                         .for_each(|(entry, place)| *entry = stored[place]);
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &turned,
-                ..*plane
             })
         }),
     ),
@@ -193,15 +185,11 @@ pub(super) const ACTS: &[(&str, At)] = &[
     (
         "near-ignored",
         At::Stream(|plane| {
-            let lossless = edited(plane.bytes, |code, segment| {
+            edited(plane, |code, segment| {
                 let of = (code, segment, plane.coding);
                 if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
                     *near = 0;
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &lossless,
-                ..*plane
             })
         }),
     ),
@@ -384,25 +372,22 @@ fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
     found
 }
 
-/// Returns the stream with other segments.
-fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
-    let mut stream = bytes.to_vec();
-    for (code, range) in places(bytes) {
+/// Returns the samples of the stream with other segments.
+fn edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamples {
+    let mut stream = plane.bytes.to_vec();
+    for (code, range) in places(plane.bytes) {
         edit(code, &mut stream[range]);
     }
-    stream
+    let bytes = &stream;
+    planes::stream(&PlaneStream { bytes, ..*plane })
 }
 
-/// Returns the stream with other preset parameters; 0 stands for the default.
+/// Returns the samples of the stream with other preset parameters; 0 stands for the default.
 fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
-    let changed = edited(plane.bytes, |code, segment| {
+    edited(plane, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
             edit(segment);
         }
-    });
-    planes::stream(&PlaneStream {
-        bytes: &changed,
-        ..*plane
     })
 }
 

@@ -102,16 +102,16 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
 /// Returns the map's values as planes of the target.
 fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let source = ptm.header.format;
-    match (ptm.planes.shape, target) {
-        (Shape::Lum(_), Format::Lum) => Ok(ptm.planes.samples.clone()),
+    match (ptm.planes.shape, target.shape()) {
+        (Shape::Rgb, Shape::Rgb) | (Shape::Lrgb, Shape::Lrgb) | (Shape::Lum(_), Shape::Lum(())) => {
+            Ok(ptm.planes.samples.clone())
+        }
         (Shape::Lum(_), _) => Err(format!(
             "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format holds all of them"
         )),
-        (_, Format::Lum) => Err(format!(
+        (_, Shape::Lum(())) => Err(format!(
             "{source} into {target}: no map becomes Y, Cr and Cb without a loss"
         )),
-        (Shape::Rgb, _) if target.channels() == 18 => Ok(ptm.planes.samples.clone()),
-        (Shape::Lrgb, _) if target.channels() == 9 => Ok(ptm.planes.samples.clone()),
         (Shape::Rgb, _) => each_texel(
             ptm,
             target,

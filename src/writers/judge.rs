@@ -169,15 +169,11 @@ fn compare_planes(
             "; the value is read from byte {at}, which is {byte:02x}"
         );
     }
-    Err(WriterFault::new(clause_of_planes(request), says))
-}
-
-/// Returns the clause that defines the place of the values in a format.
-fn clause_of_planes(request: &WriteRequest) -> &'static str {
-    match request.format.coding() {
+    let clause = match request.format.coding() {
         Some(_) => "2.9.8/1",
         None => request.format.layout_clause(),
-    }
+    };
+    Err(WriterFault::new(clause, says))
 }
 
 /// Returns the offset of a value in an uncompressed file.

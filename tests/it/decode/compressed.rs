@@ -28,8 +28,8 @@ fn painted() -> Vec<(Case, Model)> {
 fn only_natural_jpeg_planes_have_slack() {
     for (case, model) in painted() {
         let recipe = case.recipe().expect("painted");
-        let natural_jpeg =
-            recipe.coding() == Coding::Jpeg && recipe.compression.residuals == Residuals::Natural;
+        let natural_jpeg = recipe.format.coding() == Some(Coding::Jpeg)
+            && recipe.compression.residuals == Residuals::Natural;
         assert!(natural_jpeg || model.slack.is_empty(), "{}", case.id);
     }
 }
@@ -78,7 +78,7 @@ fn overflows_are_corrected_where_cases_say_so() {
 fn a_case_shows_no_choice_that_its_lists_do_not_touch() {
     for (case, _) in painted() {
         let recipe = case.recipe().expect("painted");
-        let touched = recipe.compression.axes(recipe.coding());
+        let touched = recipe.compression.axes();
         let are_touched = case.axes().iter().all(|axis| touched.contains(axis));
         assert!(are_touched, "{}", case.id);
     }
