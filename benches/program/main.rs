@@ -18,7 +18,6 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use ptm_conform::codec::{jpeg, jpeg_ls};
 use ptm_conform::ptm::Format;
 
 use measure::{Spent, memory_of, own_time, repeated, time_of};

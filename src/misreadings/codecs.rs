@@ -315,7 +315,9 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
 fn each(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
     let mut samples = planes::stream(plane)?;
     if plane.coding == Coding::Jpeg {
-        samples.iter_mut().for_each(|value| *value = change(*value));
+        for value in &mut samples {
+            *value = change(*value);
+        }
     }
     Ok(samples)
 }

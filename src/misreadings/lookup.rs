@@ -155,7 +155,7 @@ fn entries(file: &Anatomy) -> Option<usize> {
 }
 
 fn entry_size(file: &Anatomy) -> Option<usize> {
-    format(file).map(|format| format.entry_size())
+    format(file).map(Format::entry_size)
 }
 
 fn renamed(file: &Anatomy, name: &[u8]) -> Seen {
