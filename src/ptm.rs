@@ -82,7 +82,7 @@ impl Format {
         &self.name()["PTM_FORMAT_".len()..]
     }
 
-    /// Returns the shape of a texel, without the color matrix, which stands in the file.
+    /// Returns the shape of a texel, without the values of the color matrix.
     #[must_use]
     pub const fn shape(self) -> Shape<()> {
         self.definition().1

@@ -79,16 +79,16 @@ impl Coding {
         }
     }
 
-    /// Encodes samples with a quality of JPEG or a maximum error of JPEG-LS, without any other option.
+    /// Encodes samples with default options. `level` is the quality of JPEG or the maximum error of JPEG-LS.
     #[cfg(feature = "harness")]
-    pub(crate) fn encode(self, samples: &[u8], (width, height): (u32, u32), by: u8) -> Vec<u8> {
+    pub(crate) fn encode(self, samples: &[u8], (width, height): (u32, u32), level: u8) -> Vec<u8> {
         let encoded = match self {
             Coding::Jpeg => {
-                let options = jpeg::JpegOptions::new(by.clamp(1, 100));
+                let options = jpeg::JpegOptions::new(level.clamp(1, 100));
                 jpeg::encode(samples, width, height, &options)
             }
             Coding::JpegLs => {
-                let (near, presets) = (by.min(127), None);
+                let (near, presets) = (level.min(127), None);
                 let options = jpeg_ls::JpegLsOptions { near, presets };
                 jpeg_ls::encode(samples, width, height, &options)
             }
