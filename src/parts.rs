@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Size};
 
 // 2.5
 
@@ -29,6 +29,15 @@ pub struct Block {
     pub channel: usize,
     /// Number of adjacent channels.
     pub channels: usize,
+    /// The clause that requires it.
+    #[cfg_attr(
+        not(feature = "harness"),
+        expect(
+            dead_code,
+            reason = "a decoder cites the clause that all formats share"
+        )
+    )]
+    pub clause: &'static str,
 }
 
 // 2.8
@@ -47,8 +56,8 @@ pub struct IndexBlock<'a> {
 /// The numbers of 2.9.1–2.9.7 as stored in the file.
 #[derive(Clone, Debug)]
 pub struct RawLists {
-    /// The format, which determines the codec and the number of planes.
-    pub format: Format,
+    /// The number of planes.
+    pub planes: usize,
     /// 2.9.1: the parameter of the encoder.
     pub parameter: Number,
     /// 2.9.2: for each plane, the transform of its reference.
@@ -112,8 +121,8 @@ pub struct Extent {
 /// All planes of a file, still compressed, and their decoding plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Coded<'a> {
-    /// The format, JPEG or JPEG-LS.
-    pub format: Format,
+    /// The standard of the streams.
+    pub coding: Coding,
     /// The size of every plane.
     pub size: Size,
     /// The decoding plan.
@@ -127,8 +136,8 @@ pub struct Coded<'a> {
 /// The stream of one plane.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneStream<'a> {
-    /// The format, JPEG or JPEG-LS.
-    pub format: Format,
+    /// Its standard.
+    pub coding: Coding,
     /// The plane, for errors.
     pub plane: usize,
     /// The position of the stream in the file, for errors.

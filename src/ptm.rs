@@ -13,6 +13,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+pub use crate::codec::Coding;
 use crate::error::{self, Error, Kind};
 
 /// One of the nine formats of 2.2.
@@ -52,61 +53,111 @@ impl Format {
         Format::JpeglsLrgb,
     ];
 
-    /// The string that names the format in a file (clause 2.2/1).
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    /// The table of formats: the name in a file (clause 2.2/1), the shape of a texel, the storage of the planes.
+    const fn definition(self) -> (&'static str, Shape<()>, Storage) {
+        use Coding::{Jpeg, JpegLs};
+        use Storage::{ColorTable, Streams, Table, Texels};
         match self {
-            Format::Rgb => "PTM_FORMAT_RGB",
-            Format::Lum => "PTM_FORMAT_LUM",
-            Format::Lrgb => "PTM_FORMAT_LRGB",
-            Format::PtmLut => "PTM_FORMAT_PTM_LUT",
-            Format::PtmCLut => "PTM_FORMAT_PTM_C_LUT",
-            Format::JpegRgb => "PTM_FORMAT_JPEG_RGB",
-            Format::JpegLrgb => "PTM_FORMAT_JPEG_LRGB",
-            Format::JpeglsRgb => "PTM_FORMAT_JPEGLS_RGB",
-            Format::JpeglsLrgb => "PTM_FORMAT_JPEGLS_LRGB",
+            Format::Rgb => ("PTM_FORMAT_RGB", Shape::Rgb, Texels),
+            Format::Lum => ("PTM_FORMAT_LUM", Shape::Lum(()), Texels),
+            Format::Lrgb => ("PTM_FORMAT_LRGB", Shape::Lrgb, Texels),
+            Format::PtmLut => ("PTM_FORMAT_PTM_LUT", Shape::Lrgb, Table),
+            Format::PtmCLut => ("PTM_FORMAT_PTM_C_LUT", Shape::Lrgb, ColorTable),
+            Format::JpegRgb => ("PTM_FORMAT_JPEG_RGB", Shape::Rgb, Streams(Jpeg)),
+            Format::JpegLrgb => ("PTM_FORMAT_JPEG_LRGB", Shape::Lrgb, Streams(Jpeg)),
+            Format::JpeglsRgb => ("PTM_FORMAT_JPEGLS_RGB", Shape::Rgb, Streams(JpegLs)),
+            Format::JpeglsLrgb => ("PTM_FORMAT_JPEGLS_LRGB", Shape::Lrgb, Streams(JpegLs)),
         }
     }
 
-    /// The name without its prefix, as people say it: `RGB`, `PTM_LUT`, `JPEGLS_LRGB`.
+    /// Returns the string that names the format in a file (clause 2.2/1).
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.definition().0
+    }
+
+    /// Returns the name without its prefix, as people say it: `RGB`, `PTM_LUT`, `JPEGLS_LRGB`.
     #[must_use]
     pub fn short_name(self) -> &'static str {
         &self.name()["PTM_FORMAT_".len()..]
     }
 
+    /// Returns the shape of a texel, without the values of the color matrix.
+    #[must_use]
+    pub const fn shape(self) -> Shape<()> {
+        self.definition().1
+    }
+
+    /// Returns the storage of the planes.
+    #[must_use]
+    pub const fn storage(self) -> Storage {
+        self.definition().2
+    }
+
+    /// Returns the standard of the streams of a compressed format (2.9), or `None` if the format has no streams.
+    #[must_use]
+    pub const fn coding(self) -> Option<Coding> {
+        match self.storage() {
+            Storage::Streams(coding) => Some(coding),
+            _ => None,
+        }
+    }
+
+    /// Returns the format with the same shape whose planes are blocks of bytes.
+    #[cfg(feature = "harness")]
+    pub(crate) fn plain(self) -> Format {
+        let is_plain =
+            |format: &Format| format.shape() == self.shape() && format.storage() == Storage::Texels;
+        let plain = Format::ALL.into_iter().find(is_plain);
+        plain.expect("every shape has a format with blocks")
+    }
+
+    /// Returns the clause about the layout of the values.
+    #[cfg(feature = "harness")]
+    pub(crate) const fn layout_clause(self) -> &'static str {
+        match (self.storage(), self.shape()) {
+            (Storage::Texels, Shape::Rgb) => "2.7.1/1",
+            (Storage::Texels, Shape::Lum(())) => "2.7.2/1",
+            (Storage::Texels, Shape::Lrgb) => "2.7.3/1",
+            (Storage::Table, _) => "2.8.1/1",
+            (Storage::ColorTable, _) => "2.8.2/1",
+            (Storage::Streams(_), _) => "2.9/1",
+        }
+    }
+
     /// Returns true if the file carries a lookup table (2.5) and indices (2.8).
     #[must_use]
     pub const fn has_table(self) -> bool {
-        matches!(self, Format::PtmLut | Format::PtmCLut)
+        matches!(self.storage(), Storage::Table | Storage::ColorTable)
     }
 
-    /// Returns true if the planes are compressed streams (2.9).
+    /// Returns the bytes of a table entry: 6, or 9 if the table has colors.
     #[must_use]
-    pub const fn is_compressed(self) -> bool {
-        self.is_jpeg() || self.is_jpeg_ls()
-    }
-
-    /// Returns true if the planes are JPEG streams (2.9).
-    #[must_use]
-    pub const fn is_jpeg(self) -> bool {
-        matches!(self, Format::JpegRgb | Format::JpegLrgb)
-    }
-
-    /// Returns true if the planes are JPEG-LS streams (2.9).
-    #[must_use]
-    pub const fn is_jpeg_ls(self) -> bool {
-        matches!(self, Format::JpeglsRgb | Format::JpeglsLrgb)
+    pub const fn entry_size(self) -> usize {
+        match self.storage() {
+            Storage::ColorTable => 9,
+            _ => 6,
+        }
     }
 
     /// Returns the number of planes of a map of this format: 18, 9 or 8.
     #[must_use]
     pub const fn channels(self) -> usize {
-        match self {
-            Format::Rgb | Format::JpegRgb | Format::JpeglsRgb => 18,
-            Format::Lum => 8,
-            _ => 9,
-        }
+        self.shape().channels()
     }
+}
+
+/// The storage of the planes of a format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Blocks of bytes (2.7).
+    Texels,
+    /// Indices of table entries with six coefficients, then a block of colors (2.8.1).
+    Table,
+    /// Indices of table entries with six coefficients and a color (2.8.2).
+    ColorTable,
+    /// A compressed stream for each plane (2.9).
+    Streams(Coding),
 }
 
 impl fmt::Display for Format {
@@ -197,19 +248,19 @@ pub struct Header {
 
 /// The shape of a texel. Nine formats have three shapes; the code after the planes does not use the format.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum Shape<Matrix = ColorMatrix> {
     /// 18 channels: a0…a5 of red, of green, of blue.
     Rgb,
     /// 9 channels: a0…a5 of luminance, then R, G, B.
     Lrgb,
     /// 8 channels: a0…a5 of Y, then Cr and Cb; with the matrix that computes a color.
-    Lum(ColorMatrix),
+    Lum(Matrix),
 }
 
-impl Shape {
+impl<Matrix> Shape<Matrix> {
     /// Returns the number of channels of a texel.
     #[must_use]
-    pub const fn channels(self) -> usize {
+    pub const fn channels(&self) -> usize {
         match self {
             Shape::Rgb => 18,
             Shape::Lrgb => 9,
@@ -219,11 +270,25 @@ impl Shape {
 
     /// Returns the number of coefficients among the channels; they come first.
     #[must_use]
-    pub const fn coefficients(self) -> usize {
+    pub const fn coefficients(&self) -> usize {
         match self {
             Shape::Rgb => 18,
             Shape::Lrgb | Shape::Lum(_) => 6,
         }
+    }
+}
+
+impl Shape<()> {
+    /// Returns the shape with the color matrix that `read` returns, if it has one.
+    pub(crate) fn with_matrix<E>(
+        self,
+        read: impl FnOnce() -> Result<ColorMatrix, E>,
+    ) -> Result<Shape, E> {
+        Ok(match self {
+            Shape::Rgb => Shape::Rgb,
+            Shape::Lrgb => Shape::Lrgb,
+            Shape::Lum(()) => Shape::Lum(read()?),
+        })
     }
 }
 

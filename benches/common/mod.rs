@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each benchmark uses some of this
 
 use ptm_conform::codec::{jpeg, jpeg_ls};
-use ptm_conform::ptm::Format;
+use ptm_conform::ptm::{Coding, Format};
 
 /// Returns a pseudorandom number that depends on the position only.
 fn hash(x: u32, y: u32, seed: u32) -> u32 {
@@ -71,7 +71,10 @@ fn compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
         numbers.join(" ") + "\n"
     };
     let zeros = || line(vec![0; planes]);
-    let parameter = if is_jpeg(format) { "90\n" } else { "0\n" };
+    let parameter = match format.coding() {
+        Some(Coding::Jpeg) => "90\n",
+        _ => "0\n",
+    };
     let lists = [
         parameter.to_owned(),
         zeros(),
@@ -86,16 +89,12 @@ fn compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
     file.extend(streams.concat());
 }
 
-fn is_jpeg(format: Format) -> bool {
-    matches!(format, Format::JpegRgb | Format::JpegLrgb)
-}
-
 /// Returns the streams of the planes of a compressed file: JPEG of quality 90, or lossless JPEG-LS. Three different streams are
 /// repeated.
 pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
     let one = |seed| {
         let samples = plane(width, height, seed);
-        if is_jpeg(format) {
+        if format.coding() == Some(Coding::Jpeg) {
             jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(90)).stream
         } else {
             let lossless = jpeg_ls::JpegLsOptions {

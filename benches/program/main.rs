@@ -18,7 +18,6 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use ptm_conform::codec::{jpeg, jpeg_ls};
 use ptm_conform::ptm::Format;
 
 use measure::{Spent, memory_of, own_time, repeated, time_of};
@@ -198,10 +197,8 @@ fn against_others(format: Format, directory: &Path) {
 }
 
 fn decode(format: Format, stream: &[u8]) {
-    let samples = match format {
-        Format::JpegLrgb => jpeg::decode(stream, SIDE, SIDE),
-        _ => jpeg_ls::decode(stream, SIDE, SIDE),
-    };
+    let coding = format.coding().expect("a compressed format");
+    let samples = coding.decode(stream, SIDE, SIDE);
     std::hint::black_box(samples.expect("a whole stream"));
 }
 

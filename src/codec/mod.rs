@@ -52,3 +52,47 @@ pub use stream_error::{StreamError, StreamFault};
 
 #[cfg(feature = "generate")]
 pub use writer::Encoded;
+
+/// The standard of a stream.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "harness",
+    derive(serde::Deserialize),
+    serde(rename_all = "kebab-case")
+)]
+pub enum Coding {
+    /// ITU-T T.81.
+    Jpeg,
+    /// ITU-T T.87.
+    JpegLs,
+}
+
+impl Coding {
+    /// Decodes a stream of one component, which must have this size.
+    ///
+    /// # Errors
+    /// Why the stream is malformed, unsupported or of another size, and where.
+    pub fn decode(self, stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>, StreamError> {
+        match self {
+            Coding::Jpeg => jpeg::decode(stream, width, height),
+            Coding::JpegLs => jpeg_ls::decode(stream, width, height),
+        }
+    }
+
+    /// Encodes samples with default options. `level` is the quality of JPEG or the maximum error of JPEG-LS.
+    #[cfg(feature = "harness")]
+    pub(crate) fn encode(self, samples: &[u8], (width, height): (u32, u32), level: u8) -> Vec<u8> {
+        let encoded = match self {
+            Coding::Jpeg => {
+                let options = jpeg::JpegOptions::new(level.clamp(1, 100));
+                jpeg::encode(samples, width, height, &options)
+            }
+            Coding::JpegLs => {
+                let (near, presets) = (level.min(127), None);
+                let options = jpeg_ls::JpegLsOptions { near, presets };
+                jpeg_ls::encode(samples, width, height, &options)
+            }
+        };
+        encoded.stream
+    }
+}

@@ -14,7 +14,7 @@
 use super::compressed::Streams;
 use super::stored::Stored;
 use crate::error::Result;
-use crate::ptm::{Format, Shape};
+use crate::ptm::Shape;
 use crate::reading::Reading;
 
 impl Streams<'_> {
@@ -22,8 +22,8 @@ impl Streams<'_> {
     pub(crate) fn stored<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
-        let shape = match self.header.format {
-            Format::JpegRgb | Format::JpeglsRgb => Shape::Rgb,
+        let shape = match self.header.format.shape() {
+            Shape::Rgb => Shape::Rgb,
             _ => Shape::Lrgb,
         };
         Ok(Stored {

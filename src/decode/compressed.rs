@@ -41,12 +41,13 @@ use super::threads::residuals;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
 use crate::parts::{Coded, Extent, Number, Plan, RawLists, Step};
-use crate::ptm::{Format, Header, Limits};
+use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
 /// A compressed file with decoded streams, before its planes are predicted and corrected.
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
+    coding: Coding,
     /// The numbers of 2.9.1–2.9.7 as they stand in the file.
     #[cfg(feature = "harness")]
     pub(crate) lists: RawLists,
@@ -67,15 +68,18 @@ impl<'a> Streams<'a> {
     )]
     pub(crate) fn read(
         header: &Header,
+        coding: Coding,
         input: &mut Input<'a>,
         reading: &Reading,
         limits: &Limits,
     ) -> Result<Streams<'a>> {
-        let lists = read_lists(header.format, input)?; //                       §2.9.1 – 2.9.7
+        // Clause 2.9/3: a number for each plane, 18 or 9.
+        let lists = read_lists(header.format.channels(), input)?; //            §2.9.1 – 2.9.7
         let plan = (reading.plan)(&lists)?; //                                  what they say to do
         let at = input.at();
         let mut streams = Streams {
             header: *header,
+            coding,
             payload: planes::take(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
             #[cfg(feature = "harness")]
             lists,
@@ -90,7 +94,7 @@ impl<'a> Streams<'a> {
     /// Returns the file as the decisions of a reading see it.
     pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
-            format: self.header.format,
+            coding: self.coding,
             size: self.header.size,
             plan: &self.plan,
             at: self.at,
@@ -122,20 +126,19 @@ impl<'a> Streams<'a> {
 )]
 pub(super) fn read(
     header: &Header,
+    coding: Coding,
     input: &mut Input,
     reading: &Reading,
     limits: &Limits,
 ) -> Result<Vec<Channels<'static>>> {
-    let mut streams = Streams::read(header, input, reading, limits)?;
+    let mut streams = Streams::read(header, coding, input, reading, limits)?;
     // Residuals become planes in place, so there is only one copy.
     let residuals = std::mem::take(&mut streams.residuals);
     streams.channels(residuals, reading)
 }
 
-/// Reads the parameter and the seven lists in the order of the file (clause 2.9/1).
-fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
-    // Clause 2.9/3: a number for each plane, 18 or 9; motion has two.
-    let planes = format.channels();
+/// Reads the parameter and the seven lists in the order of the file (clause 2.9/1). Motion has two numbers for each plane.
+fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
     let parameter = number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
         let following = |_| {
@@ -146,7 +149,7 @@ fn read_lists(format: Format, input: &mut Input) -> Result<RawLists> {
         (0..count).map(following).collect()
     };
     let lists = RawLists {
-        format,
+        planes,
         parameter,
         transforms: list("2.9.2/1", "a transform", planes)?,
         motion: list("2.9.3/1", "a motion vector", 2 * planes)?,
@@ -170,7 +173,7 @@ fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result
 
 /// Makes the plan that the lists describe, or returns why it cannot be carried out.
 pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
-    let planes = lists.format.channels();
+    let planes = lists.planes;
     let steps = (0..planes)
         .map(|plane| step(lists, plane))
         .collect::<Result<_>>()?;
@@ -188,7 +191,7 @@ pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
 
 /// Returns the prediction step of plane `plane` (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
 fn step(lists: &RawLists, plane: usize) -> Result<Step> {
-    let planes = lists.format.channels();
+    let planes = lists.planes;
     let transform = lists.transforms[plane];
     if !(0..=3).contains(&transform.value) {
         // Undefined bits (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
@@ -215,7 +218,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
 
 /// Returns the reference of plane `plane`: it exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
 fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
-    let planes = lists.format.channels();
+    let planes = lists.planes;
     let named = lists.references[plane];
     // -1 is "intra coded" (clause 2.9.5/2); so are numbers below it, which name no plane either (ruling `ranks`).
     let Ok(reference) = usize::try_from(named.value) else {

@@ -39,6 +39,7 @@ pub(super) fn read<'a>(
         block: Block {
             channel: 0,
             channels: table.entry_size,
+            clause: "2.8.1/1",
         },
         values: ValueLayout::Entries(indices, table),
     };

@@ -30,7 +30,7 @@ pub(super) fn read<'a>(
     reading: &Reading,
 ) -> Result<LookupTable<'a>> {
     let entries = (reading.entry_count)(input)?;
-    let entry_size = if format == Format::PtmCLut { 9 } else { 6 };
+    let entry_size = format.entry_size();
     let bytes = input.take(
         "2.5/3",
         "the table's entries",

@@ -74,7 +74,7 @@ pub use stored::Stored;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
-use crate::ptm::{Field, Format, Header, Limits, Ptm, Shape};
+use crate::ptm::{Field, Header, Limits, Ptm, Storage};
 use crate::reading::Reading;
 
 /// Decodes `file` as the reference reads it.
@@ -164,11 +164,11 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
     let (mut input, limits) = (Input::new(file), Limits::default());
     let mut kept = None;
     let outcome = read_header(&mut input).and_then(|header| {
-        let stored = match header.format.is_compressed() {
-            true => kept
-                .insert(Streams::read(&header, &mut input, SPEC, &limits)?)
+        let stored = match header.format.coding() {
+            Some(coding) => kept
+                .insert(Streams::read(&header, coding, &mut input, SPEC, &limits)?)
                 .stored(SPEC)?,
-            false => read_values(&header, &mut input, SPEC, &limits)?,
+            None => read_values(&header, &mut input, SPEC, &limits)?,
         };
         Ok(Ptm {
             planes: stored.planes(&limits)?,
@@ -202,26 +202,16 @@ fn read_values<'a>(
     reading: &'a Reading,
     limits: &Limits,
 ) -> Result<Stored<'a>> {
+    let shape = header.format.shape();
+    let shape = shape.with_matrix(|| color_matrix::read(input))?;
     // Nine formats become three shapes; the code after this does not use the format.
-    let (shape, parts) = match header.format {
-        Format::Rgb => (Shape::Rgb, texels::read(header, input, reading)?),
-        Format::Lrgb => (Shape::Lrgb, texels::read(header, input, reading)?),
-        Format::Lum => {
-            let matrix = color_matrix::read(input)?;
-            (Shape::Lum(matrix), texels::read(header, input, reading)?)
-        }
-        Format::PtmLut | Format::PtmCLut => {
+    let parts = match header.format.storage() {
+        Storage::Texels => texels::read(header, input, reading)?,
+        Storage::Table | Storage::ColorTable => {
             let table = lookup_table::read(header.format, input, reading)?;
-            (Shape::Lrgb, indices::read(header, table, input, reading)?)
+            indices::read(header, table, input, reading)?
         }
-        Format::JpegRgb | Format::JpeglsRgb => (
-            Shape::Rgb,
-            compressed::read(header, input, reading, limits)?,
-        ),
-        Format::JpegLrgb | Format::JpeglsLrgb => (
-            Shape::Lrgb,
-            compressed::read(header, input, reading, limits)?,
-        ),
+        Storage::Streams(coding) => compressed::read(header, coding, input, reading, limits)?,
     };
     Ok(Stored {
         header: *header,

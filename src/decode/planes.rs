@@ -30,11 +30,11 @@ use std::borrow::Cow;
 
 use super::channels::{Channels, ValueLayout};
 use super::predict;
-use crate::codec::{StreamFault, jpeg, jpeg_ls};
+use crate::codec::StreamFault;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
 use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
-use crate::ptm::{Header, Limits};
+use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
 /// Takes the payload of a compressed file, if it is complete (clause 2.9.8/2, ruling `payload-end`) and its planes are not too
@@ -98,6 +98,7 @@ pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
         block: Block {
             channel,
             channels: 1,
+            clause: "2.9.8/1",
         },
         values: ValueLayout::Bytes(Cow::Owned(plane)),
     };
@@ -109,7 +110,7 @@ impl<'a> Coded<'a> {
     pub(crate) fn stream(&self, plane: usize) -> PlaneStream<'a> {
         let extent = self.plan.extents[plane].stream.clone();
         PlaneStream {
-            format: self.format,
+            coding: self.coding,
             plane,
             at: self.at + extent.start,
             bytes: &self.payload[extent],
@@ -134,7 +135,7 @@ impl<'a> Coded<'a> {
         let step = &self.plan.steps[i];
         if let Some(reference) = step.reference {
             let reference = &planes[reference];
-            predict::apply(self.format, plane, reference, step, self.size, reading);
+            predict::apply(self.coding, plane, reference, step, self.size, reading);
         }
     }
 
@@ -152,12 +153,8 @@ impl<'a> Coded<'a> {
 pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (width, height) = (stream.size.width, stream.size.height);
     // plane-stream: a stream of another size is refused before memory is allocated for it.
-    let samples = if stream.format.is_jpeg() {
-        // With the integer inverse transform of the IJG (clause 2.9.8/11).
-        jpeg::decode(stream.bytes, width, height)
-    } else {
-        jpeg_ls::decode(stream.bytes, width, height)
-    };
+    // JPEG streams with the integer inverse transform of the IJG (clause 2.9.8/11).
+    let samples = stream.coding.decode(stream.bytes, width, height);
     samples.map_err(|error| {
         let kind = Kind::Stream {
             plane: stream.plane,
@@ -175,7 +172,7 @@ pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] 
 
 /// Returns no side information for lossless JPEG-LS, so that its bytes are skipped: the other reading of `side-lossless`.
 pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
-    if coded.format.is_jpeg_ls() && coded.plan.parameter == 0 {
+    if coded.coding == Coding::JpegLs && coded.plan.parameter == 0 {
         &[]
     } else {
         side_information(coded, plane)
@@ -222,14 +219,13 @@ pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
 mod tests {
     use super::*;
     use crate::parts::{Extent, Plan};
-    use crate::ptm::Format;
 
     #[test]
     fn side_information_of_lossless_jpeg_ls_is_skipped_under_the_other_reading() {
-        for (format, parameter, expected) in [
-            (Format::JpeglsRgb, 0, &[][..]),
-            (Format::JpeglsRgb, 3, &[2, 3]),
-            (Format::JpegRgb, 0, &[2, 3]),
+        for (coding, parameter, expected) in [
+            (Coding::JpegLs, 0, &[][..]),
+            (Coding::JpegLs, 3, &[2, 3]),
+            (Coding::Jpeg, 0, &[2, 3]),
         ] {
             let (stream, side) = (0..1, 1..3);
             let plan = Plan {
@@ -241,7 +237,7 @@ mod tests {
             let (size, plan, payload) = ("1x1".parse().expect("a size"), &plan, &[1, 2, 3]);
             let at = 0;
             let coded = Coded {
-                format,
+                coding,
                 size,
                 plan,
                 at,

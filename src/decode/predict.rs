@@ -23,12 +23,12 @@ use std::borrow::Cow;
 
 use super::inside;
 use crate::parts::Step;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
 /// Turns residuals into the plane, in place.
 pub(crate) fn apply(
-    format: Format,
+    coding: Coding,
     residuals: &mut [u8],
     reference: &[u8],
     step: &Step,
@@ -36,10 +36,9 @@ pub(crate) fn apply(
     reading: &Reading,
 ) {
     let predictor = (reading.predictor)(reference, step, size, reading);
-    if format.is_jpeg_ls() {
-        (reading.predict_jpeg_ls)(residuals, &predictor);
-    } else {
-        (reading.predict)(residuals, &predictor);
+    match coding {
+        Coding::Jpeg => (reading.predict)(residuals, &predictor),
+        Coding::JpegLs => (reading.predict_jpeg_ls)(residuals, &predictor),
     }
 }
 
@@ -215,7 +214,7 @@ mod tests {
 
     #[test]
     fn each_prediction_choice_has_another_reading() {
-        let predicted = |choose: Choose, format| {
+        let predicted = |choose: Choose, coding| {
             let step = Step {
                 reference: Some(0),
                 inverted: true,
@@ -224,15 +223,15 @@ mod tests {
             };
             let (mut plane, reading) = ([140, 140], choose(Reading::SPEC));
             let size = "2x1".parse().expect("a size");
-            apply(format, &mut plane, &[10, 21], &step, size, &reading);
+            apply(coding, &mut plane, &[10, 21], &step, size, &reading);
             plane
         };
         // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
-        assert_eq!(predicted(|spec| spec, Format::JpeglsRgb), [252, 246]);
+        assert_eq!(predicted(|spec| spec, Coding::JpegLs), [252, 246]);
         let after: Choose = Reading::with_inversion_after_motion;
-        assert_eq!(predicted(after, Format::JpeglsRgb), [251, 246]);
+        assert_eq!(predicted(after, Coding::JpegLs), [251, 246]);
         let without: Choose = Reading::without_jpeg_ls_offset;
-        assert_eq!(predicted(without, Format::JpeglsRgb), [124, 118]);
-        assert_eq!(predicted(without, Format::JpegRgb), [252, 246]);
+        assert_eq!(predicted(without, Coding::JpegLs), [124, 118]);
+        assert_eq!(predicted(without, Coding::Jpeg), [252, 246]);
     }
 }

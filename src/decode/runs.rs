@@ -83,7 +83,7 @@ mod tests {
                     LookupTable { entries: 300, entry_size, bytes: &bytes[..300 * entry_size] },
                 ),
             };
-            let channels = Channels { block: Block { channel, channels: count }, values };
+            let channels = Channels { block: Block { channel, channels: count, clause: "" }, values };
             let (run, size) = (start.min(end)..end, channel + count);
             let mut plain = vec![99; run.len() * size];
             let mut fast = plain.clone();

@@ -26,22 +26,40 @@ use super::channels::{Channels, ValueLayout};
 use crate::error::Result;
 use crate::input::Input;
 use crate::parts::Block;
-use crate::ptm::{Format, Header};
+use crate::ptm::{Format, Header, Shape, Storage};
 use crate::reading::Reading;
 
 /// Returns the blocks of a format in the order of the file (clauses 2.7.1/1–2, 2.7.2/1, 2.7.3/1–2).
 pub(crate) fn blocks(format: Format) -> &'static [Block] {
-    const fn block(channel: usize, channels: usize) -> Block {
-        Block { channel, channels }
+    const fn block(channel: usize, channels: usize, clause: &'static str) -> Block {
+        Block {
+            channel,
+            channels,
+            clause,
+        }
     }
-    match format {
-        Format::Rgb => const { &[block(0, 6), block(6, 6), block(12, 6)] },
-        Format::Lum => const { &[block(0, 8)] },
-        Format::Lrgb => const { &[block(0, 6), block(6, 3)] },
-        // The colors after the indices (clause 2.8.1/4); a PTM_C_LUT has them in its table.
-        Format::PtmLut => const { &[block(6, 3)] },
+    const RGB: [Block; 3] = [
+        block(0, 6, "2.7.1/2"),
+        block(6, 6, "2.7.1/2"),
+        block(12, 6, "2.7.1/2"),
+    ];
+    match (format.storage(), format.shape()) {
+        (Storage::Texels, Shape::Rgb) => &RGB,
+        (Storage::Texels, Shape::Lum(())) => const { &[block(0, 8, "2.7.2/1")] },
+        (Storage::Texels, Shape::Lrgb) => {
+            const { &[block(0, 6, "2.7.3/1"), block(6, 3, "2.7.3/2")] }
+        }
+        // The colors after the indices; a PTM_C_LUT has them in its table.
+        (Storage::Table, _) => const { &[block(6, 3, "2.8.1/4")] },
         _ => &[],
     }
+}
+
+/// Returns the block of a format that has channel `channel`, and its number.
+#[cfg(feature = "harness")]
+pub(crate) fn block_of(format: Format, channel: usize) -> Option<(usize, &'static Block)> {
+    let has = |block: &Block| (block.channel..block.channel + block.channels).contains(&channel);
+    (blocks(format).iter().enumerate()).find(|(_, block)| has(block))
 }
 
 /// Returns the stored row for row `row` from the top: the bottom row is stored first (clauses 2.7.1/3, 2.7.2/3, 2.7.3/3,

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
     use crate::error::{Error, Kind};
     use crate::parts::{Extent, Plan, PlaneStream};
-    use crate::ptm::{Format, Size};
+    use crate::ptm::{Coding, Size};
 
     /// A "stream" of one byte is its plane; 255 is refused, and values below 8 only after a delay.
     fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
@@ -96,7 +96,7 @@ mod tests {
                 extents: (0..18).map(extent).collect(),
             };
             let size = Size { width: 1, height: 1 };
-            let coded = Coded { format: Format::JpegRgb, size, plan: &plan, at: 100, payload: &payload };
+            let coded = Coded { coding: Coding::Jpeg, size, plan: &plan, at: 100, payload: &payload };
             prop_assert_eq!(residuals_by(threads, &coded, &reading), planes::residuals(&coded, &reading));
         }
     }

@@ -10,7 +10,7 @@ use super::witness::Witness;
 use crate::formula::{Edit, EditedForm, Formula};
 use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
-use crate::ptm::Ptm;
+use crate::ptm::{Coding, Ptm};
 
 /// The stored values that may have been shown as one value: a bit for each of 0 to 255.
 type Candidates = [bool; 256];
@@ -26,7 +26,7 @@ struct ShownValues {
 /// Returns misreadings by tables that explain wrong values in `left`: of all stored values, and of the samples of streams.
 pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
     let pictures = search.solvable(left);
-    let of_streams = |w: &usize| search.witnesses[*w].case.format().is_jpeg();
+    let of_streams = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
     let (streams, values): (Vec<usize>, Vec<usize>) = pictures.into_iter().partition(of_streams);
     let tables = [
         table(search, set, &streams, true).map(|table| (Formula::StreamSample, table)),

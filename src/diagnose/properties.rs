@@ -6,7 +6,7 @@ use crate::generate::plan::Compression;
 use crate::generate::planes::StoredPlane;
 use crate::generate::spelling::{Count, Line, Lists};
 use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Field, Format};
+use crate::ptm::{Coding, Field, Format};
 
 impl Witness<'_> {
     /// Returns the properties of the file.
@@ -92,6 +92,15 @@ impl<'a> File<'a> {
         self.data.first().is_some_and(|&byte| holds(byte))
     }
 
+    fn has_streams_of(&self, coding: Coding) -> bool {
+        self.format.coding() == Some(coding)
+    }
+
+    fn parameter(&self, coding: Coding) -> Option<f64> {
+        let plan = self.plan.filter(|_| self.has_streams_of(coding))?;
+        Some(f64::from(plan.parameter))
+    }
+
     fn entries(&self) -> Option<u32> {
         let recipe = self.recipe.filter(|recipe| recipe.format.has_table())?;
         Some(recipe.entries)
@@ -156,10 +165,10 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.light().is_some_and(|(u, v)| u * u + v * v > 1.0)
     }),
     // Formats
-    property("with compressed planes", |f| f.format.is_compressed()),
-    property("without compressed planes", |f| !f.format.is_compressed()),
-    property("with JPEG planes", |f| f.format.is_jpeg()),
-    property("with JPEG-LS planes", |f| f.format.is_jpeg_ls()),
+    property("with compressed planes", |f| f.format.coding().is_some()),
+    property("without compressed planes", |f| f.format.coding().is_none()),
+    property("with JPEG planes", |f| f.has_streams_of(Coding::Jpeg)),
+    property("with JPEG-LS planes", |f| f.has_streams_of(Coding::JpegLs)),
     property("with a lookup table", |f| f.format.has_table()),
     property("with a table of more than 256 entries", |f| {
         f.entries().is_some_and(|n| n > 256)
@@ -205,7 +214,7 @@ pub(super) const PROPERTIES: &[Property] = &[
     }),
     property(
         "with the numbers of a list on several lines or of several lists on one",
-        |f| f.format.is_compressed() && f.is_made(|r| r.spelling.lists != Lists::default()),
+        |f| f.format.coding().is_some() && f.is_made(|r| r.spelling.lists != Lists::default()),
     ),
     // Numbers
     property("with a negative bias", |f| {
@@ -302,10 +311,11 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.is_planned(|plan| plan.stream.jpeg.tables_together)
     }),
     property("with 16-bit quantization tables", |f| {
-        f.format.is_jpeg() && f.is_planned(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
+        f.has_streams_of(Coding::Jpeg)
+            && f.is_planned(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
     }),
     property("with sampling factors other than 1x1", |f| {
-        f.format.is_jpeg() && f.is_planned(|plan| plan.stream.jpeg.sampling != (1, 1))
+        f.has_streams_of(Coding::Jpeg) && f.is_planned(|plan| plan.stream.jpeg.sampling != (1, 1))
     }),
     property("with preset parameters (LSE)", |f| {
         f.is_planned(|plan| plan.stream.presets.is_some())
@@ -365,12 +375,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         f.largest_of_records(|plane| plane.records.iter().map(|record| record.0).max())
     }),
     quantity("2.9.1/1", "as their JPEG quality", |f| {
-        let plan = f.plan.filter(|_| f.format.is_jpeg())?;
-        Some(f64::from(plan.parameter))
+        f.parameter(Coding::Jpeg)
     }),
     quantity("2.9.1/1", "as their maximum loss", |f| {
-        let plan = f.plan.filter(|_| f.format.is_jpeg_ls())?;
-        Some(f64::from(plan.parameter))
+        f.parameter(Coding::JpegLs)
     }),
     quantity("1.0/2", "as the length of (u, v)", |f| {
         f.light().map(|(u, v)| u.hypot(v))

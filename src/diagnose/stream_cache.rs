@@ -6,24 +6,24 @@ use std::sync::Mutex;
 use crate::decode::planes;
 use crate::error::Result;
 use crate::parts::PlaneStream;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Size};
 
 /// Bytes of streams and samples that the cache holds.
 const MAX_CACHED_BYTES: usize = 128 << 20;
 
 type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
-/// Samples by format, size and stream, and their size in bytes. The cache is global because a decision of
+/// Samples by standard, size and stream, and their size in bytes. The cache is global because a decision of
 /// [`Reading`](crate::Reading) is a plain function.
-static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Format, Size), CachedSamples>)>> =
+static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 
 /// Decodes a stream like the reference, but each stream only once.
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
-    let (format, size) = (stream.format, stream.size);
+    let (coding, size) = (stream.coding, stream.size);
     let known = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
         let (_, decoded) = cache.as_ref()?;
-        let of_size = decoded.get(&(format, size))?;
+        let of_size = decoded.get(&(coding, size))?;
         Some(of_size.get(stream.bytes)?.to_vec())
     };
     if let Some(samples) = known(&DECODED_STREAMS.lock().expect("no worker panics")) {
@@ -36,7 +36,7 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
         (*bytes, *decoded) = Default::default();
     }
     *bytes += samples.len() + stream.bytes.len();
-    let of_size = decoded.entry((format, size)).or_default();
+    let of_size = decoded.entry((coding, size)).or_default();
     of_size.insert(stream.bytes.into(), samples.clone().into());
     Ok(samples)
 }

@@ -154,11 +154,11 @@ impl Formula {
             Formula::RgbSample => format == Format::Rgb,
             Formula::LrgbCoefficient | Formula::LrgbColor => format == Format::Lrgb,
             Formula::TableColor => format == Format::PtmLut,
-            Formula::RgbPlane => format.is_compressed() && channels == 18,
-            Formula::LrgbPlane => format.is_compressed() && channels == 9,
+            Formula::RgbPlane => format.coding().is_some() && channels == 18,
+            Formula::LrgbPlane => format.coding().is_some() && channels == 9,
             _ if self < Formula::RgbSample => true,
             _ if self < Formula::RgbPlane => format.has_table(),
-            _ => format.is_compressed(),
+            _ => format.coding().is_some(),
         }
     }
 

@@ -15,7 +15,7 @@ use crate::error::{Error, Kind, Result};
 use crate::evaluate::{self, Coefficients, Picture};
 use crate::input::Input;
 use crate::parts::{Coded, RawLists, Step};
-use crate::ptm::{Format, Header, Limits, Planes, Ptm, ScaleBias, Shape, Size};
+use crate::ptm::{Coding, Header, Limits, Planes, Ptm, ScaleBias, Shape, Size, Storage};
 use crate::reading::Reading;
 
 /// The edits that a decoder makes, at most one of each formula.
@@ -97,11 +97,8 @@ fn coefficient(channel: usize) -> [f64; 2] {
 fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
-    let shape = match header.format {
-        Format::Rgb | Format::JpegRgb | Format::JpeglsRgb => Shape::Rgb,
-        Format::Lum => Shape::Lum(decode::color_matrix::read(&mut input)?),
-        _ => Shape::Lrgb,
-    };
+    let shape = header.format.shape();
+    let shape = shape.with_matrix(|| decode::color_matrix::read(&mut input))?;
     let texels = TexelLayout {
         header: &header,
         reading,
@@ -109,22 +106,23 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     };
     // A texel takes at least one byte, so an edited address cannot make a small file large.
     let texels_at_most = input.rest().len() as u64;
-    if !header.format.is_compressed() && header.size.bytes(1) > texels_at_most {
+    if header.format.coding().is_none() && header.size.bytes(1) > texels_at_most {
         return Err(outside_data(input.at()));
     }
-    let samples = if header.format.is_compressed() {
-        let streams = Streams::read(&header, &mut input, reading, &Limits::default())?;
-        let planes = CompressedPlanes {
-            coded: streams.coded(),
-            lists: &streams.lists,
-            reading,
-            edits,
-        };
-        texels.samples_of_planes(&planes.decode(streams.residuals())?)?
-    } else if header.format.has_table() {
-        texels.samples_of_table(&mut input)?
-    } else {
-        texels.samples_of_blocks(&input)?
+    let samples = match header.format.storage() {
+        Storage::Texels => texels.samples_of_blocks(&input)?,
+        Storage::Table | Storage::ColorTable => texels.samples_of_table(&mut input)?,
+        Storage::Streams(coding) => {
+            let limits = Limits::default();
+            let streams = Streams::read(&header, coding, &mut input, reading, &limits)?;
+            let planes = CompressedPlanes {
+                coded: streams.coded(),
+                lists: &streams.lists,
+                reading,
+                edits,
+            };
+            texels.samples_of_planes(&planes.decode(streams.residuals())?)?
+        }
     };
     let planes = Planes {
         size: header.size,
@@ -204,11 +202,11 @@ impl TexelLayout<'_> {
     fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
         let payload = input.rest();
         self.collect(|row, column, channel| {
-            let formula = match self.header.format {
-                Format::Rgb => Formula::RgbSample,
-                Format::Lum => Formula::LumSample,
-                _ if channel < 6 => Formula::LrgbCoefficient,
-                _ => Formula::LrgbColor,
+            let formula = match self.header.format.shape() {
+                Shape::Rgb => Formula::RgbSample,
+                Shape::Lum(()) => Formula::LumSample,
+                Shape::Lrgb if channel < 6 => Formula::LrgbCoefficient,
+                Shape::Lrgb => Formula::LrgbColor,
             };
             let address = self.address(formula, [row, column], channel, [0.0; 3]);
             element(payload, address).copied()
@@ -217,10 +215,13 @@ impl TexelLayout<'_> {
 
     fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
         let count = (self.reading.entry_count)(input)?;
-        let has_colors = self.header.format == Format::PtmCLut;
-        let entry_size = if has_colors { 9 } else { 6 };
+        let entry_size = self.header.format.entry_size();
         // A line feed after the table, if the reading has one, does not count.
-        let table = input.take("2.5/3", "the table's entries", count as u64 * entry_size)?;
+        let table = input.take(
+            "2.5/3",
+            "the table's entries",
+            count as u64 * entry_size as u64,
+        )?;
         (self.reading.after_table)(input)?;
         let payload = [table, input.rest()].concat();
         let (entries, size) = (count as f64, entry_size as f64);
@@ -256,7 +257,7 @@ impl TexelLayout<'_> {
             Ok(entry)
         };
         self.collect(|row, column, channel| {
-            let address = match has_colors || channel < 6 {
+            let address = match channel < entry_size {
                 true => {
                     let variables = [index_at(row, column)?, channel as f64, size, entries];
                     self.edits.value(Formula::TableSample, &variables, &[])
@@ -503,9 +504,9 @@ impl CompressedPlanes<'_> {
     /// Adds the predictor to residuals.
     fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
         if !self.edits.has(Formula::Plane) {
-            return match self.coded.format.is_jpeg_ls() {
-                true => (self.reading.predict_jpeg_ls)(plane, predictor),
-                false => (self.reading.predict)(plane, predictor),
+            return match self.coded.coding {
+                Coding::Jpeg => (self.reading.predict)(plane, predictor),
+                Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
             };
         }
         let [inverted, moved] = [step.inverted, step.moved].map(|is| f64::from(u8::from(is)));

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use arbitrary::{Result, Unstructured};
 
-use crate::ptm::Format;
+use crate::ptm::{Coding, Format, Storage};
 use crate::suite::cases::{Case, Expect, Suite};
 
 /// The words of a case that differ from the default file.
@@ -64,7 +64,7 @@ impl Draft {
             damage: None,
         };
         draft.draw_numbers(u)?;
-        if format.is_compressed() {
+        if format.coding().is_some() {
             draft.draw_compression(u)?;
         } else {
             draft.draw_payload(u)?;
@@ -143,7 +143,7 @@ impl Draft {
     }
 
     fn draw_compression(&mut self, u: &mut Unstructured) -> Result<()> {
-        let jpeg = self.format.is_jpeg();
+        let jpeg = self.format.coding() == Some(Coding::Jpeg);
         let lossy = jpeg || u.ratio(1, 3)?;
         if jpeg {
             let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
@@ -292,7 +292,7 @@ impl Draft {
     fn draw_views(&mut self, u: &mut Unstructured) -> Result<()> {
         let mut views = vec!["raw".to_owned()];
         let rounds = self.compression.get("residuals").map(String::as_str) == Some("natural")
-            && self.format.is_jpeg();
+            && self.format.coding() == Some(Coding::Jpeg);
         if !rounds {
             let (lu, lv) = (u.int_in_range(-65..=65)?, u.int_in_range(-65..=65)?);
             let light = format!("rgb:{},{}", f64::from(lu) / 100.0, f64::from(lv) / 100.0);
@@ -372,10 +372,10 @@ fn set_word(words: &mut DraftWords, key: &'static str, word: impl ToString) {
 
 /// Returns the section that describes the payload of a format.
 fn section(format: Format) -> &'static str {
-    match format {
-        Format::PtmLut | Format::PtmCLut => "2.8/1",
-        format if format.is_compressed() => "2.9/1",
-        _ => "2.7/1",
+    match format.storage() {
+        Storage::Texels => "2.7/1",
+        Storage::Table | Storage::ColorTable => "2.8/1",
+        Storage::Streams(_) => "2.9/1",
     }
 }
 
@@ -384,8 +384,8 @@ fn section(format: Format) -> &'static str {
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,
-        1..=4 if !format.is_compressed() => (u.int_in_range(100..=600)?, 1),
-        5..=8 if !format.is_compressed() => (1, u.int_in_range(100..=600)?),
+        1..=4 if format.coding().is_none() => (u.int_in_range(100..=600)?, 1),
+        5..=8 if format.coding().is_none() => (1, u.int_in_range(100..=600)?),
         9..=14 => (*u.choose(&[255, 256, 257])?, u.int_in_range(1..=3)?),
         15..=18 => (u.int_in_range(1..=3)?, *u.choose(&[255, 256, 257])?),
         19..=30 => (u.int_in_range(1..=40)?, u.int_in_range(1..=40)?),

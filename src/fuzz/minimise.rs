@@ -52,7 +52,7 @@ fn steps(draft: &Draft) -> Vec<Draft> {
             }
         }
     }
-    let (has_table, is_compressed) = (draft.format.has_table(), draft.format.is_compressed());
+    let (has_table, is_compressed) = (draft.format.has_table(), draft.format.coding().is_some());
     for (applies, part, key, word) in [
         (true, MAKE, "scale", "1 1 1 1 1 1"),
         (true, MAKE, "bias", "0 0 0 0 0 0"),

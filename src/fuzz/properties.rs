@@ -22,7 +22,7 @@ use crate::misreadings;
 #[cfg(unix)]
 use crate::protocol::frame::{Answer, Samples};
 use crate::protocol::frame::{Frame, View};
-use crate::ptm::{Format, Limits, Planes};
+use crate::ptm::{Coding, Limits, Planes};
 use crate::reading::Reading;
 #[cfg(unix)]
 use crate::runner::run::{Reply, Request};
@@ -131,18 +131,17 @@ pub fn re_encoding(bytes: &[u8]) {
         return;
     };
     let compressed = case.recipe().expect("it was drawn").clone();
-    let plain_format = match compressed.format {
-        Format::JpeglsRgb => Format::Rgb,
-        Format::JpeglsLrgb => Format::Lrgb,
-        _ => return,
-    };
+    if compressed.format.coding() != Some(Coding::JpegLs) {
+        return;
+    }
     // Corrections of lossless planes are equal to the painted values; those of lossy ones would differ.
     if compressed.compression.parameter > 0 {
         return;
     }
+    let format = compressed.format.plain();
     let plain = Recipe {
-        format: plain_format,
-        compression: crate::generate::Compression::ordinary(plain_format),
+        format,
+        compression: crate::generate::Compression::ordinary(format),
         ..compressed.clone()
     };
     let natural = Recipe {

@@ -7,9 +7,7 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use super::shrink::{shrink, smaller_sizes};
-use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::decode::{decode, fields};
-use crate::generate::plan::Coding;
 use crate::generate::planes::{Compressed, StoredPlane};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Field, Format, Size};
@@ -86,7 +84,7 @@ impl Parts {
             model.table = fields.bytes("2.5/3", 0)?.to_vec();
             recipe.entries = model.entries() as u32;
             model.indices = indices(fields.bytes("2.8.1/1", 0)?, model.entries(), recipe.size);
-        } else if recipe.format.is_compressed() {
+        } else if recipe.format.coding().is_some() {
             fields.read_plan(&mut recipe)?;
             let planes = (0..recipe.format.channels())
                 .map(|plane| fields.plane(plane))
@@ -149,50 +147,32 @@ impl Parts {
     /// A plane is stored bottom row first, so its top left corner is at the end of the raster.
     fn cropped_plane(&self, plane: &StoredPlane, width: u32, height: u32) -> Option<StoredPlane> {
         let old = self.recipe.size;
-        let residual = match self.recipe.coding() {
-            Coding::Jpeg => jpeg::decode(&plane.stream, old.width, old.height),
-            Coding::JpegLs => jpeg_ls::decode(&plane.stream, old.width, old.height),
-        };
-        let residual = residual.ok()?;
+        let coding = self.recipe.compression.coding;
+        let residual = (coding.decode(&plane.stream, old.width, old.height)).ok()?;
         let gone = old.height - height;
         let kept = &residual[(gone * old.width) as usize..];
         let rest = Size {
             width: old.width,
             height,
         };
-        let stream = self.encoded(&crop(kept, 1, rest, width, height), width, height);
+        let cropped = crop(kept, 1, rest, width, height);
+        let parameter = self.recipe.compression.parameter;
         let moved = |&(position, value): &(u32, u8)| {
             let (x, y) = (position % old.width, position / old.width);
             (x < width && y >= gone).then(|| ((y - gone) * width + x, value))
         };
         Some(StoredPlane {
-            stream: stream.stream,
+            stream: coding.encode(&cropped, (width, height), parameter),
             records: plane.records.iter().filter_map(moved).collect(),
         })
-    }
-
-    fn encoded(&self, residual: &[u8], width: u32, height: u32) -> Encoded {
-        let parameter = self.recipe.compression.parameter;
-        match self.recipe.coding() {
-            Coding::Jpeg => {
-                let options = jpeg::JpegOptions::new(parameter.clamp(1, 100));
-                jpeg::encode(residual, width, height, &options)
-            }
-            Coding::JpegLs => {
-                let options = jpeg_ls::JpegLsOptions {
-                    near: parameter.min(127),
-                    presets: None,
-                };
-                jpeg_ls::encode(residual, width, height, &options)
-            }
-        }
     }
 
     /// Makes all residuals of a plane 128.
     fn make_gray(&mut self, plane: usize) {
         let Size { width, height } = self.recipe.size;
         let residual = vec![128; self.recipe.size.texels()];
-        let stream = self.encoded(&residual, width, height).stream;
+        let parameter = self.recipe.compression.parameter;
+        let stream = (self.recipe.compression.coding).encode(&residual, (width, height), parameter);
         self.compressed().planes[plane].stream = stream;
     }
 
@@ -204,7 +184,7 @@ impl Parts {
         parts
             .model
             .table
-            .truncate(kept as usize * self.model.entry_size());
+            .truncate(kept as usize * self.model.format.entry_size());
         parts.recipe.entries = kept;
         parts
             .model

@@ -14,9 +14,8 @@ use serde::de::{IntoDeserializer, value};
 use super::model::Model;
 use super::output::Written;
 use super::place::{DamagePlace, Named, Spot};
-use super::plan::Coding;
 use super::stand_in::StandIn;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Format, Size};
 
 /// A named edit.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -215,16 +214,11 @@ impl Needs {
             .as_ref()
             .map(|size| size.parse::<Size>())
             .transpose()?;
-        let coding = match model.format {
-            Format::JpegRgb | Format::JpegLrgb => Some(Coding::Jpeg),
-            Format::JpeglsRgb | Format::JpeglsLrgb => Some(Coding::JpegLs),
-            _ => None,
-        };
         let met = self
             .planes
             .is_none_or(|planes| planes == model.format.channels())
             && size.is_none_or(|size| size == model.size)
-            && (self.coding.is_none() || self.coding == coding);
+            && (self.coding.is_none() || self.coding == model.format.coding());
         met.then_some(()).ok_or_else(|| {
             "the file lacks the planes, size or coding that this damage needs".to_owned()
         })

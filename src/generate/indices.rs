@@ -5,7 +5,7 @@
 use super::model::Model;
 use super::output::Output;
 use super::texels;
-use crate::ptm::Format;
+use crate::ptm::Storage;
 
 pub(super) fn write(model: &Model, out: &mut Output) {
     let wide = model.entries() > 256;
@@ -19,7 +19,7 @@ pub(super) fn write(model: &Model, out: &mut Output) {
         }
     }
     out.take("2.8.1/1", "indices", &bytes);
-    if model.format == Format::PtmLut {
+    if model.format.storage() == Storage::Table {
         texels::write_colors("2.8.1/4", model, out);
     }
 }

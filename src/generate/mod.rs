@@ -81,7 +81,7 @@ pub use recipe::{Numbers, Recipe};
 pub use scene::Scene;
 pub use spelling::Spelling;
 
-use crate::ptm::Format;
+use crate::ptm::{Shape, Storage};
 use output::Output;
 
 /// Writes the file of `recipe`, whose values `model` holds.
@@ -103,18 +103,15 @@ fn write_header(recipe: &Recipe, out: &mut Output) {
 
 /// Writes 2.5–2.9.
 fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
-    match recipe.format {
-        Format::Rgb | Format::Lrgb => texels::write(model, out),
-        Format::Lum => {
-            color_matrix::write(&recipe.matrix, out);
-            texels::write(model, out);
-        }
-        Format::PtmLut | Format::PtmCLut => {
+    if let Shape::Lum(()) = recipe.format.shape() {
+        color_matrix::write(&recipe.matrix, out);
+    }
+    match recipe.format.storage() {
+        Storage::Texels => texels::write(model, out),
+        Storage::Table | Storage::ColorTable => {
             lookup_table::write(model, out);
             indices::write(model, out);
         }
-        Format::JpegRgb | Format::JpegLrgb | Format::JpeglsRgb | Format::JpeglsLrgb => {
-            compressed::write(model, out);
-        }
+        Storage::Streams(_) => compressed::write(model, out),
     }
 }

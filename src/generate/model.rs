@@ -42,7 +42,7 @@ impl Model {
         let texels = recipe.size.texels();
         let samples = (0..texels * channels).map(|i| sample(recipe, i / channels, i % channels));
         let mut model = Model::uncompressed(recipe, samples.collect());
-        if recipe.format.is_compressed() {
+        if recipe.format.coding().is_some() {
             model.compress(recipe);
         } else if recipe.format.has_table() {
             model.paint_table(recipe);
@@ -62,7 +62,7 @@ impl Model {
     /// If the map has more distinct texels than a table can have entries.
     pub fn new(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
         let mut model = Model::uncompressed(recipe, samples.to_vec());
-        if recipe.format.is_compressed() {
+        if recipe.format.coding().is_some() {
             model.compress(recipe);
         } else if recipe.format.has_table() {
             model.collect_table()?;
@@ -97,7 +97,7 @@ impl Model {
     /// Makes a table of the distinct texels, and the indices that name them.
     fn collect_table(&mut self) -> Result<(), String> {
         const MAX_TABLE_ENTRIES: usize = 65_536;
-        let (size, width) = (self.entry_size(), self.size.width as usize);
+        let (size, width) = (self.format.entry_size(), self.size.width as usize);
         let mut known: HashMap<&[u8], u32> = HashMap::new();
         let mut indices = vec![0; self.size.texels()];
         let mut table = Vec::new();
@@ -125,7 +125,7 @@ impl Model {
 
     /// Paints the table and the indices, and sets the resulting samples.
     fn paint_table(&mut self, recipe: &Recipe) {
-        let size = self.entry_size();
+        let size = self.format.entry_size();
         self.table = (0..recipe.entries as usize * size)
             .map(|i| sample(recipe, i / size, i % size))
             .collect();
@@ -140,16 +140,10 @@ impl Model {
         }
     }
 
-    /// Returns the bytes of a table entry: 6, or 9 if the table has colors.
-    #[must_use]
-    pub fn entry_size(&self) -> usize {
-        if self.format == Format::PtmCLut { 9 } else { 6 }
-    }
-
     /// Returns the number of entries of the table.
     #[must_use]
     pub fn entries(&self) -> usize {
-        self.table.len() / self.entry_size()
+        self.table.len() / self.format.entry_size()
     }
 
     /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.

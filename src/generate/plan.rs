@@ -7,25 +7,13 @@ use std::str::FromStr;
 use super::predict::{INVERSION, MOTION};
 use crate::codec::jpeg::JpegOptions;
 use crate::codec::jpeg_ls::PresetParameters;
-use crate::ptm::{Format, Size};
-
-/// The standard of the streams.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
-pub enum Coding {
-    /// ITU-T T.81.
-    Jpeg,
-    /// ITU-T T.87.
-    JpegLs,
-}
+use crate::ptm::{Coding, Format, Size};
 
 /// Parameters for the compression of planes. All lists have a number for each plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compression {
+    /// The standard of the streams.
+    pub coding: Coding,
     /// Quality of JPEG, maximum error of JPEG-LS (2.9.1).
     pub parameter: u8,
     /// Transforms of the references (2.9.2).
@@ -239,22 +227,23 @@ impl Compression {
     /// JPEG-LS.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {
-        let jpeg = format.is_jpeg();
+        let coding = format.coding().unwrap_or(Coding::JpegLs);
         let count = format.channels();
         let (references, order) = Structure::Intra.lists(count as i64);
+        let (parameter, residuals) = match coding {
+            Coding::Jpeg => (75, Residuals::Blocks),
+            Coding::JpegLs => (0, Residuals::Natural),
+        };
         Compression {
-            parameter: if jpeg { 75 } else { 0 },
+            coding,
+            parameter,
             transforms: vec![0; count],
             motion_x: vec![0; count],
             motion_y: vec![0; count],
             order,
             references,
             records: Vec::new(),
-            residuals: if jpeg {
-                Residuals::Blocks
-            } else {
-                Residuals::Natural
-            },
+            residuals,
             stream: Stream::PLAIN,
             alternates: false,
         }
@@ -373,7 +362,7 @@ impl Compression {
 
     /// Returns the open choices that may affect a file with these lists, possibly more than do.
     #[must_use]
-    pub fn axes(&self, coding: Coding) -> Vec<&'static str> {
+    pub fn axes(&self) -> Vec<&'static str> {
         let moved: Vec<_> = self
             .predicted()
             .filter(|&(_, transform, vector)| transform & MOTION != 0 && vector != (0, 0))
@@ -381,7 +370,7 @@ impl Compression {
         let shows = [
             (
                 "jpeg-ls-offset",
-                coding == Coding::JpegLs && self.predicts(),
+                self.coding == Coding::JpegLs && self.predicts(),
             ),
             ("motion-sign", !moved.is_empty()),
             (
@@ -414,7 +403,7 @@ impl Compression {
     }
 
     /// Returns an error if no file can be written with these lists.
-    pub(super) fn check(&self, coding: Coding, size: Size) -> Result<(), String> {
+    pub(super) fn check(&self, size: Size) -> Result<(), String> {
         let count = self.order.len();
         let lengths = [
             self.transforms.len(),
@@ -448,7 +437,7 @@ impl Compression {
         if size.width > 0xffff || size.height > 0xffff {
             return Err("a JPEG cannot be wider or higher than 65,535".to_owned());
         }
-        match coding {
+        match self.coding {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
                 Err("expected a quality from 1 to 100".to_owned())
             }

@@ -14,11 +14,11 @@ use std::collections::HashSet;
 
 use super::headers::with_headers;
 use super::paint::hash;
-use super::plan::{Coding, Compression, Residuals, Stream, Texels};
+use super::plan::{Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
 use super::recipe::Recipe;
 use crate::codec::{Encoded, jpeg, jpeg_ls};
-use crate::ptm::Size;
+use crate::ptm::{Coding, Size};
 
 /// The contents of a compressed file (2.9).
 #[derive(Clone, Debug, PartialEq)]
@@ -144,7 +144,7 @@ fn encode_plane(
         stream,
         samples: received,
     } = run_codec(recipe, plane, &residual);
-    let own_slack = match recipe.coding() {
+    let own_slack = match recipe.compression.coding {
         Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
         Coding::JpegLs => 0,
     };
@@ -248,7 +248,7 @@ fn wrapping_residual(predictor: u8, any: u32) -> u8 {
 /// both the step and 8. JPEG-LS has no such constraint.
 fn exact_step(recipe: &Recipe) -> u32 {
     let quality = u32::from(recipe.compression.parameter).clamp(1, 100);
-    if recipe.coding() == Coding::JpegLs {
+    if recipe.compression.coding == Coding::JpegLs {
         return 1;
     }
     // The Independent JPEG Group's definition of quality, for the first of the steps, 16 (T.81 Table K.1).
@@ -283,7 +283,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
         true => Stream::PLAIN,
         false => plan.stream,
     };
-    let encoded = match recipe.coding() {
+    let encoded = match recipe.compression.coding {
         Coding::Jpeg => {
             let options = jpeg::JpegOptions {
                 quality: plan.parameter,

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::plan::{Coding, Compression};
+use super::plan::Compression;
 use super::scene::Scene;
 use super::spelling::Spelling;
 use crate::ptm::{Format, Size};
@@ -110,22 +110,13 @@ impl Recipe {
         }
     }
 
-    /// Returns the standard of the streams of a compressed format.
-    #[must_use]
-    pub fn coding(&self) -> Coding {
-        match self.format {
-            Format::JpegRgb | Format::JpegLrgb => Coding::Jpeg,
-            _ => Coding::JpegLs,
-        }
-    }
-
     /// Checks that this recipe can be written.
     ///
     /// # Errors
     /// A sentence that says why it cannot be written.
     pub fn check(&self) -> Result<(), String> {
-        if self.format.is_compressed() {
-            self.compression.check(self.coding(), self.size)?;
+        if self.format.coding().is_some() {
+            self.compression.check(self.size)?;
             if self.first.is_some() {
                 return Err(
                     "the first byte of a compressed payload is that of its first stream".to_owned(),

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::model::Model;
 use super::place::segment;
-use crate::codec::{jpeg, jpeg_ls};
+use crate::codec::Coding;
 
 /// A gray plane, 128 everywhere: `gray-one-wider` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -22,30 +22,31 @@ impl StandIn {
     /// Returns its bytes, for a file of these values.
     pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
         let (width, height) = (model.size.width, model.size.height);
-        let is_jpeg = model.format.is_jpeg();
+        let own = model.format.coding().ok_or("the file has no streams")?;
+        let other = match own {
+            Coding::Jpeg => Coding::JpegLs,
+            Coding::JpegLs => Coding::Jpeg,
+        };
         Ok(match self {
-            StandIn::OneWider => gray(width + 1, height, is_jpeg),
-            StandIn::OneHigher => gray(width, height + 1, is_jpeg),
+            StandIn::OneWider => gray(width + 1, height, own),
+            StandIn::OneHigher => gray(width, height + 1, own),
             StandIn::WithExchangedSides if width == height => {
                 return Err("the sides of a square are equal".to_owned());
             }
-            StandIn::WithExchangedSides => gray(height, width, is_jpeg),
-            StandIn::ByTheOtherCodec => gray(width, height, !is_jpeg),
-            StandIn::OfThreeComponents => three_components(&gray(width, height, is_jpeg)),
+            StandIn::WithExchangedSides => gray(height, width, own),
+            StandIn::ByTheOtherCodec => gray(width, height, other),
+            StandIn::OfThreeComponents => three_components(&gray(width, height, own)),
         })
     }
 }
 
-fn gray(width: u32, height: u32, is_jpeg: bool) -> Vec<u8> {
+fn gray(width: u32, height: u32, coding: Coding) -> Vec<u8> {
     let samples = vec![128; width as usize * height as usize];
-    if is_jpeg {
-        return jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(75)).stream;
-    }
-    let lossless = jpeg_ls::JpegLsOptions {
-        near: 0,
-        presets: None,
+    let parameter = match coding {
+        Coding::Jpeg => 75,
+        Coding::JpegLs => 0,
     };
-    jpeg_ls::encode(&samples, width, height, &lossless).stream
+    coding.encode(&samples, (width, height), parameter)
 }
 
 /// Returns a stream of three components of full size, each equal to that of `one`, with a scan for each, which is legal.

@@ -6,17 +6,17 @@ use std::ops::Range;
 
 use super::model::Model;
 use super::output::Output;
-use crate::ptm::Format;
+use crate::ptm::Shape;
 
 pub(super) fn write(model: &Model, out: &mut Output) {
-    match model.format {
-        Format::Rgb => {
+    match model.format.shape() {
+        Shape::Rgb => {
             out.take("2.7.1/2", "red coefficients", &block(model, 0..6));
             out.take("2.7.1/2", "green coefficients", &block(model, 6..12));
             out.take("2.7.1/2", "blue coefficients", &block(model, 12..18));
         }
-        Format::Lum => out.take("2.7.2/1", "coefficients, Cr and Cb", &block(model, 0..8)),
-        _ => {
+        Shape::Lum(()) => out.take("2.7.2/1", "coefficients, Cr and Cb", &block(model, 0..8)),
+        Shape::Lrgb => {
             out.take("2.7.3/1", "coefficients", &block(model, 0..6));
             write_colors("2.7.3/2", model, out);
         }

@@ -5,7 +5,7 @@ use super::layout::{turned, turned_if};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, PlaneStream};
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
 type PlaneSamples = Result<Vec<u8>>;
@@ -14,20 +14,24 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     // Rows
     (
         "compressed-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_compressed(), header, row)),
+        At::StoredRow(|header, row| turned_if(header.format.coding().is_some(), header, row)),
     ),
     (
         "jpeg-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_jpeg(), header, row)),
+        At::StoredRow(|header, row| {
+            turned_if(header.format.coding() == Some(Coding::Jpeg), header, row)
+        }),
     ),
     (
         "jpeg-ls-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.is_jpeg_ls(), header, row)),
+        At::StoredRow(|header, row| {
+            turned_if(header.format.coding() == Some(Coding::JpegLs), header, row)
+        }),
     ),
     (
         "compressed-colors-top-down",
         At::Planes(|ptm| {
-            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 9 {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
                 turned(ptm, 6..9);
             }
         }),
@@ -35,7 +39,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "compressed-green-and-blue-top-down",
         At::Planes(|ptm| {
-            if ptm.header.format.is_compressed() && ptm.header.format.channels() == 18 {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
                 turned(ptm, 6..18);
             }
         }),
@@ -43,11 +47,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     // Samples
     (
         "jpeg-rows-padded-to-4",
-        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 4)),
+        At::Stream(|plane| sheared(plane, 4)),
     ),
     (
         "jpeg-rows-padded-to-8",
-        At::Stream(|plane| sheared(planes::stream(plane), plane.format.is_jpeg(), plane.size, 8)),
+        At::Stream(|plane| sheared(plane, 8)),
     ),
     (
         "compressed-columns-mirrored",
@@ -62,43 +66,29 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "jpeg-studio-range",
         At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
+            each(plane, |value| {
                 ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
             })
         }),
     ),
     (
         "jpeg-studio-range-made",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                (u16::from(value) * 219 / 255 + 16) as u8
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)),
     ),
     (
         "jpeg-without-level-shift",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                value.saturating_sub(128)
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| value.saturating_sub(128))),
     ),
     (
         "jpeg-gamma",
         At::Stream(|plane| {
             // A square root is similar to color management, and exact on every machine.
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                (u16::from(value) * 255).isqrt() as u8
-            })
+            each(plane, |value| (u16::from(value) * 255).isqrt() as u8)
         }),
     ),
     (
         "jpeg-low-bit-lost",
-        At::Stream(|plane| {
-            each(planes::stream(plane), plane.format.is_jpeg(), |value| {
-                value & 0xFE
-            })
-        }),
+        At::Stream(|plane| each(plane, |value| value & 0xFE)),
     ),
     // Optional features of streams
     (
@@ -121,7 +111,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "tables-of-16-bits-cut",
         At::Stream(|plane| {
-            let cut = edited(plane.bytes, |code, segment| {
+            edited(plane, |code, segment| {
                 if let (0xDB, Some((16..=31, table))) = (
                     code,
                     segment
@@ -134,17 +124,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                         entry[1] = entry[1].max(1);
                     }
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &cut,
-                ..*plane
             })
         }),
     ),
     (
         "quantisation-table-in-rows",
         At::Stream(|plane| {
-            let turned = edited(plane.bytes, |code, segment| {
+            edited(plane, |code, segment| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
@@ -155,10 +141,6 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                         .zip(zigzag())
                         .for_each(|(entry, place)| *entry = stored[place]);
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &turned,
-                ..*plane
             })
         }),
     ),
@@ -187,31 +169,27 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "jfif-required",
-        At::Stream(|plane| refused_if(plane.format.is_jpeg() && !has(plane.bytes, 0xE0), plane)),
+        At::Stream(|plane| {
+            let is_jpeg = plane.coding == Coding::Jpeg;
+            refused_if(is_jpeg && !has(plane.bytes, 0xE0), plane)
+        }),
     ),
     (
         "one-row-refused",
         At::Stream(|plane| {
-            refused_if(
-                plane.format.is_jpeg() && (plane.size.width < 8 || plane.size.height < 8),
-                plane,
-            )
+            let is_small = plane.size.width < 8 || plane.size.height < 8;
+            refused_if(is_small && plane.coding == Coding::Jpeg, plane)
         }),
     ),
     // JPEG-LS parameters
     (
         "near-ignored",
         At::Stream(|plane| {
-            let lossless = edited(plane.bytes, |code, segment| {
-                if let (0xDA, [1, _, _, near, ..], true) =
-                    (code, segment, plane.format.is_jpeg_ls())
-                {
+            edited(plane, |code, segment| {
+                let of = (code, segment, plane.coding);
+                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
                     *near = 0;
                 }
-            });
-            planes::stream(&PlaneStream {
-                bytes: &lossless,
-                ..*plane
             })
         }),
     ),
@@ -283,19 +261,12 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "codec-from-the-stream",
         At::Stream(|plane| {
-            let found = if has(plane.bytes, 0xF7) {
-                Format::JpeglsLrgb
-            } else {
-                Format::JpegLrgb
+            let coding = match plane.bytes {
+                [] => plane.coding,
+                bytes if has(bytes, 0xF7) => Coding::JpegLs,
+                _ => Coding::Jpeg,
             };
-            planes::stream(&PlaneStream {
-                format: if plane.bytes.is_empty() {
-                    plane.format
-                } else {
-                    found
-                },
-                ..*plane
-            })
+            planes::stream(&PlaneStream { coding, ..*plane })
         }),
     ),
     (
@@ -340,10 +311,10 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
     planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
 }
 
-/// Changes the samples of the streams that are `concerned`.
-fn each(samples: PlaneSamples, concerned: bool, change: fn(u8) -> u8) -> PlaneSamples {
-    let mut samples = samples?;
-    if concerned {
+/// Changes the samples of JPEG streams.
+fn each(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
+    let mut samples = planes::stream(plane)?;
+    if plane.coding == Coding::Jpeg {
         for value in &mut samples {
             *value = change(*value);
         }
@@ -351,13 +322,13 @@ fn each(samples: PlaneSamples, concerned: bool, change: fn(u8) -> u8) -> PlaneSa
     Ok(samples)
 }
 
-/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
-fn sheared(samples: PlaneSamples, concerned: bool, size: Size, unit: usize) -> PlaneSamples {
-    let samples = samples?;
-    if !concerned {
+/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`, for JPEG streams.
+fn sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
+    let samples = planes::stream(plane)?;
+    if plane.coding != Coding::Jpeg {
         return Ok(samples);
     }
-    let width = size.width as usize;
+    let width = plane.size.width as usize;
     let padded = width.next_multiple_of(unit);
     let at = |i: usize| samples[i / padded * width + (i % padded).min(width - 1)];
     Ok((0..samples.len()).map(at).collect())
@@ -403,25 +374,22 @@ fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
     found
 }
 
-/// Returns the stream with other segments.
-fn edited(bytes: &[u8], edit: impl Fn(u8, &mut [u8])) -> Vec<u8> {
-    let mut stream = bytes.to_vec();
-    for (code, range) in places(bytes) {
+/// Returns the samples of the stream with other segments.
+fn edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamples {
+    let mut stream = plane.bytes.to_vec();
+    for (code, range) in places(plane.bytes) {
         edit(code, &mut stream[range]);
     }
-    stream
+    let bytes = &stream;
+    planes::stream(&PlaneStream { bytes, ..*plane })
 }
 
-/// Returns the stream with other preset parameters; 0 stands for the default.
+/// Returns the samples of the stream with other preset parameters; 0 stands for the default.
 fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
-    let changed = edited(plane.bytes, |code, segment| {
+    edited(plane, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
             edit(segment);
         }
-    });
-    planes::stream(&PlaneStream {
-        bytes: &changed,
-        ..*plane
     })
 }
 

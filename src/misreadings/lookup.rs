@@ -155,7 +155,7 @@ fn entries(file: &Anatomy) -> Option<usize> {
 }
 
 fn entry_size(file: &Anatomy) -> Option<usize> {
-    format(file).map(|format| if format == Format::PtmCLut { 9 } else { 6 })
+    format(file).map(Format::entry_size)
 }
 
 fn renamed(file: &Anatomy, name: &[u8]) -> Seen {

@@ -195,7 +195,7 @@ fn listed(lists: &RawLists) -> Result<Vec<usize>> {
 
 /// Returns the plane with this number, if there is one.
 fn plane(lists: &RawLists, number: &Number) -> Result<usize> {
-    let planes = lists.format.channels();
+    let planes = lists.planes;
     let found = usize::try_from(number.value)
         .ok()
         .filter(|&plane| plane < planes);

@@ -4,6 +4,7 @@ use super::at::At;
 use crate::decode::planes as rule;
 use crate::error::Result;
 use crate::parts::Coded;
+use crate::ptm::Coding;
 use crate::reading::Reading;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
@@ -64,12 +65,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "side-information-of-jpeg-ls-ignored",
-        At::SideInformation(|coded, plane| skipped_if(coded.format.is_jpeg_ls(), coded, plane)),
+        At::SideInformation(|coded, plane| {
+            skipped_if(coded.coding == Coding::JpegLs, coded, plane)
+        }),
     ),
     (
         "quality-100-is-lossless",
         At::SideInformation(|coded, plane| {
-            let lossless = coded.plan.parameter == 100 && coded.format.is_jpeg();
+            let lossless = coded.plan.parameter == 100 && coded.coding == Coding::Jpeg;
             skipped_if(lossless, coded, plane)
         }),
     ),

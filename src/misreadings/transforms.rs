@@ -219,7 +219,7 @@ pub(super) fn planes(
 fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
     if let Some(reference) = step.reference {
         rule::apply(
-            coded.format,
+            coded.coding,
             plane,
             &done[reference],
             &step,

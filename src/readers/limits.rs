@@ -166,7 +166,7 @@ impl<'a> Marks<'a> {
     }
 
     fn is_compressed(&self) -> bool {
-        self.format.is_some_and(Format::is_compressed)
+        self.format.and_then(Format::coding).is_some()
     }
 
     /// Parses the numbers in the header fields of `clause`.

@@ -12,7 +12,7 @@ use crate::error::Class;
 use crate::generate::spelling::Line;
 use crate::generate::{Model, Numbers, Recipe, Spelling, write};
 use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Field, Format, Limits, Ptm, Shape};
+use crate::ptm::{Coding, Field, Format, Limits, Ptm, Shape};
 use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::outcome::Outcome;
@@ -120,13 +120,12 @@ pub fn check_file(
 /// Returns the same values in other formats and in other spellings of the header: the difference of each in words, and the file.
 /// No correct decoder shows another image, and that needs no expected output.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
-    use Format::{JpeglsLrgb, JpeglsRgb, Lrgb, Lum, PtmCLut, PtmLut, Rgb};
     type Spell = fn(&mut Spelling);
-    let formats: &[Format] = match ptm.planes.shape {
-        Shape::Rgb => &[Rgb, JpeglsRgb],
-        Shape::Lrgb => &[Lrgb, PtmLut, PtmCLut, JpeglsLrgb],
-        Shape::Lum(_) => &[Lum],
-    };
+    let mut formats = Format::ALL.to_vec();
+    formats.retain(|format| {
+        let is_exact = format.coding() != Some(Coding::Jpeg);
+        is_exact && format.channels() == ptm.planes.shape.channels()
+    });
     let spellings: [(&str, Spell); 4] = [
         (", with width and height on one line", |s| {
             s.size_on_two_lines = false;
@@ -158,7 +157,7 @@ fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
 fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     let size = ptm.planes.size;
     // A JPEG-LS stream has at most 65,535 columns and rows.
-    if format.is_compressed() && size.width.max(size.height) > 65_535 {
+    if format.coding().is_some() && size.width.max(size.height) > 65_535 {
         return None;
     }
     let mut recipe = Recipe {
@@ -184,7 +183,7 @@ fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
-    if !format.is_jpeg() {
+    if format.coding() != Some(Coding::Jpeg) {
         return Expected::from_file(file, view, reading);
     }
     let model = Model {
@@ -231,7 +230,7 @@ fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             let format = ptm.header.format;
             let is_open = |&axis: &usize| {
                 let is_lum = CHOICES[axis].ruling.starts_with("lum");
-                is_lum && format == Format::Lum || !is_lum && format.is_compressed()
+                is_lum && format == Format::Lum || !is_lum && format.coding().is_some()
             };
             let open: Vec<usize> = (0..CHOICES.len()).filter(is_open).collect();
             let fits = |dialect: &&Dialect| {

@@ -9,7 +9,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
-use crate::ptm::{Format, Ptm, Shape, Size};
+use crate::ptm::{Coding, Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
 use crate::session::asking::Ask;
 use crate::session::offer::Offer;
@@ -49,8 +49,8 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     formats.retain(|format| decoded.contains(&Feature::Format(*format)));
     // The simplest first, then those without loss, then those whose scene is lossy or has other colors.
     let format = formats.into_iter().min_by_key(|&format| {
-        let (is_lum, is_lossy) = (format == Format::Lum, format.is_jpeg());
-        let (has_table, is_compressed) = (format.has_table(), format.is_compressed());
+        let (is_lum, is_lossy) = (format == Format::Lum, format.coding() == Some(Coding::Jpeg));
+        let (has_table, is_compressed) = (format.has_table(), format.coding().is_some());
         (
             is_lum,
             is_lossy,
@@ -128,7 +128,7 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     recipe.bias = "128 128 128 128 128 128".parse().expect("numbers");
     recipe.spelling.count = count;
     recipe.compression.residuals = Residuals::Natural;
-    if format.is_jpeg() {
+    if format.coding() == Some(Coding::Jpeg) {
         recipe.compression.parameter = 95;
     }
     recipe.matrix = "1 1 1 0 1 0 0 0 0 0 1 0 0 0 0 1".parse().expect("numbers");

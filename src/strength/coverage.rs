@@ -356,7 +356,7 @@ fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
                 .parse::<Format>()
                 .is_ok_and(|format| match other.0 {
                     "entries" => !format.has_table(),
-                    "prediction" | "side information" => !format.is_compressed(),
+                    "prediction" | "side information" => format.coding().is_none(),
                     _ => false,
                 })
     };

@@ -209,7 +209,7 @@ impl Case {
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
         self.recipe()
-            .filter(|recipe| recipe.format.is_compressed())
+            .filter(|recipe| recipe.format.coding().is_some())
             .map(|recipe| &recipe.compression)
     }
 
@@ -217,12 +217,12 @@ impl Case {
     /// of the others its values are those of the reference.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
-        match (&self.shows, self.recipe()) {
-            (Some(shows), _) => shows.iter().map(String::as_str).collect(),
-            (None, Some(recipe)) if recipe.format.is_compressed() => {
-                recipe.compression.axes(recipe.coding())
-            }
-            _ => Vec::new(),
+        match &self.shows {
+            Some(shows) => shows.iter().map(String::as_str).collect(),
+            None => self
+                .compression()
+                .map(Compression::axes)
+                .unwrap_or_default(),
         }
     }
 

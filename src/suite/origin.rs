@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use crate::decode::fields;
-use crate::ptm::{Field, Format, Size, channel_name};
+use crate::decode::texels::block_of;
+use crate::parts::Block;
+use crate::ptm::{Field, Size, channel_name};
 use crate::suite::cases::Case;
 
 /// A range of bytes and its contents.
@@ -38,15 +40,11 @@ pub(crate) fn of_samples(
         texel,
         texels: width * height,
     };
-    let found = match case.format() {
-        Format::Rgb => map.block(channels.start / 6, 6, channels, "2.7.1/2"),
-        Format::Lrgb if channels.start < 6 => map.block(0, 6, channels, "2.7.3/1"),
-        Format::Lrgb => map.block(1, 3, channels, "2.7.3/2"),
-        Format::Lum => map.block(0, 8, channels, "2.7.2/1"),
-        Format::PtmLut if channels.start >= 6 => map.block(0, 3, channels, "2.8.1/4"),
-        Format::PtmLut => map.entry(6, channels),
-        Format::PtmCLut => map.entry(9, channels),
-        _ => map.plane(case, channels.start),
+    let format = case.format();
+    let found = match (block_of(format, channels.start), format.coding()) {
+        (Some((which, block)), _) => map.block(which, block, channels),
+        (None, None) => map.entry(format.entry_size(), channels),
+        (None, Some(_)) => map.plane(case, channels.start),
     };
     found.unwrap_or_default()
 }
@@ -94,28 +92,14 @@ impl Map<'_> {
         Some(named.nth(which)?.range.clone())
     }
 
-    /// Returns the bytes of block `which`, which has `stride` bytes per texel.
-    fn block(
-        &self,
-        which: usize,
-        stride: usize,
-        channels: Range<usize>,
-        clause: &'static str,
-    ) -> Option<Vec<Origin>> {
-        let first = match stride {
-            3 => channels.start - 6,
-            6 => channels.start % 6,
-            _ => channels.start,
-        };
-        let start = self.range("the texels", which)?.start + self.texel * stride + first;
+    /// Returns the bytes of block `which`.
+    fn block(&self, which: usize, block: &Block, channels: Range<usize>) -> Option<Vec<Origin>> {
+        let first = self.texel * block.channels + channels.start - block.channel;
+        let start = self.range("the texels", which)?.start + first;
         let Map { texel, texels, .. } = self;
         let what = format!("texel {texel} of {texels} as they are stored, the bottom row first");
         let range = start..start + channels.len();
-        Some(vec![Origin {
-            what,
-            clause,
-            range,
-        }])
+        Some(vec![Origin::new(what, block.clause, range)])
     }
 
     /// Returns the bytes of an index, and of the entry that it names.
@@ -185,7 +169,7 @@ mod tests {
             let Values::Painted(model) = &built.values else {
                 continue;
             };
-            if is_edited || case.format().is_compressed() {
+            if is_edited || case.format().coding().is_some() {
                 continue;
             }
             let (w, h) = (model.size.width as usize, model.size.height as usize);

@@ -10,7 +10,8 @@ use super::damages;
 use super::recipes::MakeRecord;
 use super::values::{HandValues, Piece, format_of};
 use super::words::Words;
-use crate::generate::plan::{Coding, Residuals};
+use crate::codec::Coding;
+use crate::generate::plan::Residuals;
 use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::View;
@@ -158,8 +159,7 @@ impl CaseRecord {
 /// Checks that a case uses only the raw view if another inverse DCT may turn a sample from 255 to 0: there the distance between
 /// the two is one.
 fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
-    let lossy = recipe.format.is_compressed()
-        && recipe.coding() == Coding::Jpeg
+    let lossy = recipe.format.coding() == Some(Coding::Jpeg)
         && recipe.compression.residuals == Residuals::Natural;
     if !lossy || views.iter().all(|view| *view == View::Raw) {
         return Ok(());

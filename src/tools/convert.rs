@@ -11,7 +11,7 @@
 use crate::decode::decode;
 use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
-use crate::ptm::{Format, Ptm, Shape};
+use crate::ptm::{Coding, Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::{joined, place_in_words};
 
@@ -33,13 +33,13 @@ impl Target {
     /// A JPEG format without a quality, another format with a quality, or a loss for a format other than JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
-        let is_jpeg = format.is_jpeg();
+        let is_jpeg = format.coding() == Some(Coding::Jpeg);
         match self.quality {
             None if is_jpeg => Err(format!(
                 "quality: expected 20 to 100, because {format} is lossy; JPEGLS formats can be exact"
             )),
             Some(_) if !is_jpeg => Err(format!("quality is for JPEG formats, not for {format}")),
-            _ if self.loss > 0 && (is_jpeg || !format.is_compressed()) => {
+            _ if self.loss > 0 && (is_jpeg || format.coding().is_none()) => {
                 Err(format!("loss is for JPEGLS formats, not for {format}"))
             }
             _ => Ok(()),
@@ -91,7 +91,7 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
         recipe.matrix = texts(Role::Matrix, 16).parse()?;
     }
     target.check()?;
-    if target.format.is_compressed() {
+    if target.format.coding().is_some() {
         recipe.compression.parameter = target.quality.unwrap_or(target.loss);
     }
     recipe.compression.residuals = Residuals::Natural;
@@ -102,16 +102,16 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
 /// Returns the map's values as planes of the target.
 fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let source = ptm.header.format;
-    match (ptm.planes.shape, target) {
-        (Shape::Lum(_), Format::Lum) => Ok(ptm.planes.samples.clone()),
+    match (ptm.planes.shape, target.shape()) {
+        (Shape::Rgb, Shape::Rgb) | (Shape::Lrgb, Shape::Lrgb) | (Shape::Lum(_), Shape::Lum(())) => {
+            Ok(ptm.planes.samples.clone())
+        }
         (Shape::Lum(_), _) => Err(format!(
             "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format holds all of them"
         )),
-        (_, Format::Lum) => Err(format!(
+        (_, Shape::Lum(())) => Err(format!(
             "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
         )),
-        (Shape::Rgb, _) if target.channels() == 18 => Ok(ptm.planes.samples.clone()),
-        (Shape::Lrgb, _) if target.channels() == 9 => Ok(ptm.planes.samples.clone()),
         (Shape::Rgb, _) => each_texel(
             ptm,
             target,
@@ -243,7 +243,7 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     }
     let pairs = back.planes.samples.iter().zip(samples);
     let largest = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-    if !target.format.is_jpeg() && largest > target.loss {
+    if target.format.coding() != Some(Coding::Jpeg) && largest > target.loss {
         return Err(wrong("holds other values"));
     }
     if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {

@@ -5,7 +5,7 @@
 
 use super::convert::{Converted, Target, convert};
 use super::dissection::Dissection;
-use crate::ptm::{Format, Ptm};
+use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
 /// Formats to try after that of the file: most widely supported first.
@@ -60,7 +60,7 @@ fn attempt(
     format: Format,
     readers: &[&ReaderProfile],
 ) -> Result<Converted, String> {
-    if format.is_jpeg() {
+    if format.coding() == Some(Coding::Jpeg) {
         return Err(format!("{format} would lose something"));
     }
     let target = Target {

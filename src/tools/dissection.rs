@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use crate::decode::texels::blocks;
 use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size};
@@ -154,7 +155,7 @@ impl<'a> Dissection<'a> {
     #[must_use]
     pub fn compressed_planes(&self) -> usize {
         self.format
-            .filter(|format| format.is_compressed())
+            .filter(|format| format.coding().is_some())
             .map_or(0, Format::channels)
     }
 
@@ -385,11 +386,7 @@ impl FilePart {
 /// Returns the clause for the format of the file, if the decoder cites the one that all formats share.
 fn exact_clause(role: Role, format: Option<Format>) -> Option<&'static str> {
     Some(match (role, format?) {
-        (Role::Block(_), Format::Rgb) => "2.7.1/2",
-        (Role::Block(_), Format::Lum) => "2.7.2/1",
-        (Role::Block(0), Format::Lrgb) => "2.7.3/1",
-        (Role::Block(_), Format::Lrgb) => "2.7.3/2",
-        (Role::Block(_), Format::PtmLut) => "2.8.1/4",
+        (Role::Block(nth), format) => blocks(format).get(nth)?.clause,
         (Role::Indices, Format::PtmCLut) => "2.8.2/1",
         (Role::Table, Format::PtmLut) => "2.5/4",
         (Role::Table, Format::PtmCLut) => "2.5/5",

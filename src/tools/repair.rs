@@ -84,7 +84,7 @@ impl<'a> Loose<'a> {
                 return Err("the spelling of a lookup table's header is left as it is".to_owned());
             }
             Format::Lum => vec![16],
-            _ if format.is_compressed() => [&[1][..], &[planes; 7]].concat(),
+            _ if format.coding().is_some() => [&[1][..], &[planes; 7]].concat(),
             _ => Vec::new(),
         };
         for count in [1, 1, 6, 6].into_iter().chain(more) {
@@ -116,7 +116,7 @@ impl<'a> Loose<'a> {
             changes.push(BLANKS.to_owned());
             return Ok(as_lines);
         }
-        if !self.format.is_compressed() {
+        if self.format.coding().is_none() {
             return Err(
                 "its faults cannot be repaired without guessing; `lint` lists them".to_owned(),
             );

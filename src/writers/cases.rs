@@ -8,7 +8,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::recipe::Indices;
 use crate::generate::{Model, Recipe};
 use crate::kit::yaml::records;
-use crate::ptm::Format;
+use crate::ptm::{Coding, Format};
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::recipes::MakeRecord;
 use crate::suite::words::Words;
@@ -118,7 +118,7 @@ impl WriterCase {
         let recipe = &self.recipe;
         let format = recipe.format;
         let plan = &recipe.compression;
-        let predicts = format.is_compressed() && plan.predicts();
+        let predicts = format.coding().is_some() && plan.predicts();
         WriteRequest {
             header: RequestHeader {
                 format: format.name().to_owned(),
@@ -127,8 +127,8 @@ impl WriterCase {
                 scale: recipe.scale.values,
                 bias: recipe.bias.values.map(|bias| bias as i64),
                 matrix: (format == Format::Lum).then_some(recipe.matrix.values),
-                quality: format.is_jpeg().then_some(plan.parameter),
-                near: format.is_jpeg_ls().then_some(plan.parameter),
+                quality: (format.coding() == Some(Coding::Jpeg)).then_some(plan.parameter),
+                near: (format.coding() == Some(Coding::JpegLs)).then_some(plan.parameter),
                 prediction: predicts.then(|| PredictionAdvice {
                     references: plan.references.clone(),
                     order: plan.order.clone(),
@@ -146,11 +146,8 @@ impl WriterCase {
     /// Returns the painted samples, before any compression.
     fn samples(&self) -> Vec<u8> {
         let mut plain = self.recipe.clone();
-        if plain.format.is_compressed() {
-            plain.format = match plain.format.channels() {
-                18 => Format::Rgb,
-                _ => Format::Lrgb,
-            };
+        if plain.format.coding().is_some() {
+            plain.format = plain.format.plain();
         }
         Model::paint(&plain).samples
     }

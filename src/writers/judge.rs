@@ -5,9 +5,9 @@
 
 use std::fmt::Write;
 
+use crate::decode::texels::block_of;
 use crate::error::Error;
-use crate::ptm::{Format, Ptm, Shape, Size, channel_name};
-use crate::reading::Reading;
+use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::lint::codes::Severity;
 use crate::tools::lint::lint;
@@ -169,19 +169,11 @@ fn compare_planes(
             "; the value is read from byte {at}, which is {byte:02x}"
         );
     }
-    Err(WriterFault::new(clause_of_planes(request), says))
-}
-
-/// Returns the clause that defines the place of the values in a format.
-fn clause_of_planes(request: &WriteRequest) -> &'static str {
-    match request.format {
-        Format::Rgb => "2.7.1/1",
-        Format::Lum => "2.7.2/1",
-        Format::Lrgb => "2.7.3/1",
-        Format::PtmLut => "2.8.1/1",
-        Format::PtmCLut => "2.8.2/1",
-        _ => "2.9.8/1",
-    }
+    let clause = match request.format.coding() {
+        Some(_) => "2.9.8/1",
+        None => request.format.layout_clause(),
+    };
+    Err(WriterFault::new(clause, says))
 }
 
 /// Returns the offset of a value in an uncompressed file.
@@ -191,13 +183,11 @@ fn byte_of(
     (x, y): (usize, usize),
     channel: usize,
 ) -> Option<usize> {
-    if request.format.has_table() || request.format.is_compressed() {
+    if request.format.storage() != Storage::Texels {
         return None;
     }
     let texel = (request.header.height as usize - 1 - y) * request.header.width as usize + x;
-    let mut blocks = (Reading::SPEC.blocks)(request.format).iter().enumerate();
-    let (place, block) = blocks
-        .find(|(_, block)| (block.channel..block.channel + block.channels).contains(&channel))?;
+    let (place, block) = block_of(request.format, channel)?;
     let start = dissection.part(Role::Block(place))?.offset;
     Some(start + texel * block.channels + channel - block.channel)
 }

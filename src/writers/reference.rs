@@ -38,7 +38,7 @@ pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     if let Some(matrix) = header.matrix {
         recipe.matrix = matrix.map(decimal).join(" ").parse().expect(numbers);
     }
-    if format.is_compressed() {
+    if format.coding().is_some() {
         recipe.compression = compression(request, *format)?;
     }
     recipe.check().map_err(NotWritten::Unsupported)?;

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::protocol::frame::{Samples, ViewKind};
 use crate::protocol::npy;
-use crate::ptm::{ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
+use crate::ptm::{Coding, ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
 use crate::tools::export::npy_bytes;
 
 /// A request to write a file.
@@ -131,11 +131,10 @@ pub(super) fn map_of(
     matrix: Option<[f64; 16]>,
     samples: Vec<u8>,
 ) -> Ptm {
-    let shape = match (matrix, format.channels()) {
-        (Some(matrix), _) => Shape::Lum(ColorMatrix(matrix)),
-        (None, 18) => Shape::Rgb,
-        _ => Shape::Lrgb,
-    };
+    let shape = format
+        .shape()
+        .with_matrix(|| matrix.map(ColorMatrix).ok_or(()))
+        .expect("the matrix of a LUM map");
     let header = Header {
         format,
         size,
@@ -198,10 +197,11 @@ impl WriteRequest {
     /// Returns the request, if a file of its format has all values that it names and no others.
     fn checked(self) -> Result<WriteRequest, String> {
         let (format, header) = (self.format, &self.header);
+        let has = |coding| format.coding() == Some(coding);
         let needs = [
             ("matrix", format == Format::Lum, header.matrix.is_some()),
-            ("quality", format.is_jpeg(), header.quality.is_some()),
-            ("near", format.is_jpeg_ls(), header.near.is_some()),
+            ("quality", has(Coding::Jpeg), header.quality.is_some()),
+            ("near", has(Coding::JpegLs), header.near.is_some()),
         ];
         for (key, needed, given) in needs {
             match (needed, given) {
@@ -216,7 +216,7 @@ impl WriteRequest {
         if !header.scale.iter().all(|scale| scale.is_finite()) {
             return Err("a scale is a finite number".to_owned());
         }
-        if header.prediction.is_some() && !format.is_compressed() {
+        if header.prediction.is_some() && format.coding().is_none() {
             return Err(format!("{format} has no planes that predict each other"));
         }
         Ok(self)

@@ -38,23 +38,11 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> S
 /// have only the header in common.
 fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
     let formats: Vec<Format> = of.iter().map(|&w| witnesses[w].case.format()).collect();
-    let first = layout_clause(formats[0]);
-    match formats.iter().all(|format| layout_clause(*format) == first) {
+    let first = formats[0].layout_clause();
+    match formats.iter().all(|format| format.layout_clause() == first) {
         true => first,
         false if formats.iter().all(|format| format.has_table()) => "2.5/1",
         false => "2.0/1",
-    }
-}
-
-/// Returns the clause about the layout of a format.
-const fn layout_clause(format: Format) -> &'static str {
-    match format {
-        Format::Rgb => "2.7.1/1",
-        Format::Lum => "2.7.2/1",
-        Format::Lrgb => "2.7.3/1",
-        Format::PtmLut => "2.8.1/1",
-        Format::PtmCLut => "2.8.2/1",
-        _ => "2.9/1",
     }
 }
 

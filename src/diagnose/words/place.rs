@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 
 use super::arithmetic::arithmetic;
-use super::{files_in, layout_clause, share_of_formats};
+use super::{files_in, share_of_formats};
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::ImagePair;
@@ -112,7 +112,9 @@ impl Phase {
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
             (Phase::Size, _) => "2.3/1",
-            (Phase::Channels | Phase::Places | Phase::StoredValue, format) => layout_clause(format),
+            (Phase::Channels | Phase::Places | Phase::StoredValue, format) => {
+                format.layout_clause()
+            }
             (Phase::Stream, _) => "2.9.8/3",
             (Phase::Prediction, _) => "2.9.5/4",
             (Phase::Correction, _) => "2.9.8/8",
@@ -374,7 +376,7 @@ fn step(search: &Search, set: &[Id], w: usize) -> Phase {
         return Phase::Places;
     }
     let plain = Phase::in_view(pair.view);
-    if plain == Phase::Color || !witness.case.format().is_compressed() {
+    if plain == Phase::Color || witness.case.format().coding().is_none() {
         return plain;
     }
     match step_of_planes(&pair, witness) {

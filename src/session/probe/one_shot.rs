@@ -12,18 +12,8 @@ use super::message::{Slots, fault};
 use super::repair::repair;
 use super::sample::Sample;
 
-/// Formats, ordered by the number of readers that support them.
-const FORMATS: [Format; 9] = [
-    Format::Lrgb,
-    Format::Rgb,
-    Format::PtmCLut,
-    Format::PtmLut,
-    Format::Lum,
-    Format::JpegRgb,
-    Format::JpegLrgb,
-    Format::JpeglsRgb,
-    Format::JpeglsLrgb,
-];
+/// The formats that most readers support. The others follow in the order of the text.
+const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];
 
 /// A file, and the replies to it in each view.
 pub(super) struct FileReplies {
@@ -90,7 +80,9 @@ impl FileReplies {
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let mut lacking = Vec::new();
-    for format in FORMATS {
+    let others = Format::ALL.into_iter();
+    let others = others.filter(|format| !COMMON_FORMATS.contains(format));
+    for format in COMMON_FORMATS.into_iter().chain(others) {
         let mut asked = FileReplies::in_best_spelling(calls, format);
         if asked.rank()[0] {
             judge_views(&asked, list);

@@ -6,7 +6,7 @@ use super::codes::{self, Problem};
 use super::diagnostic::Findings;
 use crate::decode::{Stored, Streams, open_as};
 use crate::evaluate;
-use crate::ptm::{Format, Limits, Planes, Ptm, Shape, Size};
+use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
 use crate::suite::dialect::Choice;
@@ -75,7 +75,7 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
             .any(|plane| dissection.number(role(plane)).is_some_and(is))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
-    let is_jpeg_ls = dissection.format.is_some_and(Format::is_jpeg_ls);
+    let is_jpeg_ls = dissection.format.and_then(Format::coding) == Some(Coding::JpegLs);
     let moves = || any(Role::Transform, |transform| transform & 2 != 0);
     let (place, is_there) = match ruling {
         "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),

@@ -2,11 +2,11 @@
 
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
-use crate::codec::{self, jpeg, jpeg_ls};
+use crate::codec;
 use crate::decode::Streams;
 use crate::decode::planes::records;
 use crate::error::Kind;
-use crate::ptm::{Format, Size};
+use crate::ptm::{Coding, Format, Size};
 use crate::tools::dissection::Role;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
 use crate::tools::{joined, place_in_words, texel_at};
@@ -15,7 +15,7 @@ use crate::tools::{joined, place_in_words, texel_at};
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
     let count = dissection.compressed_planes();
-    let Some(format) = dissection.format.filter(|_| count > 0) else {
+    let Some(coding) = dissection.format.and_then(Format::coding) else {
         return;
     };
     if dissection.part(Role::SideSize(count - 1)).is_none() {
@@ -23,13 +23,13 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
     let mut all = Findings::new(dissection);
     ranks(&mut all, count);
-    parameter(&mut all, format);
+    parameter(&mut all, coding);
     unused_transforms(&mut all, count);
     for plane in 0..count {
-        stream(&mut all, format, plane);
+        stream(&mut all, coding, plane);
         duplicate_records(&mut all, plane);
     }
-    if let Some(streams) = streams.filter(|_| format.is_jpeg()) {
+    if let Some(streams) = streams.filter(|_| coding == Coding::Jpeg) {
         other_transforms(&mut all, streams);
     }
     findings.list.extend(first_of_each(all.list));
@@ -38,14 +38,15 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
 /// Reports the errors in all planes; the reference stops at the first.
 pub(super) fn faults(findings: &mut Findings) {
     let dissection = findings.dissection;
-    let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
+    let coding = dissection.format.and_then(Format::coding);
+    let (Some(coding), Some(size)) = (coding, dissection.size) else {
         return;
     };
     for plane in 0..dissection.compressed_planes() {
         if let Some(stream) = dissection.bytes(Role::Stream(plane))
-            && let Err(error) = decode(format, stream, size)
+            && let Err(error) = coding.decode(stream, size.width, size.height)
         {
-            let problem = stream_problem(format, stream, size, &error);
+            let problem = stream_problem(coding, stream, size, &error);
             let at = dissection.start(Role::Stream(plane)) + error.offset;
             findings.add_at(problem, at, format!("plane {plane}: {}", error.what));
         }
@@ -63,17 +64,9 @@ pub(super) fn faults(findings: &mut Findings) {
     }
 }
 
-fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::StreamError> {
-    if format.is_jpeg() {
-        jpeg::decode(stream, size.width, size.height)
-    } else {
-        jpeg_ls::decode(stream, size.width, size.height)
-    }
-}
-
 /// Returns the problem of a stream that the codec refuses, as its markers show it.
 fn stream_problem(
-    format: Format,
+    coding: Coding,
     stream: &[u8],
     size: Size,
     error: &codec::StreamError,
@@ -85,7 +78,7 @@ fn stream_problem(
         return Problem::NotAStream;
     }
     match frame(&segments(stream)) {
-        Some((code, ..)) if (code == 0xf7) == format.is_jpeg() => Problem::NotAStream,
+        Some((code, ..)) if (code == 0xf7) == (coding == Coding::Jpeg) => Problem::NotAStream,
         Some((_, _, height, width, components))
             if (u32::from(width), u32::from(height), components)
                 != (size.width, size.height, 1) =>
@@ -115,8 +108,11 @@ fn ranks(findings: &mut Findings, count: usize) {
 }
 
 /// Checks the range of the parameter (clause 2.9.1/2).
-fn parameter(findings: &mut Findings, format: Format) {
-    let range = if format.is_jpeg() { 20..=100 } else { 0..=127 };
+fn parameter(findings: &mut Findings, coding: Coding) {
+    let range = match coding {
+        Coding::Jpeg => 20..=100,
+        Coding::JpegLs => 0..=127,
+    };
     let value = findings.dissection.number(Role::Parameter);
     if let Some(value) = value.filter(|value| !range.contains(value)) {
         let found = format!("{value}, expected {} to {}", range.start(), range.end());
@@ -142,7 +138,7 @@ fn unused_transforms(findings: &mut Findings, count: usize) {
 }
 
 /// Reports what a stream has that an encoder of planes does not write (ruling `plane-odd`).
-fn stream(findings: &mut Findings, format: Format, plane: usize) {
+fn stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let role = Role::Stream(plane);
     let stream = findings.dissection.bytes(role).unwrap_or_default();
     if !stream.starts_with(&[0xff, 0xd8]) {
@@ -150,7 +146,7 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
     }
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
-        if let Some(problem) = odd_segment(format, segment) {
+        if let Some(problem) = odd_segment(coding, segment) {
             let says = match segment.says.as_str() {
                 "" => String::new(),
                 says => format!(" ({says})"),
@@ -162,8 +158,8 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
     other_near(findings, plane, &parts);
 }
 
-fn odd_segment(format: Format, segment: &Segment) -> Option<Problem> {
-    let jfif = format.is_jpeg() && segment.kind == SegmentKind::Marker(0xe0);
+fn odd_segment(coding: Coding, segment: &Segment) -> Option<Problem> {
+    let jfif = coding == Coding::Jpeg && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
         SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
         SegmentKind::Fill => Some(Problem::StreamExtras),

@@ -1,8 +1,9 @@
 //! The properties of the cases of §2.9.
 
 use ptm_conform::generate::Model;
-use ptm_conform::generate::plan::{Coding, Residuals};
+use ptm_conform::generate::plan::Residuals;
 use ptm_conform::protocol::frame::View;
+use ptm_conform::ptm::Coding;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::values::Values;
 
@@ -27,8 +28,8 @@ fn painted() -> Vec<(Case, Model)> {
 fn only_lossy_jpeg_planes_have_a_tolerance() {
     for (case, model) in painted() {
         let recipe = case.recipe().expect("painted");
-        let natural_jpeg =
-            recipe.coding() == Coding::Jpeg && recipe.compression.residuals == Residuals::Natural;
+        let natural_jpeg = recipe.format.coding() == Some(Coding::Jpeg)
+            && recipe.compression.residuals == Residuals::Natural;
         assert!(natural_jpeg || model.slack.is_empty(), "{}", case.id);
     }
 }
@@ -77,7 +78,7 @@ fn cases_with_overflows_have_corrections() {
 fn cases_show_only_choices_of_their_lists() {
     for (case, _) in painted() {
         let recipe = case.recipe().expect("painted");
-        let touched = recipe.compression.axes(recipe.coding());
+        let touched = recipe.compression.axes();
         let are_touched = case.axes().iter().all(|axis| touched.contains(axis));
         assert!(are_touched, "{}", case.id);
     }

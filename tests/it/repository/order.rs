@@ -12,7 +12,7 @@ use super::{files_below, is_for_tests, is_punct, item_length};
 use crate::table::rows;
 
 /// The modules at the top, each after all that it may import.
-const MODULES: &str = "error ptm parts input reading codec evaluate decode generate texture kit formula protocol suite \
+const MODULES: &str = "error codec ptm parts input reading evaluate decode generate texture kit formula protocol suite \
     misreadings readers runner session diagnose strength report fuzz tools writers site cli main";
 
 /// A module path below the crate, `["decode", "planes"]`; the file that holds it.

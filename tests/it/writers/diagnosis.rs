@@ -31,7 +31,7 @@ impl Requests {
         let mut suite = Suite::of_requests().expect("the requests load");
         let large = |case: &WriterCase| {
             let request = case.request();
-            let limit = if request.format.is_compressed() {
+            let limit = if request.format.coding().is_some() {
                 1300
             } else {
                 3200
