@@ -169,7 +169,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
 /// Checks a texture stage (`check --suite texture`).
 fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     refuse_options_of_files(args)?;
-    let suite = Suite::of_textures()?;
+    let suite = Suite::load_texture()?;
     let selected = args.selection(&suite, &vec![true; suite.cases.len()])?;
     let (mut decoder, words) = program(&args.decoder)?;
     args.run.calls.limit(&mut decoder, stop)?;

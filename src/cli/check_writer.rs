@@ -83,7 +83,7 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
         let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
         check(args, &Suite::of_photographs(own.as_ref()), &stop)
     } else {
-        check(args, &Suite::of_requests()?, &stop)
+        check(args, &Suite::load_writer_requests()?, &stop)
     }
 }
 

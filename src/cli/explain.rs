@@ -58,7 +58,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
 /// Describes a request of `check-writer`.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
-    let suite = Suite::of_requests()?;
+    let suite = Suite::load_writer_requests()?;
     let Some(case) = suite.case(id) else {
         return Ok(String::new());
     };
@@ -160,7 +160,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
 
 /// Describes an id of the texture suite.
 fn explain_texture(id: &str) -> Result<String, String> {
-    let (suite, pages) = (Suite::of_textures()?, SuiteName::Texture);
+    let (suite, pages) = (Suite::load_texture()?, SuiteName::Texture);
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
         let clauses = case.clauses.join(", ");

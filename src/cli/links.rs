@@ -6,7 +6,7 @@ use std::io::IsTerminal;
 use std::sync::LazyLock;
 
 use ptm_conform::misreadings;
-use ptm_conform::suite::address::{self, published};
+use ptm_conform::suite::address::{self, published_url};
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses;
 use ptm_conform::suite::name::SuiteName;
@@ -15,7 +15,7 @@ use ptm_conform::tools::lint::codes;
 
 /// Returns a line with the page about something.
 pub fn page_line(page: Option<String>) -> String {
-    let line = page.map(|page| format!("  page: {}\n", published(&page)));
+    let line = page.map(|page| format!("  page: {}\n", published_url(&page)));
     line.unwrap_or_default()
 }
 
@@ -25,7 +25,9 @@ pub fn linked(text: &str) -> String {
         && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
         && supports_hyperlinks::supports_hyperlinks();
     match wanted {
-        true => with_links(text, &|word| PAGES.get(word).map(|page| published(page))),
+        true => with_links(text, &|word| {
+            PAGES.get(word).map(|page| published_url(page))
+        }),
         false => text.to_owned(),
     }
 }
@@ -42,7 +44,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     for case in Suite::load().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, ptm.case_page(&case.id));
     }
-    for case in Suite::of_textures().iter().flat_map(|suite| &suite.cases) {
+    for case in Suite::load_texture().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, stage.case_page(&case.id));
     }
     for (suite, clauses) in [(ptm, clauses::clauses()), (stage, texture::clauses())] {
@@ -96,7 +98,7 @@ mod tests {
 
     #[test]
     fn only_words_with_a_page_become_links() {
-        let page = |word: &str| PAGES.get(word).map(|page| published(page));
+        let page = |word: &str| PAGES.get(word).map(|page| published_url(page));
         let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
         let linked = with_links(text, &page);
         assert_eq!(linked.matches("\x1b]8;;https://").count(), 4, "{linked:?}");

@@ -10,7 +10,7 @@ use crate::reading::Reading;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::suite::choices::{CHOICES, concerned};
+use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
 
 /// Changes the outcome of failures that the `assumed` mistakes explain, and the reason of the other failures.
@@ -30,7 +30,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
         if is_explained(&witness, &made, assumed) {
             said.push((witness.place, Outcome::Assumed, String::new()));
         } else if let (Some(shown), Answer::Decoded(made)) = (witness.shown(), &*made)
-            && let Some(difference) = Expected::of_frame(made).compare(shown)
+            && let Some(difference) = Expected::from_frame(made).compare(shown)
         {
             said.push((
                 witness.place,
@@ -55,7 +55,7 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
             Agreement::Image | Agreement::Word
         )
     };
-    let axes = concerned(witness.case, &witness.observation.view);
+    let axes = relevant_axes(witness.case, &witness.observation.view);
     explained(made)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);

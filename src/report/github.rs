@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::session::outcome::Outcome;
-use crate::suite::address::published;
+use crate::suite::address::published_url;
 use crate::suite::name::SuiteName;
 
 /// Maximum number of errors that a runner shows for a step.
@@ -166,7 +166,7 @@ fn linked(markdown: &str, page: Option<String>) -> String {
             .all(|c| c.is_ascii_alphanumeric() || "-./#".contains(c))
     };
     match page.filter(is_plain) {
-        Some(page) => format!("[{markdown}]({})", published(&page)),
+        Some(page) => format!("[{markdown}]({})", published_url(&page)),
         None => markdown.to_owned(),
     }
 }

@@ -159,7 +159,7 @@ impl Reported for TextureCase {
     type Place = Change;
 
     fn suite() -> Result<Suite<TextureCase>, String> {
-        Suite::of_textures()
+        Suite::load_texture()
     }
 
     fn digest(suite: &Suite<TextureCase>) -> String {

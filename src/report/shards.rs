@@ -212,7 +212,7 @@ impl<C: TestCase> Keeper<C> {
         let expected = matches!(
             observation.response,
             Response::Image {
-                right: Right::Anyway(true),
+                right: Right::InAll(true),
                 difference: None,
                 allowance: Allowance::None,
                 ..

@@ -137,7 +137,7 @@ impl<'a, C: TestCase> Session<'a, C> {
                     difference,
                     allowance,
                 } = case.compare(&built, view, &output);
-                let differs = right != Right::Anyway(true) && difference.is_some();
+                let differs = right != Right::InAll(true) && difference.is_some();
                 Response::Image {
                     right,
                     difference,

@@ -96,7 +96,7 @@ pub fn check_file(
         let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
         let first = Expected {
             slack: slack.unwrap_or_default(),
-            ..Expected::of_frame(shown)
+            ..Expected::from_frame(shown)
         };
         for (how, other) in encodings(&ptm) {
             let broken = match answer(view, &other) {

@@ -194,7 +194,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
 
     /// Describes the expected result of a case that was refused.
     fn refusal_in_words(&self) -> String {
-        match (self.case.expect(), self.case.expected_in_words()) {
+        match (self.case.expect(), self.case.expected_text()) {
             (Expect::ImplementationDefined, expected) => format!(
                 "the reference answers {}; received a refusal",
                 expected.unwrap_or_default()

@@ -32,7 +32,7 @@ impl<C: TestCase> Observation<C> {
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
-            (Response::Image { right, .. }, Expect::Decode) => *right == Right::Anyway(false),
+            (Response::Image { right, .. }, Expect::Decode) => *right == Right::InAll(false),
             (Response::Violation(_), _)
             | (Response::Rejected, Expect::Decode)
             | (Response::Image { .. }, Expect::Reject | Expect::Refuse) => true,

@@ -10,7 +10,7 @@ use crate::protocol::frame::View;
 use crate::ptm::channel_name;
 use crate::report::html::number;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::compare::{Expected, tolerance_in_words};
+use crate::suite::compare::{Expected, tolerance_text};
 use crate::tools::inspect::{Inspection, inspect};
 use crate::tools::lint::lint;
 
@@ -99,7 +99,7 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
     let expected = Expected::new(&built.values, view)?;
     let most = expected.slack.iter().copied().fold(0.0, f64::max);
-    let own = tolerance_in_words(view.kind());
+    let own = tolerance_text(view.kind());
     Some(match most > 0.0 {
         true => format!("{own}; plus up to {most}, because inverse DCTs differ"),
         false => own.to_owned(),

@@ -59,7 +59,7 @@ impl Library {
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,
-            textures: Suite::of_textures()?,
+            textures: Suite::load_texture()?,
             clauses: clauses::clauses()?,
             rulings: clauses::rulings()?,
             requirements: texture::clauses()?,

@@ -141,6 +141,6 @@ fn answer_in_words(answer: &Answer) -> &'static str {
 }
 
 fn or_words(frame: Option<&Frame>, alt: &str, otherwise: &str) -> Markup {
-    let picture = frame.and_then(|frame| pictures::of_frame(frame, alt));
+    let picture = frame.and_then(|frame| pictures::from_frame(frame, alt));
     picture.unwrap_or_else(|| html! { p.nothing { (otherwise) } })
 }

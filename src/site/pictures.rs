@@ -26,7 +26,7 @@ pub(super) fn of_coefficients(map: &Coefficients, (lu, lv): (f64, f64), says: &s
 }
 
 /// Returns the image of a frame: colors as they are, other views as planes side by side.
-pub(super) fn of_frame(frame: &Frame, says: &str) -> Option<Markup> {
+pub(super) fn from_frame(frame: &Frame, says: &str) -> Option<Markup> {
     let (width, height) = (frame.width as usize, frame.height as usize);
     let channels = frame.channels as usize;
     let Samples::U8(samples) = &frame.samples else {

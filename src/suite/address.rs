@@ -1,43 +1,42 @@
 //! Addresses of pages on the site, defined in one place.
 //!
-//! Addresses are paths from the root of the site, which is [`SITE`] once published. A test on the site checks that each leads
-//! to a page.
+//! Addresses are paths relative to [`SITE`], the root of the published site. A test checks that each address has a page.
 
 use crate::suite::name::SuiteName;
 
-/// The root of the published site.
+/// URL of the published site.
 pub const SITE: &str = env!("CARGO_PKG_HOMEPAGE");
 
-/// The sections that have a page; a clause is on the page of the longest one that it begins with.
+/// Sections with a page; a clause is on the page of its longest prefix in this list.
 const CHAPTERS: [&str; 12] = [
     "1.0", "2.0", "2.1", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9", "2.9.8",
 ];
 
 /// Returns the address of a page on the published site.
 #[must_use]
-pub fn published(page: &str) -> String {
+pub fn published_url(page: &str) -> String {
     format!("{SITE}{page}")
 }
 
-/// Returns the page of a section.
+/// Returns the address of the page of a section.
 #[must_use]
 pub fn chapter(section: &str) -> String {
     format!("format/{section}.html")
 }
 
-/// Returns the page of a code of `lint`.
+/// Returns the address of a lint code.
 #[must_use]
 pub fn code(id: &str) -> String {
     format!("codes/{id}.html")
 }
 
-/// Returns the page of a public reader.
+/// Returns the address of the page of a public reader.
 #[must_use]
 pub fn reader(name: &str) -> String {
     format!("readers/{}.html", slug(name))
 }
 
-/// Returns a name in the form of file names: its words in lower case, with hyphens between them.
+/// Converts a name to a file name: lowercase words separated by hyphens.
 pub(crate) fn slug(name: &str) -> String {
     let name = name.to_lowercase();
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
@@ -46,13 +45,13 @@ pub(crate) fn slug(name: &str) -> String {
 }
 
 impl SuiteName {
-    /// Returns the page of a case; requests to writers have none.
+    /// Returns the address of a case, or `None` for requests to writers, which have no page.
     #[must_use]
     pub fn case_page(self, id: &str) -> Option<String> {
         matches!(self, SuiteName::Ptm | SuiteName::Texture).then(|| self.page("cases", id))
     }
 
-    /// Returns the place of a clause.
+    /// Returns the address of a clause.
     #[must_use]
     pub fn clause_page(self, id: &str) -> Option<String> {
         if self == SuiteName::Texture {
@@ -68,19 +67,19 @@ impl SuiteName {
         Some(format!("{}#c-{}", chapter(holding), id.replace('/', "-")))
     }
 
-    /// Returns the page of a ruling.
+    /// Returns the address of a ruling.
     #[must_use]
     pub fn ruling_page(self, id: &str) -> String {
         self.page("rulings", id)
     }
 
-    /// Returns the page of a misreading.
+    /// Returns the address of a misreading.
     #[must_use]
     pub fn misreading_page(self, slug: &str) -> String {
         self.page("misreadings", slug)
     }
 
-    /// Returns the page of an id, or its place on the page of a folder.
+    /// Returns the address of an id: a page in `folder`, or an anchor on the page of the folder.
     fn page(self, folder: &str, id: &str) -> String {
         match self {
             SuiteName::Texture => format!("texture/{folder}.html#{id}"),
@@ -88,7 +87,7 @@ impl SuiteName {
         }
     }
 
-    /// Returns the page to read first about the protocol.
+    /// Returns the address of the introduction to the protocol.
     #[must_use]
     pub fn protocol_page(self) -> &'static str {
         match self {

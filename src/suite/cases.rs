@@ -1,6 +1,6 @@
 //! Cases: files with their expected results.
 //!
-//! A case is stored as its recipe; its bytes and values are made on demand, so that a large suite needs no memory.
+//! A case is stored as a recipe. Its bytes and values are generated on demand, so a large suite needs little memory.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -29,16 +29,16 @@ pub enum Expect {
     Refuse,
     /// The image, or exit status 65 or 69 (a lenient ruling).
     Lenient,
-    /// Like lenient, but every image is right, because the damage leaves nothing to compare.
+    /// Like lenient, but any image is correct, because the damage leaves nothing to compare.
     Robust,
-    /// One of several spellings, of which a decoder must know at least one (ruling `lut-count`, `lut-newline`).
+    /// One of several spellings, of which a decoder must support at least one (rulings `lut-count`, `lut-newline`).
     Spelling,
     /// Any answer: the implementation decides, and a difference from the reference is reported.
     ImplementationDefined,
 }
 
 impl Expect {
-    /// Returns its name in cases and manifests.
+    /// Returns the name used in cases and manifests.
     #[must_use]
     pub const fn manifest_name(self) -> &'static str {
         match self {
@@ -47,7 +47,7 @@ impl Expect {
         }
     }
 
-    /// Returns its name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -66,26 +66,26 @@ impl Expect {
 pub struct Case {
     /// A permanent slug.
     pub id: String,
-    /// The clauses that it tests.
+    /// Clauses that the case tests.
     pub clauses: Vec<String>,
     /// The purpose of the case, in a sentence.
     pub because: String,
-    /// The ruling that it shows, if any.
+    /// The ruling that the case tests, if any.
     pub ruling: Option<String>,
     /// The expected result.
     pub expect: Expect,
-    /// The views that can decide it, best first.
+    /// Views that can decide the case, in order of preference.
     pub views: Vec<View>,
-    /// True if it is requested in every view before all others.
+    /// True if the case is requested in every view before all other cases.
     pub first: bool,
-    /// The accepted file that this one was edited from.
+    /// Id of the valid file from which this one was edited.
     pub twin_of: Option<String>,
-    /// The open choices that affect it, if the case declares them.
+    /// Open choices that affect the case, if it declares them.
     pub(super) shows: Option<Vec<String>>,
     pub(super) source: Source,
-    /// The file in the default spelling, if it is precomputed.
+    /// File in the default spelling, if it is precomputed.
     pub(super) prepared: Option<Arc<Built>>,
-    /// The digest of that file, once it has been made.
+    /// Digest of the file in the default spelling, computed at first use.
     pub(super) digest: OnceLock<String>,
 }
 
@@ -102,12 +102,12 @@ pub(super) enum Source {
     },
 }
 
-/// The file of a case and its meaning.
+/// The file of a case with its fields and values.
 #[derive(Debug)]
 pub struct Built {
     /// The bytes.
     pub file: Vec<u8>,
-    /// The fields of the file, if the generator wrote it undamaged.
+    /// Fields of the file; empty for damaged and hand-assembled files.
     pub fields: Vec<Field>,
     /// The values that a decoder should find.
     pub values: Values,
@@ -119,20 +119,20 @@ pub struct Built {
     pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
 
-/// The right image in each of some dialects; None if a dialect refuses the file.
+/// Correct images by dialect; `None` for a dialect that refuses the file.
 pub(crate) type Pictures = Arc<Vec<Option<Expected>>>;
 
-/// A spelling of the number of entries, because a decoder need not know every spelling.
+/// Spelling of a lookup table in a file. A decoder need not support every spelling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct TableSpelling {
-    /// Ruling `lut-count`.
+    /// Spelling of the number of entries (ruling `lut-count`).
     pub count: Count,
-    /// Ruling `lut-newline`.
+    /// True if a line feed follows the table (ruling `lut-newline`).
     pub newline: bool,
 }
 
 impl TableSpelling {
-    /// Returns all six, in the order in which they are tried on a decoder.
+    /// Returns all six spellings, in the order in which `check` tries them.
     pub fn all() -> impl Iterator<Item = TableSpelling> {
         Count::ALL
             .into_iter()
@@ -141,7 +141,7 @@ impl TableSpelling {
 }
 
 impl Case {
-    /// Returns the format of the file, or of the file before it was damaged.
+    /// Returns the format of the file before any damage.
     #[must_use]
     pub fn format(&self) -> Format {
         match &self.source {
@@ -150,7 +150,7 @@ impl Case {
         }
     }
 
-    /// Returns the recipe, if the generator writes the file.
+    /// Returns the recipe of a generated file.
     #[must_use]
     pub fn recipe(&self) -> Option<&Recipe> {
         match &self.source {
@@ -159,7 +159,7 @@ impl Case {
         }
     }
 
-    /// Returns the damage of the file.
+    /// Returns the damage of the file, if it has any.
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
@@ -168,7 +168,7 @@ impl Case {
         }
     }
 
-    /// Returns the parts of a hand-assembled file: a description and the bytes of each.
+    /// Returns the parts of a hand-assembled file, each with a description and its bytes.
     ///
     /// # Panics
     /// Never for a case that [`Suite::load`] returned.
@@ -181,7 +181,7 @@ impl Case {
         (pieces.iter().map(|piece| (&*piece.is, part(piece)))).collect()
     }
 
-    /// Returns the features that a decoder needs to decode it in `view`.
+    /// Returns the features that a decoder needs to decode the file in `view`.
     #[must_use]
     pub fn features(&self, view: &View) -> BTreeSet<Feature> {
         let large = |recipe: &Recipe| recipe.format.has_table() && recipe.entries > 256;
@@ -205,7 +205,7 @@ impl Case {
         needed.map(|(feature, _)| feature).collect()
     }
 
-    /// Returns the compression of the planes, if there are any and the generator wrote them.
+    /// Returns the compression of a generated compressed file.
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
         self.recipe()
@@ -226,7 +226,7 @@ impl Case {
         }
     }
 
-    /// Makes the file and its values.
+    /// Generates the file and its values.
     ///
     /// # Panics
     /// Never for a case that [`Suite::load`] returned.
@@ -250,7 +250,7 @@ impl Case {
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn digest(&self) -> String {
-        // A file that was requested before has a known digest.
+        // The digest of an earlier request is reused.
         let known = self.digest.get().cloned();
         known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }
@@ -309,7 +309,7 @@ fn checked(piece: &Piece, table: TableSpelling) -> Vec<u8> {
     bytes.expect("checked when the suite was loaded")
 }
 
-/// All cases, in the order in which they are reported.
+/// All cases, in the order of the report.
 #[derive(Clone, Debug)]
 pub struct Suite<C = Case> {
     /// The cases.
@@ -317,7 +317,7 @@ pub struct Suite<C = Case> {
 }
 
 impl Suite {
-    /// Precomputes all files, for repeated runs of the suite.
+    /// Precomputes all files, which speeds up repeated runs.
     #[must_use]
     pub fn prepared(mut self) -> Suite {
         for case in &mut self.cases {

@@ -1,4 +1,4 @@
-//! The open questions of kind *choice*, and the dialect of a decoder.
+//! Open questions of kind *choice*, and the dialect of a decoder.
 //!
 //! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a file may have several
 //! right images; the image that a decoder shows is evidence of its dialect.
@@ -12,7 +12,7 @@ use crate::suite::cases::{Built, Case, Pictures};
 use crate::suite::compare::Expected;
 use crate::suite::dialect::{Axis, Choice, Choices};
 
-/// All choices that change an image, in the order of the text.
+/// All choices that can change an image, in the order of the text.
 pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "lum-vector",
@@ -115,7 +115,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
 ///
 /// A choice that is not listed here must have no effect on the case: its readings all make the same image.
 #[must_use]
-pub fn concerned(case: &Case, view: &View) -> Vec<Axis> {
+pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     match case.format() {
         Format::Lum if matches!(view, View::Rgb(_)) => {
             CHOICES.axes(&["lum-vector", "lum-major", "lum-range"])

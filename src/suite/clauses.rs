@@ -1,4 +1,4 @@
-//! The clauses of the text, and the rulings of the reference on what it leaves open.
+//! Clauses of the specification, and rulings on the questions that it leaves open.
 
 use serde::Deserialize;
 
@@ -9,11 +9,11 @@ use crate::kit::yaml::from_yaml;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clause {
-    /// Section and ordinal: `2.3/2`.
+    /// Section and ordinal, such as `2.3/2`.
     pub id: String,
     /// The rule.
     pub rule: String,
-    /// The way it is covered.
+    /// Coverage of the clause.
     pub status: ClauseStatus,
     /// The ruling, if the status is `ruled`.
     pub ruling: Option<String>,
@@ -21,17 +21,17 @@ pub struct Clause {
     pub why: Option<String>,
 }
 
-/// The way a clause is covered.
+/// Coverage of a clause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ClauseStatus {
-    /// By cases, and by a misreading that violates it and is caught.
+    /// Tested by cases that catch a misreading of the clause.
     Tested,
-    /// It is not about the behavior of a reader.
+    /// Not about the behavior of a reader.
     Informative,
-    /// No file can show it.
+    /// Not visible in any file.
     Untestable,
-    /// By cases, under a ruling, because the text leaves it open.
+    /// Tested by cases under a ruling, because the text leaves it open.
     Ruled,
 }
 
@@ -39,15 +39,15 @@ pub enum ClauseStatus {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ruling {
-    /// A slug.
+    /// Slug of the ruling.
     pub id: String,
-    /// The clauses that it concerns.
+    /// Clauses that the ruling interprets.
     pub clauses: Vec<String>,
     /// The open question.
     pub question: String,
     /// The reading of the reference.
     pub reading: String,
-    /// Other readings, if they are right too.
+    /// Other readings that are also correct.
     #[serde(default)]
     pub also: Vec<String>,
     /// The behavior of known readers, or properties of real files.
@@ -62,17 +62,17 @@ pub struct Ruling {
 pub enum RulingKind {
     /// A decoder with another reading fails.
     Must,
-    /// Each listed reading is right, if used throughout.
+    /// Each listed reading is correct if it is used throughout.
     Choice,
-    /// The file may be refused, or read as by the reference.
+    /// The file may be refused, or read like the reference.
     Lenient,
-    /// Any answer is right; it is reported.
+    /// Any answer is correct, and a difference is reported.
     #[serde(rename = "implementation-defined")]
     ImplementationDefined,
 }
 
 impl RulingKind {
-    /// Returns its name.
+    /// Returns the name used in documents.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -84,7 +84,7 @@ impl RulingKind {
     }
 }
 
-/// Returns the clauses of the text.
+/// Returns all clauses, in the order of the text.
 ///
 /// # Errors
 /// A sentence that names the line at fault.
@@ -100,7 +100,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
     Ok(files?.concat())
 }
 
-/// Returns the rulings of the reference.
+/// Returns all rulings.
 ///
 /// # Errors
 /// A sentence that names the line at fault.

@@ -14,10 +14,10 @@ use crate::ptm::{Limits, Size, channel_name};
 use crate::reading::Reading;
 use crate::suite::values::{HandValues, Values};
 
-/// The expected samples of a frame.
+/// Expected samples of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
-    /// The view that shows them.
+    /// View of the samples.
     pub view: ViewKind,
     /// Width and height.
     pub size: Size,
@@ -25,12 +25,12 @@ pub struct Expected {
     pub channels: usize,
     /// `height * width * channels` values; colors are not rounded.
     pub values: Vec<f64>,
-    /// Maximum deviation of each value between inverse DCTs; empty if all agree.
+    /// Maximum deviation of each value between correct inverse DCTs; empty if there is none.
     pub slack: Vec<f64>,
 }
 
-/// Tolerance of a byte against the exact color: one for any rounding, and a little for arithmetic in `f32`.
-const COLOR: f64 = 1.0 + 1.0 / 64.0;
+/// Tolerance of a byte relative to the exact color: one for rounding, and 1/64 for arithmetic in `f32`.
+const COLOR_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 
 /// Additional tolerance for a byte of a JPEG image. At quality 95 no sample of the images of the suite deviates by more than
 /// 29; the rest is for other encoders and their tables.
@@ -41,7 +41,7 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 }
 
 impl Expected {
-    /// Returns what a file with these values shows in `view`, or `None` if they do not say.
+    /// Returns the expected samples of a file with these values in `view`, or `None` if the values do not determine them.
     #[must_use]
     pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {
@@ -74,7 +74,7 @@ impl Expected {
         }
     }
 
-    /// Returns what `file` shows in `view` under another reading, or `None` if that reading refuses it.
+    /// Returns the samples of `file` in `view` under another reading, or `None` if that reading refuses the file.
     #[must_use]
     pub fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let ptm = decode_as(file, reading, &Limits::default()).ok()?;
@@ -82,9 +82,9 @@ impl Expected {
         Some(Expected::exact(view.kind(), ptm.header.size, values))
     }
 
-    /// Returns the samples of a frame as expectation for another frame.
+    /// Returns the samples of a frame, to be compared with another frame.
     #[must_use]
-    pub fn of_frame(frame: &Frame) -> Expected {
+    pub fn from_frame(frame: &Frame) -> Expected {
         let size = Size {
             width: frame.width,
             height: frame.height,
@@ -92,7 +92,7 @@ impl Expected {
         Expected::exact(frame.view, size, frame.samples.to_reals())
     }
 
-    /// Returns values without slack.
+    /// Returns expected values without a deviation between inverse DCTs.
     fn exact(view: ViewKind, size: Size, values: Vec<f64>) -> Expected {
         Expected {
             view,
@@ -103,7 +103,7 @@ impl Expected {
         }
     }
 
-    /// Returns the frame of a correct decoder: colors are rounded to the nearest byte.
+    /// Returns the frame of a correct decoder, with colors rounded to the nearest byte.
     #[must_use]
     pub fn frame(&self) -> Frame {
         Frame {
@@ -116,7 +116,7 @@ impl Expected {
         }
     }
 
-    /// Returns the first difference of `frame`, or `None` if it is right.
+    /// Returns the first difference of `frame`, or `None` if the frame is correct.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
         let (width, height) = (frame.width, frame.height);
@@ -140,13 +140,13 @@ impl Expected {
         self.difference(|i| frame.samples.real(i), loss)
     }
 
-    /// Returns true if `received` is close enough to sample `i`.
+    /// Returns true if `received` is within the tolerance of sample `i`.
     #[must_use]
     pub fn is_near(&self, i: usize, received: f64) -> bool {
         self.is_within(i, received, 0.0)
     }
 
-    /// Returns true if `received` is close enough to sample `i` of an image that was compressed with some loss.
+    /// Returns true if `received` is within the tolerance of sample `i` plus `loss`.
     fn is_within(&self, i: usize, received: f64, loss: f64) -> bool {
         let slack = self.slack.get(i).copied().unwrap_or_default();
         is_near(self.view, self.values[i], received, slack, loss)
@@ -170,7 +170,7 @@ impl Expected {
     }
 }
 
-/// The first difference of a frame from the expected one.
+/// First difference between a frame and the expected one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
     /// Another view, size, number of channels or type.
@@ -184,17 +184,17 @@ pub enum Difference {
     Samples {
         /// Column of the first texel that differs, from the left.
         x: usize,
-        /// Its row, from the top.
+        /// Row of that texel, from the top.
         y: usize,
-        /// Its first channel that differs.
+        /// First channel of that texel that differs.
         channel: String,
-        /// All channels of that texel.
+        /// Expected values of all channels of that texel.
         expected: Vec<f64>,
-        /// All channels of that texel, as received.
+        /// Received values of all channels of that texel.
         received: Vec<f64>,
-        /// The number of samples that differ.
+        /// Number of samples that differ.
         wrong: usize,
-        /// The number of all samples.
+        /// Number of all samples.
         samples: usize,
     },
 }
@@ -205,17 +205,17 @@ pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, 
     let apart = (expected - received).abs();
     match view {
         ViewKind::Raw => apart.min(256.0 - apart) <= slack,
-        // Infinity is right if the number is too large for an `f32`.
+        // Infinity is correct if the number is too large for an `f32`.
         ViewKind::Coef => {
             is_close(expected, received, slack) || f64::from(expected as f32) == received
         }
-        ViewKind::Rgb => apart <= COLOR + slack + loss,
+        ViewKind::Rgb => apart <= COLOR_TOLERANCE + slack + loss,
     }
 }
 
 /// Describes the tolerance of the samples of a view.
 #[must_use]
-pub const fn tolerance_in_words(view: ViewKind) -> &'static str {
+pub const fn tolerance_text(view: ViewKind) -> &'static str {
     match view {
         ViewKind::Raw => "none",
         ViewKind::Coef => "1e-5 of the larger value, and 1e-6",
@@ -223,15 +223,15 @@ pub const fn tolerance_in_words(view: ViewKind) -> &'static str {
     }
 }
 
-/// Returns true if final values differ by no more than one rounding to `f32`, a product in `f32`, and `slack`. No finite value
-/// is close to infinity.
+/// Returns true if final values differ by at most one rounding to `f32`, one product in `f32`, and `slack`. No finite value is
+/// close to infinity.
 pub(crate) fn is_close(a: f64, b: f64, slack: f64) -> bool {
     let larger = a.abs().max(b.abs());
     a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack
 }
 
 impl Difference {
-    /// Returns the fraction of correct samples, from 0 to 1; 0 for another shape.
+    /// Returns the fraction of correct samples, from 0 to 1, or 0 for another shape.
     #[must_use]
     pub fn likeness(&self) -> f64 {
         match self {
@@ -257,7 +257,7 @@ impl fmt::Display for Difference {
                 samples,
             } => {
                 let pairs = expected.iter().zip(received);
-                let pairs = pairs.map(|(a, b)| <(_, _)>::from(distinct(*a, *b, 3)));
+                let pairs = pairs.map(|(a, b)| <(_, _)>::from(format_distinct(*a, *b, 3)));
                 let (expected, received): (Vec<_>, Vec<_>) = pairs.unzip();
                 let (expected, received) = (expected.join(" "), received.join(" "));
                 write!(
@@ -270,10 +270,10 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Numbers of this magnitude or above are printed with an exponent.
+/// Magnitude from which numbers are printed with an exponent.
 const MIN_WITH_EXPONENT: f64 = 1e16;
 
-/// Prints a number with at most `decimals` decimals; with an exponent if these would lose it or if it has too many digits.
+/// Formats a number with at most `decimals` decimals, or with an exponent if it is too small or too large for that.
 pub(crate) fn short(value: f64, decimals: usize) -> String {
     let is_tiny = value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5;
     if is_tiny || value.is_finite() && value.abs() >= MIN_WITH_EXPONENT {
@@ -287,8 +287,8 @@ pub(crate) fn short(value: f64, decimals: usize) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// Prints two numbers with at most `decimals` decimals; with more if different numbers would look equal.
-pub(crate) fn distinct(a: f64, b: f64, decimals: usize) -> [String; 2] {
+/// Formats two numbers with at most `decimals` decimals, or more if different numbers would look equal.
+pub(crate) fn format_distinct(a: f64, b: f64, decimals: usize) -> [String; 2] {
     let short = [a, b].map(|value| short(value, decimals));
     match short[0] == short[1] && !is_close(a, b, 0.0) {
         true => [a, b].map(|value| (value as f32).to_string()),
@@ -314,9 +314,12 @@ mod tests {
 
     #[test]
     fn different_numbers_print_differently() {
-        assert_eq!(distinct(0.5, -0.0, 3), ["0.5", "0"]);
-        assert_eq!(distinct(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
-        assert_eq!(distinct(0.038_086, 0.038_114, 3), ["0.038086", "0.038114"]);
+        assert_eq!(format_distinct(0.5, -0.0, 3), ["0.5", "0"]);
+        assert_eq!(format_distinct(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
+        assert_eq!(
+            format_distinct(0.038_086, 0.038_114, 3),
+            ["0.038086", "0.038114"]
+        );
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The suite as files: the output of `generate` and the contents of `corpus/`.
+//! The suite as files: output of `generate` and contents of `corpus/`.
 
 use std::fs;
 use std::io;
@@ -12,36 +12,36 @@ use crate::kit::yaml::to_yaml;
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Maximum size of files of the committed corpus; of larger files, only the manifest has digests.
+/// Maximum size in bytes of files in the committed corpus. Larger files are only listed in the manifest.
 pub const MAX_COMMITTED_SIZE: usize = 4 * 1024;
 
-/// An entry of the manifest for a file of the corpus.
+/// Manifest entry for a file of the corpus.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ManifestEntry {
-    /// The case.
+    /// Id of the case.
     pub id: String,
-    /// Its path, below the corpus.
+    /// Path of the file, relative to the corpus.
     pub file: String,
-    /// Its size in bytes.
+    /// Size of the file in bytes.
     pub bytes: usize,
     /// Its digest.
     pub sha256: String,
     /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: String,
-    /// The accepted file that it was edited from.
+    /// Id of the valid file from which this one was edited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
-    /// The expected output in the first of the case's views.
+    /// Expected output in the first view of the case.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub expected: Option<ExpectedFile>,
 }
 
-/// An entry of the manifest for an expected output.
+/// Manifest entry for an expected output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExpectedFile {
     /// `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
-    /// Path of the frame, below the corpus.
+    /// Path of the frame, relative to the corpus.
     pub file: String,
     /// Its digest.
     pub sha256: String,
@@ -50,7 +50,7 @@ pub struct ExpectedFile {
 /// A file to write: path and contents.
 pub type CorpusFile = (String, Vec<u8>);
 
-/// Returns the entry of a case, and its files.
+/// Returns the manifest entry of a case, and its files.
 #[must_use]
 pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     let built = case.build(TableSpelling::default());

@@ -32,10 +32,10 @@ pub fn damages() -> Result<&'static [Damage], String> {
     DAMAGES.as_deref().map_err(Clone::clone)
 }
 
-/// Returns the damage of that name.
+/// Returns the damage with the given name.
 ///
 /// # Errors
-/// If there is none.
+/// If no damage has that name.
 pub fn find(name: &str) -> Result<&'static Damage, String> {
     let found = damages()?.iter().find(|damage| damage.name == name);
     found.ok_or_else(|| format!("unknown damage {name:?}"))

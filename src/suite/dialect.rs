@@ -1,4 +1,4 @@
-//! Open questions of kind *choice*, for any kind of case, and the dialect of a decoder.
+//! Open questions of kind *choice* for any suite, and the dialect of a decoder.
 //!
 //! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a case may have several
 //! right answers; the answer that a decoder gives is evidence of its dialect.
@@ -12,7 +12,7 @@ pub type Axis = usize;
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// The readings, that of the reference first: in words, and as a change to the decisions.
+    /// Readings, the reference's first, each with a description and a change of the decisions.
     pub readings: &'static [(&'static str, fn(R) -> R)],
 }
 
@@ -26,13 +26,13 @@ pub struct Dialect(pub Vec<usize>);
 /// The dialects in which an answer is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Right {
-    /// All or none: no choice affects the case.
-    Anyway(bool),
-    /// Dialects with certain readings of the choices that affect the case.
+    /// In all dialects or in none, because no choice affects the case.
+    InAll(bool),
+    /// In dialects with certain readings of the choices that affect the case.
     In {
         /// The choices.
         axes: Vec<Axis>,
-        /// True for each of [`Choices::combinations`] of these axes in which it is right.
+        /// For each of [`Choices::combinations`] of these axes, true if the answer is right.
         combinations: Vec<bool>,
     },
 }
@@ -52,7 +52,7 @@ impl<R> Choices<R> {
         Dialect(vec![0; self.len()])
     }
 
-    /// Returns `decisions` under the dialect.
+    /// Applies the readings of a dialect to `decisions`.
     #[must_use]
     pub fn apply(&self, dialect: &Dialect, decisions: R) -> R {
         let taken = self.iter().zip(&dialect.0);
@@ -61,7 +61,7 @@ impl<R> Choices<R> {
         })
     }
 
-    /// Returns every combination of readings on `axes`, that of the reference first; the last axis changes fastest.
+    /// Returns every combination of readings of `axes`, the reference's first. The last axis changes fastest.
     #[must_use]
     pub fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
         axes.iter().fold(vec![self.reference()], |all, &axis| {
@@ -97,7 +97,7 @@ impl<R> Choices<R> {
     #[must_use]
     pub fn is_right(&self, right: &Right, dialect: &Dialect) -> bool {
         match right {
-            Right::Anyway(right) => *right,
+            Right::InAll(right) => *right,
             Right::In { axes, combinations } => combinations[self.place(dialect, axes)],
         }
     }

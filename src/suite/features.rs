@@ -11,7 +11,7 @@ pub enum Feature {
     Format(Format),
     /// Tables with more than 256 entries.
     LargeTables,
-    /// The rgb view of LUM files.
+    /// The `rgb` view of LUM files.
     LumColor,
     /// Planes that are predicted from others.
     Prediction,
@@ -19,7 +19,7 @@ pub enum Feature {
     Inversion,
     /// References that are displaced.
     Motion,
-    /// Corrections after the planes.
+    /// Side information after the planes.
     SideInformation,
 }
 

@@ -1,6 +1,6 @@
-//! Reads `spec-cases/cases/`.
+//! Loading of `spec-cases/cases/`.
 //!
-//! The files are embedded in the program, so that an installed one needs no checkout.
+//! The files are embedded, so an installed program needs no checkout.
 
 use std::collections::HashMap;
 
@@ -9,7 +9,7 @@ use super::record::CaseRecord;
 use super::words::Words;
 use crate::kit::yaml::records;
 
-/// Returns the name and the text of a file of a folder of `spec-cases/`.
+/// Expands to the name and the text of an embedded file of `spec-cases/`.
 macro_rules! spec_file {
     ($folder:literal, $name:literal) => {
         (
@@ -50,7 +50,7 @@ impl Suite {
         Suite::from_files(FILES)
     }
 
-    /// Makes a suite from case files: name and text of each.
+    /// Builds a suite from case files, given as names and texts.
     ///
     /// # Errors
     /// A sentence that names the file and the line or case at fault.
@@ -82,7 +82,7 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Faulty ends of a case; MAKE has the keys of an image.
+    /// Invalid cases without their first lines, and the errors; `MAKE` stands for the keys of an image.
     const ERRORS: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`
   expcet: decode => line 4: unknown field `expcet`

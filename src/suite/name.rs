@@ -1,4 +1,4 @@
-//! The suites, by name.
+//! Names of the suites.
 
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub enum SuiteName {
 }
 
 impl SuiteName {
-    /// Returns the subject of conformance, in a few words.
+    /// Returns a short title of the suite.
     #[must_use]
     pub const fn short(self) -> &'static str {
         match self {
@@ -28,7 +28,7 @@ impl SuiteName {
         }
     }
 
-    /// Returns the subject of conformance.
+    /// Returns the title of the suite.
     #[must_use]
     pub const fn title(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! The bytes of a file from which a sample of its image is made.
+//! The bytes of a file that determine a sample of its image.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -9,21 +9,21 @@ use crate::parts::Block;
 use crate::ptm::{Field, Size, channel_name};
 use crate::suite::cases::Case;
 
-/// A range of bytes and its contents.
+/// A range of bytes with a description.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Origin {
     /// A description.
     pub what: String,
-    /// The clause that requires them.
+    /// Clause that defines the bytes.
     pub clause: &'static str,
-    /// Their position.
+    /// Position of the bytes in the file.
     pub range: Range<usize>,
 }
 
-/// Returns the bytes that hold the values of `channels` of the texel at column `x` and row `y`, counted from the top.
+/// Returns the bytes that determine `channels` of the texel at column `x` and row `y`, counted from the top.
 ///
-/// Empty if the file cannot be read that far.
-pub(crate) fn of_samples(
+/// Returns an empty list if the file ends earlier.
+pub(crate) fn origin_of_samples(
     case: &Case,
     file: &[u8],
     size: Size,
@@ -49,8 +49,8 @@ pub(crate) fn of_samples(
     found.unwrap_or_default()
 }
 
-/// Returns the bytes that hold the scale and the bias of a coefficient.
-pub(crate) fn of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
+/// Returns the bytes of the scale and the bias of a coefficient.
+pub(crate) fn origin_of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let (fields, _) = fields(file);
     let coefficient = channel % 6;
     let one = |(clause, what): (&'static str, &str)| {
@@ -86,7 +86,7 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// Returns the bytes of occurrence `which` of the field with this name.
+    /// Returns the bytes of occurrence `which` of the field called `name`.
     fn range(&self, name: &str, which: usize) -> Option<Range<usize>> {
         let mut named = self.fields.iter().filter(|field| field.name == name);
         Some(named.nth(which)?.range.clone())
@@ -102,7 +102,7 @@ impl Map<'_> {
         Some(vec![Origin::new(what, block.clause, range)])
     }
 
-    /// Returns the bytes of an index, and of the entry that it names.
+    /// Returns the bytes of an index and of the entry that it refers to.
     fn entry(&self, stride: usize, channels: Range<usize>) -> Option<Vec<Origin>> {
         let table = self.range("the table's entries", 0)?;
         let indices = self.range("the indices", 0)?;
@@ -148,7 +148,7 @@ impl Map<'_> {
     }
 }
 
-/// Returns the number with these bytes, big-endian.
+/// Parses a big-endian number.
 fn number<'a>(bytes: impl Iterator<Item = &'a u8>) -> usize {
     bytes.fold(0, |number, &byte| number << 8 | usize::from(byte))
 }
@@ -177,7 +177,8 @@ mod tests {
             for (x, y) in [(0, 0), (w - 1, 0), (0, h - 1), (w / 2, h / 2)] {
                 for channel in 0..channels {
                     let channels_of_it = channel..channel + 1;
-                    let origins = of_samples(case, &built.file, model.size, (x, y), channels_of_it);
+                    let origins =
+                        origin_of_samples(case, &built.file, model.size, (x, y), channels_of_it);
                     let range = origins.last().expect("an origin").range.clone();
                     let sample = model.samples[(y * w + x) * channels + channel];
                     assert_eq!(built.file[range], [sample], "{} {channel}", case.id);

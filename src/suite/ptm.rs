@@ -1,4 +1,4 @@
-//! The suite of PTM files as a run uses it: the request is a file in a view, the answer a frame.
+//! [`TestCase`] for PTM files: a request is a file and a view, an answer is a frame.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::choices::{CHOICES, concerned, pictures};
+use crate::suite::choices::{CHOICES, pictures, relevant_axes};
 use crate::suite::compare::{Difference, Expected};
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::features::Feature;
@@ -123,7 +123,7 @@ impl TestCase for Case {
             }
             _ => Allowance::None,
         };
-        let axes = concerned(self, view);
+        let axes = relevant_axes(self, view);
         let right = match expected {
             Some(expected) if !axes.is_empty() => {
                 let pictures = pictures(built, view, expected, &axes);
@@ -135,7 +135,7 @@ impl TestCase for Case {
                     combinations: pictures.iter().map(equals).collect(),
                 }
             }
-            expected => Right::Anyway(
+            expected => Right::InAll(
                 matches!(built.values, Values::Any) || expected.is_some() && difference.is_none(),
             ),
         };
@@ -149,7 +149,7 @@ impl TestCase for Case {
     fn difference_in(&self, view: &View, frame: &Frame, dialect: &Dialect) -> Option<Difference> {
         // Files that are affected by a choice have no table, so there is one spelling.
         let built = self.build(TableSpelling::default());
-        let axes = concerned(self, view);
+        let axes = relevant_axes(self, view);
         let expected = Expected::new(&built.values, view)?;
         let pictures = pictures(&built, view, expected, &axes);
         let picture = pictures[CHOICES.place(dialect, &axes)].as_ref();

@@ -1,4 +1,4 @@
-//! Recipes in the notation of cases.
+//! Recipes as they are written in case files.
 
 use serde::Deserialize;
 
@@ -9,7 +9,7 @@ use crate::generate::plan::{Compression, Stream};
 use crate::generate::recipe::Indices;
 use crate::generate::spelling::{Line, Spelling};
 
-/// A recipe in the notation of cases: its differences from the default file.
+/// A recipe in a case file: its differences from the default file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct MakeRecord {
@@ -29,7 +29,7 @@ pub(crate) struct MakeRecord {
     spelling: SpellingRecord,
 }
 
-/// A compression in the notation of cases: its differences from the default one.
+/// A compression in a case file: its differences from the default one.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CompressionRecord {
@@ -41,7 +41,7 @@ struct CompressionRecord {
     transforms: Option<String>,
     motion_x: Option<String>,
     motion_y: Option<String>,
-    /// True if planes that are not predicted have transforms and vectors too.
+    /// True if planes that are not predicted also have transforms and vectors.
     everywhere: Option<String>,
     records: Option<String>,
     residuals: Option<String>,
@@ -56,11 +56,11 @@ struct CompressionRecord {
     presets: Option<String>,
     component: Option<String>,
     frame_moved: Option<String>,
-    /// True if this applies only to the streams of every second plane.
+    /// True if the settings apply only to the streams of every second plane.
     alternates: Option<String>,
 }
 
-/// A spelling in the notation of cases: its differences from the default one.
+/// A header spelling in a case file: its differences from the default one.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpellingRecord {
@@ -78,7 +78,7 @@ struct SpellingRecord {
 }
 
 impl MakeRecord {
-    /// Returns the recipe with these words.
+    /// Builds the recipe with the given words filled in.
     pub fn recipe(&self, words: &Words) -> Result<Recipe, String> {
         let size = words.fill(&self.size).parse()?;
         let mut recipe = Recipe::ordinary(words.fill(&self.format).parse()?, size);

@@ -1,4 +1,4 @@
-//! Cases in the notation of their files.
+//! Cases as they are written in case files.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -16,7 +16,7 @@ use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::View;
 
-/// A case as it is written: one, or with `for_each` one for every combination of the listed words.
+/// A record of a case file. With `for_each`, it defines a case for every combination of the listed words.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CaseRecord {
@@ -40,7 +40,7 @@ pub(super) struct CaseRecord {
 }
 
 impl CaseRecord {
-    /// Returns the case with these words; `twin` is the case that `twin_of` names, if it precedes this one.
+    /// Builds the case with the given words filled in. `twin` is the case that `twin_of` names, if it precedes this one.
     pub fn case<'a>(
         &self,
         words: &Words,
@@ -111,7 +111,7 @@ impl CaseRecord {
         }
     }
 
-    /// Returns the damage of the file of a twin.
+    /// Returns the source of a damaged copy of the twin's file.
     fn damaged(&self, words: &Words, twin: &Case) -> Result<Source, String> {
         if twin.twin_of.is_some() {
             return Err("is itself an edit".to_owned());
@@ -128,7 +128,7 @@ impl CaseRecord {
         })
     }
 
-    /// Returns the views that can decide it.
+    /// Returns the views that can decide the case.
     fn views(
         &self,
         words: &Words,

@@ -1,4 +1,4 @@
-//! The interface between a run and its cases: PTM files in a view, or questions to a texture stage.
+//! The interface between a run and the cases of any suite.
 //!
 //! Session, judge, matrix and report are written once, for every [`TestCase`]. A suite supplies its requests, the comparison of
 //! an answer with the expected one, and its open questions.
@@ -12,38 +12,38 @@ use serde::de::DeserializeOwned;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
 
-/// A case for a decoder.
+/// A case of any suite.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
-    /// A way of asking.
+    /// A view, in which a case is requested.
     type View: Clone + Debug + Display + PartialEq + Send + Sync;
-    /// The output of a decoder: a frame, or a JSON object.
+    /// Output of the program under test: a frame, or a JSON object.
     type Output: Clone + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned;
-    /// A difference between an output and the expected one, in words.
+    /// Difference between an output and the expected one.
     type Difference: Clone + Debug + Display + Send + Sync;
     /// A feature that a decoder may lack.
     type Feature: Clone + Debug + Display + Ord + Send + Sync;
-    /// The file that is sent, and its meaning.
+    /// The file that is sent, with its values.
     type Built;
-    /// The decisions that a reading of an open question changes.
+    /// Decisions that the readings of open questions change.
     type Decisions: 'static;
 
-    /// The names of all views, best first.
+    /// Names of all views, in order of preference.
     const VIEWS: &'static [&'static str];
     /// The open questions.
     const CHOICES: Choices<Self::Decisions>;
-    /// Message for an answer where a refusal is expected.
+    /// Message for an answer if a refusal is expected.
     const ACCEPTED_MESSAGE: &'static str = "accepted a file that must be refused";
-    /// Message for 69 if cases with the same features were answered.
+    /// Message for exit status 69 if other cases with the same features were answered.
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 
-    /// Returns its permanent name.
+    /// Returns the permanent id.
     fn id(&self) -> &str;
-    /// Returns the clauses that it tests, the most relevant first.
+    /// Returns the tested clauses, the most relevant first.
     fn clauses(&self) -> &[String];
-    /// Returns its purpose, in a sentence.
+    /// Returns the purpose of the case, in a sentence.
     fn because(&self) -> String;
-    /// Returns the ruling that it shows, if any.
+    /// Returns the ruling that the case tests, if any.
     fn ruling(&self) -> Option<&str> {
         None
     }
@@ -51,9 +51,9 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn expect(&self) -> Expect;
     /// Returns the name of the expected result in a report.
     fn expectation(&self) -> &'static str;
-    /// Returns true if it is requested in every view before all others.
+    /// Returns true if the case is requested in every view before all other cases.
     fn is_first(&self) -> bool;
-    /// Returns the views that can decide it, best first.
+    /// Returns the views that can decide the case, in order of preference.
     fn views(&self) -> &[Self::View];
     /// Returns the name of a view.
     fn view_name(_view: &Self::View) -> &'static str {
@@ -61,7 +61,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     }
     /// Returns the feature that a decoder may declare: the format, or the requested step.
     fn kind(&self) -> Self::Feature;
-    /// Returns the features that a decoder needs to answer it in `view`.
+    /// Returns the features that a decoder needs for this case in `view`.
     fn features(&self, _view: &Self::View) -> BTreeSet<Self::Feature> {
         BTreeSet::from([self.kind()])
     }
@@ -77,19 +77,19 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         cases.iter().map(twins).collect()
     }
 
-    /// Returns true if its file has a table, which is written in a spelling that the decoder knows.
+    /// Returns true if the file has a table, which is sent in a spelling that the decoder supports.
     fn has_table(&self) -> bool {
         false
     }
-    /// Returns the spelling that it tests, if it is a case of [`Expect::Spelling`].
+    /// Returns the tested spelling of a case of [`Expect::Spelling`].
     fn spelling(&self) -> Option<TableSpelling> {
         None
     }
-    /// Makes the file and its values.
+    /// Generates the file and its values.
     fn make(&self, table: TableSpelling) -> Self::Built;
     /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
-    /// Returns the maximum number of bytes of a right answer.
+    /// Returns the maximum number of bytes of a correct answer.
     fn largest_answer(&self, built: &Self::Built) -> usize;
 
     /// Compares an output with the expected one.
@@ -99,7 +99,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         view: &Self::View,
         output: &Self::Output,
     ) -> Comparison<Self>;
-    /// Returns the difference between an output and the right one in a dialect; None if the right one is unknown.
+    /// Returns the difference between an output and the correct one in a dialect, or `None` if the correct one is unknown.
     fn difference_in(
         &self,
         _view: &Self::View,
@@ -108,11 +108,11 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     ) -> Option<Self::Difference> {
         None
     }
-    /// Returns the similarity of a wrong output to the right one, from 0 to 1; 0 if there is no measure.
+    /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if there is no measure.
     fn likeness(_difference: &Self::Difference) -> f64 {
         0.0
     }
-    /// Returns true if two outputs agree in all that a decoder controls.
+    /// Returns true if two outputs agree in everything that a decoder controls.
     fn is_equivalent(one: &Self::Output, other: &Self::Output) -> bool {
         one == other
     }
@@ -120,38 +120,38 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn expected_output(&self, _view: &Self::View) -> Option<Self::Output> {
         None
     }
-    /// Returns the expected answer, if it is short enough for a sentence.
-    fn expected_in_words(&self) -> Option<String> {
+    /// Describes the expected answer, if it is short enough.
+    fn expected_text(&self) -> Option<String> {
         None
     }
     /// Returns the fault of a file that must be refused.
     fn fault(&self) -> String;
 }
 
-/// The comparison of an output with the expected one.
+/// Result of comparing an output with the expected one.
 #[derive(Clone, Debug)]
 pub struct Comparison<C: TestCase> {
-    /// The dialects in which it is right.
+    /// Dialects in which the output is right.
     pub right: Right,
-    /// The difference from the output of the reference, if any.
+    /// Difference from the reference's output, if any.
     pub difference: Option<C::Difference>,
-    /// The tolerance that was applied.
+    /// Tolerance that was applied.
     pub allowance: Allowance,
 }
 
-/// A reason why an output may be right although it differs from the expected one.
+/// Reason why an output may be right although it differs from the expected one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Allowance {
     /// No tolerance except for rounding.
     None,
-    /// It is right only because inverse DCTs may differ (ruling `jpeg-samples`).
+    /// Inverse DCTs may differ (ruling `jpeg-samples`).
     AnotherTransform,
     /// The output is a lossy image.
     Lossy,
 }
 
 impl<C: TestCase> Suite<C> {
-    /// Returns the case of that id.
+    /// Returns the case with the given id.
     #[must_use]
     pub fn case(&self, id: &str) -> Option<&C> {
         self.cases.iter().find(|case| case.id() == id)

@@ -1,4 +1,4 @@
-//! The values of files: painted by the generator, or computed by hand.
+//! Expected values of files: painted by the generator, or computed by hand.
 
 use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
@@ -8,16 +8,16 @@ use crate::generate::spelling::Count;
 use crate::protocol::frame::View;
 use crate::ptm::{Format, Size};
 
-/// The values of a file.
+/// Expected values of a file.
 #[derive(Clone, Debug)]
 pub enum Values {
     /// Painted by the generator.
     Painted(Model),
     /// Computed by hand.
     Hand(HandValues),
-    /// Any values.
+    /// Any values are correct.
     Any,
-    /// None: the file must be refused.
+    /// The file must be refused.
     None,
 }
 
@@ -25,7 +25,7 @@ pub enum Values {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Piece {
-    /// A description.
+    /// Description of the part.
     pub is: String,
     text: Option<String>,
     hex: Option<String>,
@@ -42,13 +42,13 @@ pub struct HandValues {
     /// Final values.
     pub coef: Option<Vec<String>>,
     /// Colors under a light.
-    pub rgb: Option<HandPicture>,
+    pub rgb: Option<HandImage>,
 }
 
 /// Colors of a hand-assembled file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct HandPicture {
+pub struct HandImage {
     /// `LU,LV`
     pub light: String,
     /// Real numbers from 0 to 255.
@@ -56,7 +56,7 @@ pub struct HandPicture {
 }
 
 impl Piece {
-    /// Returns its bytes; the count of a lookup table and the bytes after the entries have several spellings.
+    /// Returns the bytes of the part; `count` and `newline` select the spelling of a lookup table.
     pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>, String> {
         let mut bytes = match (&self.text, &self.hex) {
             (Some(text), None) => text.as_bytes().to_vec(),
@@ -77,7 +77,7 @@ impl Piece {
     }
 }
 
-/// Returns the format that the pieces of a file name.
+/// Returns the format that a piece names.
 pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.is == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
@@ -93,7 +93,7 @@ fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
 }
 
 impl HandValues {
-    /// Returns the numbers of `lines`, texel after texel.
+    /// Parses the numbers in `lines`, texel by texel.
     #[must_use]
     pub fn numbers(lines: &[String]) -> Vec<f64> {
         let words = lines.iter().flat_map(|line| line.split_whitespace());

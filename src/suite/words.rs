@@ -1,11 +1,11 @@
-//! Templates in a case record: texts in which `{key}` stands for one of the words that `for_each` lists.
+//! Templates in case records: `{key}` stands for one of the words that `for_each` lists.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::de::{DeserializeOwned, IntoDeserializer, value};
 
-/// One combination of the words of `for_each`.
+/// A combination of the words of `for_each`.
 pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Words<'a> {
@@ -23,12 +23,12 @@ impl<'a> Words<'a> {
         all.into_iter().map(Words).collect()
     }
 
-    /// Returns `text` with each `{key}` replaced by its word; for a word `name = value` by the value.
+    /// Replaces each `{key}` in `text` by its word, or by the value of a word `name = value`.
     pub fn fill(&self, text: &str) -> String {
         self.replaced(text, |_, value| value.to_owned())
     }
 
-    /// Returns an id: each `{key}` replaced by its word, or by its name if it has one, as a slug.
+    /// Fills an id template: replaces each `{key}` by the slug of its word, or of the name of a word `name = value`.
     pub fn id(&self, text: &str) -> String {
         self.replaced(text, |name, _| slug(name))
     }
@@ -42,7 +42,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// A field of a record that may be missing.
+/// An optional field of a record.
 pub(crate) trait FieldText {
     /// Returns the text with the words filled in.
     fn filled(&self, words: &Words) -> Option<String>;
@@ -53,13 +53,13 @@ pub(crate) trait FieldText {
             .map_or(Ok(()), |text| text.parse().map(|value| *slot = value))
     }
 
-    /// Reads a word that an enum derives, into `slot`.
+    /// Deserializes a word into `slot`.
     fn word<T: DeserializeOwned>(&self, words: &Words, slot: &mut T) -> Result<(), String> {
         self.filled(words)
             .map_or(Ok(()), |text| word(&text).map(|value| *slot = value))
     }
 
-    /// Parses a number, decimal or after `0x` hexadecimal, into `slot`.
+    /// Parses a decimal number, or a hexadecimal number after `0x`, into `slot`.
     fn number<T: FromStr>(&self, name: &str, words: &Words, slot: &mut T) -> Result<(), String> {
         self.filled(words).map_or(Ok(()), |text| {
             number(name, &text).map(|value| *slot = value)
@@ -101,13 +101,13 @@ impl FieldText for Option<String> {
     }
 }
 
-/// Reads a word that an enum derives.
+/// Deserializes a word.
 pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let read: Result<T, value::Error> = T::deserialize(text.into_deserializer());
     read.map_err(|error| error.to_string())
 }
 
-/// Parses a number, decimal or after `0x` hexadecimal.
+/// Parses a decimal number, or a hexadecimal number after `0x`.
 pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
     let digits = text.strip_prefix("0x").map_or_else(
         || text.parse().ok(),
@@ -127,7 +127,7 @@ fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
     Ok(list)
 }
 
-/// Returns a word in the form of ids: lower case, with hyphens; the sign of a number in words.
+/// Converts a word to the form of ids: lowercase, with hyphens, and with the sign of a number as a word.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
     let word = if signed {

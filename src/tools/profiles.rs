@@ -17,7 +17,7 @@ use crate::kit::parallel::in_parallel;
 use crate::kit::yaml::to_yaml;
 use crate::protocol::frame::{Samples, View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::choices::{CHOICES, concerned};
+use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
 use crate::suite::corpus::put;
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
@@ -257,7 +257,7 @@ fn answers(
     profile: Profile,
     outputs: &mut Vec<ProfileFile>,
 ) -> Result<Vec<ProfiledAnswer>, String> {
-    let axes = concerned(case, view).into_iter();
+    let axes = relevant_axes(case, view).into_iter();
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
     // `raw`, `coef`, `rgb-0.25--0.5`
     let suffix = view.to_string().replace([':', ','], "-");

@@ -59,7 +59,7 @@ impl Suite<WriterCase> {
     ///
     /// # Errors
     /// A sentence that names the line or the request at fault.
-    pub fn of_requests() -> Result<Suite<WriterCase>, String> {
+    pub fn load_writer_requests() -> Result<Suite<WriterCase>, String> {
         let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
         let mut cases: Vec<WriterCase> = Vec::new();
         for (line, record) in records {

@@ -19,7 +19,7 @@ use crate::writers::test_case::WrittenFile;
 /// # Errors
 /// The error in the requests.
 pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
-    let suite = Suite::of_requests()?;
+    let suite = Suite::load_writer_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
         let reply = asking::ask(writer, case, 1, scratch);

@@ -24,7 +24,7 @@ impl Reported for WriterCase {
     type Place = &'static Misreading;
 
     fn suite() -> Result<Suite<WriterCase>, String> {
-        Suite::of_requests()
+        Suite::load_writer_requests()
     }
 
     fn digest(suite: &Suite<WriterCase>) -> String {

@@ -160,7 +160,7 @@ impl TestCase for WriterCase {
             _ => judge(&built.request, &file.0).err(),
         };
         Comparison {
-            right: Right::Anyway(difference.is_none()),
+            right: Right::InAll(difference.is_none()),
             difference,
             allowance: Allowance::None,
         }
@@ -170,7 +170,7 @@ impl TestCase for WriterCase {
         one.has_values_of(other)
     }
 
-    fn expected_in_words(&self) -> Option<String> {
+    fn expected_text(&self) -> Option<String> {
         (self.expect == Expect::Decode).then(|| "a file".to_owned())
     }
 

@@ -16,7 +16,7 @@ use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Format, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
-use crate::suite::compare::{Expected, distinct};
+use crate::suite::compare::{Expected, format_distinct};
 use crate::suite::origin;
 
 /// Channels that are listed.
@@ -510,7 +510,7 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
-    let [got, want] = distinct(pair.got[i], pair.want[i], 4);
+    let [got, want] = format_distinct(pair.got[i], pair.want[i], 4);
     let mut text = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         channel_name(pair.channels, channel),
@@ -523,7 +523,8 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
         && let Ok(ptm) = witness.decoded()
     {
         let (case, file) = (witness.case, &witness.built.file);
-        let origins = origin::of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
+        let origins =
+            origin::origin_of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
         for origin in origins {
             let (start, end) = (origin.range.start, origin.range.end);
             let bytes = match end - start {

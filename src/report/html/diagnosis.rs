@@ -7,7 +7,7 @@ use crate::report::html::cases::Group;
 use crate::report::html::shell::linked;
 use crate::report::words::{Detail, details, how_it_is_called};
 use crate::session::outcome::Outcome;
-use crate::suite::address::published;
+use crate::suite::address::published_url;
 use crate::suite::clauses::Clause;
 
 /// Returns the causes, the one that explains most first.
@@ -72,7 +72,7 @@ pub(super) fn next_steps(report: &Report) -> Markup {
             h2 #next { "What to do next" }
             p.lead { "No case was judged, because the program does not implement the protocol yet." }
             ol.steps { @for line in called.lines() { li { (line) } } }
-            p { a href=(published(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
+            p { a href=(published_url(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
                 "The directory " code { "examples/decoders" } " contains a wrapper to start from." }
         }
     }

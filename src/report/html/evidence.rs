@@ -73,7 +73,7 @@ pub(in crate::report) fn of_question(
             p.label { (name) }
             pre.bytes tabindex="0" { (text) }
         }
-        @if !case.concerned().is_empty() {
+        @if !case.relevant_axes().is_empty() {
             p.note { "The specification leaves open how to read this. Several answers are correct; the reference's answer is shown." }
         }
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
@@ -154,14 +154,14 @@ fn of_sample(
     place: (usize, usize),
     channel: usize,
 ) -> Vec<Origin> {
-    let stored = |channels| origin::of_samples(case, &built.file, size, place, channels);
+    let stored = |channels| origin::origin_of_samples(case, &built.file, size, place, channels);
     let shape = decode(&built.file).map(|ptm| ptm.planes.shape);
     match (view, shape) {
         (View::Raw, _) => stored(channel..channel + 1),
         (View::Coef, Ok(shape)) => {
             let mut origins = stored(channel..channel + 1);
             if channel < shape.coefficients() {
-                origins.extend(origin::of_scale_and_bias(&built.file, channel));
+                origins.extend(origin::origin_of_scale_and_bias(&built.file, channel));
             }
             origins
         }

@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
 use crate::session::outcome::Outcome;
-use crate::suite::address::published;
+use crate::suite::address::published_url;
 
 /// The style of reports and of the site.
 pub const STYLE: &str = include_str!("style.css");
@@ -46,7 +46,7 @@ pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
 /// Returns a link to a page of the published site, or only the words if there is none. Names in a report are untrusted.
 pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
     match page {
-        Some(page) => html! { a href=(published(&page)) { (words) } },
+        Some(page) => html! { a href=(published_url(&page)) { (words) } },
         None => words.clone(),
     }
 }

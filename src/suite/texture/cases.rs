@@ -1,4 +1,4 @@
-//! The embedded suite of texture cases, and files of cases in the same form.
+//! The embedded suite of texture cases, and case files in the same form.
 
 use std::sync::OnceLock;
 
@@ -24,43 +24,43 @@ const FILES: &[(&str, &str)] = &[
     spec_file!("texture/cases/", "ptm.yaml"),
 ];
 
-/// One question with its answer.
+/// A question with its expected answer.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TextureCase {
-    /// A permanent name.
+    /// Permanent id.
     pub id: String,
-    /// The requirements that it tests, the most relevant first.
+    /// Tested requirements, the most relevant first.
     #[serde(alias = "req")]
     pub clauses: Vec<String>,
-    /// The basis of the answer.
+    /// Basis of the expected answer.
     pub basis: Basis,
-    /// The ruling, if the words of the chapter alone do not settle the answer.
+    /// The ruling, if the text of the chapter does not determine the answer.
     pub ruling: Option<String>,
     /// The requested step.
     pub op: String,
     /// The arguments of the step; maps may be named.
     #[serde(default)]
     pub given: Value,
-    /// The answer.
+    /// Expected answer.
     pub expect: Value,
-    /// The answers of other readings.
+    /// Expected answers under other readings.
     #[serde(default, alias = "alt")]
     pub also: Vec<Also>,
-    /// The tolerance for numbers, if it is not the default one.
+    /// Tolerance for numbers, if it is not the default.
     pub tol: Option<f64>,
-    /// The arithmetic.
+    /// Purpose of the case, usually with the arithmetic.
     #[serde(alias = "why")]
     pub because: String,
-    /// True if it is requested before all others, to see if the program answers at all.
+    /// True if the case is requested before all others, to check that the program answers at all.
     #[serde(default)]
     pub first: bool,
-    /// The parsed question, once it is known.
+    /// Parsed question, computed at first use.
     #[serde(skip)]
     read: OnceLock<Result<Question, Refusal>>,
-    /// The choices whose readings change the answer, once they are known.
+    /// Choices whose readings change the answer, computed at first use.
     #[serde(skip)]
-    pub(super) concerned: OnceLock<Vec<Axis>>,
+    pub(super) relevant_axes: OnceLock<Vec<Axis>>,
 }
 
 /// The basis of an expected answer.
@@ -71,7 +71,7 @@ pub enum Basis {
     Text,
     /// Another public PEX text.
     Sibling,
-    /// Lost in the chapter, reconstructed from its words and from related texts; no rival is known.
+    /// A lost formula, reconstructed from the chapter and related texts without a known alternative.
     Inferred,
     /// One of several readings.
     Reading,
@@ -79,16 +79,16 @@ pub enum Basis {
     Impl,
 }
 
-/// The answer of another reading.
+/// Expected answer under another reading.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Also {
-    /// Its name.
+    /// Name of the reading.
     pub reading: String,
     /// Fields that select this reading in the reference.
     #[serde(default)]
     pub given: Value,
-    /// Its answer.
+    /// Expected answer under this reading.
     pub expect: Value,
 }
 
@@ -97,7 +97,7 @@ impl Suite<TextureCase> {
     ///
     /// # Errors
     /// A sentence that names the file and the error.
-    pub fn of_textures() -> Result<Suite<TextureCase>, String> {
+    pub fn load_texture() -> Result<Suite<TextureCase>, String> {
         let read = |(name, text): &(&str, &str)| {
             cases_of(text).map_err(|error| format!("{name}: {error}"))
         };
@@ -108,10 +108,10 @@ impl Suite<TextureCase> {
     }
 }
 
-/// Returns the cases of a file: a list, or a document whose `cases` are a list.
+/// Parses a case file: a list, or a document whose `cases` are a list.
 ///
 /// # Errors
-/// A sentence that names the error and its place.
+/// The error and its location.
 pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
     let file: Value = from_yaml(text)?;
     let cases = match file {
@@ -131,12 +131,12 @@ pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
 }
 
 impl TextureCase {
-    /// Returns the question as it is sent: one JSON object.
+    /// Returns the JSON object that is sent.
     #[must_use]
     pub fn question(&self) -> Value {
         let given = match &self.given {
             Value::Null => json!({}),
-            given => fixtures::spelled_out(given),
+            given => fixtures::expand_maps(given),
         };
         json!({ "op": self.op, "given": given })
     }

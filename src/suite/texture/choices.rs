@@ -1,4 +1,4 @@
-//! Open questions of the chapter: the right readings, and that of a decoder.
+//! Open questions of the chapter.
 //!
 //! Each choice is a ruling of kind `choice`; see [`Choices`].
 

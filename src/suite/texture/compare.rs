@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::suite::compare::is_close;
 use crate::texture::Entry;
 
-/// A tolerance for numbers.
+/// Tolerance for numbers.
 #[derive(Clone, Copy, Debug)]
 pub enum Tolerance {
     /// 1e-5 of the larger number, plus 1e-6.
@@ -26,11 +26,11 @@ impl Tolerance {
     }
 }
 
-/// Returns the first difference between `received` and `expected`, in words; None if there is none.
+/// Describes the first difference between `received` and `expected`, or returns `None` if there is none.
 #[must_use]
 pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> Option<String> {
     let fields = expected.as_object()?;
-    // An answer that is left to the implementation has no value to compare; any value passes.
+    // Any value passes if the answer is left to the implementation.
     if fields.contains_key("impl_defined") {
         let is_value = received.get("impl_defined").is_none();
         return is_value.then(|| format!("expected no value, received {received}"));
@@ -73,7 +73,7 @@ fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -
     }
 }
 
-/// Returns an enumerant of a field as entries write it: without its prefix.
+/// Removes the prefix of the chapter from an enumerant.
 fn without_prefix(field: &str, word: &str) -> Option<Value> {
     let value = match field {
         "boundary" => json!([word, word, word]),

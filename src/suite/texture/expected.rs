@@ -1,4 +1,4 @@
-//! Expected answers to texture questions: under the readings of the reference, and under the others that are right too.
+//! Expected answers to texture questions, under the reference's readings and under other correct readings.
 
 use serde_json::Value;
 
@@ -11,19 +11,19 @@ use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
 impl TextureCase {
-    /// Returns the tolerance for numbers of an answer.
+    /// Returns the tolerance for numbers.
     #[must_use]
     pub fn tolerance(&self) -> Tolerance {
         self.tol.map_or(Tolerance::Ordinary, Tolerance::Absolute)
     }
 
-    /// Returns true if the question is out of the valid range, so that it must be refused.
+    /// Returns true if the question is out of the valid range and must be refused.
     #[must_use]
     pub fn must_be_refused(&self) -> bool {
         self.expect.get("error").is_some()
     }
 
-    /// Returns the answer under the reading `rules` of the chapter.
+    /// Computes the answer under the reading `rules` of the chapter.
     #[must_use]
     pub fn answer(&self, rules: &Rules) -> Answer<Value> {
         match self.read().and_then(|question| question.answer(rules)) {
@@ -49,8 +49,8 @@ impl TextureCase {
 
     /// Returns the choices whose readings change the expected answer.
     #[must_use]
-    pub fn concerned(&self) -> &[Axis] {
-        self.concerned.get_or_init(|| {
+    pub fn relevant_axes(&self) -> &[Axis] {
+        self.relevant_axes.get_or_init(|| {
             let changes = |&axis: &Axis| {
                 (1..CHOICES[axis].readings.len()).any(|reading| {
                     let mut dialect = CHOICES.reference();
@@ -58,7 +58,7 @@ impl TextureCase {
                     difference(&self.expect, &self.expected(&dialect), self.tolerance()).is_some()
                 })
             };
-            // Points that are left to the implementation are right in every dialect.
+            // Answers that are left to the implementation are right in every dialect.
             let axes = (0..CHOICES.len()).filter(|_| self.basis != Basis::Impl);
             axes.filter(changes).collect()
         })

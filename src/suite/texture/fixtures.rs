@@ -1,4 +1,4 @@
-//! Named maps: the meaning of `ramp4` or `lit4x4` in a case.
+//! Named maps, such as `ramp4` or `lit4x4` in a case.
 //!
 //! Cases name their maps; a question contains their texels, so that programs under test do not need this file.
 
@@ -14,9 +14,9 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
         .expect("the embedded maps are well-formed")
 });
 
-/// Returns the arguments that are sent: `given` with maps in place of their names, and without the words that select a reading.
+/// Replaces the names of maps in `given` by maps and removes the fields that select a reading.
 #[must_use]
-pub fn spelled_out(given: &Value) -> Value {
+pub fn expand_maps(given: &Value) -> Value {
     match given {
         Value::Object(fields) => {
             let is_sent = |(name, _): &(&String, _)| !READINGS.contains(&name.as_str());
@@ -24,13 +24,13 @@ pub fn spelled_out(given: &Value) -> Value {
             let spelled = fields.map(|(name, value)| {
                 let value = match name.as_str() {
                     "map" => map_of(value),
-                    _ => spelled_out(value),
+                    _ => expand_maps(value),
                 };
                 (name.clone(), value)
             });
             Value::Object(spelled.collect())
         }
-        Value::Array(values) => values.iter().map(spelled_out).collect(),
+        Value::Array(values) => values.iter().map(expand_maps).collect(),
         other => other.clone(),
     }
 }
@@ -57,7 +57,7 @@ fn map_of(value: &Value) -> Value {
     value
 }
 
-/// Returns the bytes of a file that is written in pieces, in hexadecimal digits.
+/// Joins the pieces of a file and returns them in hexadecimal.
 fn hex(pieces: &Value) -> String {
     let mut digits = String::new();
     for piece in pieces.as_array().into_iter().flatten() {

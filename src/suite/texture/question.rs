@@ -18,11 +18,11 @@ use crate::texture::{
     Table, Texel, TexelKind, TextureMap, Vector,
 };
 
-/// One question.
+/// A question to a texture stage.
 #[derive(Clone, Debug)]
 pub struct Question(Arc<TextureStep>);
 
-/// Why a question has no answer.
+/// Reason why a question has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// The input is not a question, or it is out of the valid range; exit status 65.
@@ -50,7 +50,7 @@ impl Refusal {
     }
 }
 
-/// The names of the steps, in the order of the pipeline.
+/// Names of the steps, in the order of the pipeline.
 pub const OPERATIONS: [&str; 13] = [
     "defaults",
     "select",
@@ -68,7 +68,7 @@ pub const OPERATIONS: [&str; 13] = [
 ];
 
 impl Question {
-    /// Reads a question from the bytes of a file.
+    /// Parses a question from the bytes of a file.
     ///
     /// # Errors
     /// [`Refusal::Unsupported`] for an unknown op, else [`Refusal::Malformed`]; both name the place.
@@ -78,7 +78,7 @@ impl Question {
         Question::from_value(&value)
     }
 
-    /// Reads a question from its JSON value.
+    /// Parses a question from its JSON value.
     ///
     /// # Errors
     /// The errors of [`Question::read`].
@@ -97,7 +97,7 @@ impl Question {
         Ok(Question(Arc::new(step)))
     }
 
-    /// Returns the answer under `rules`, a JSON object.
+    /// Computes the answer under `rules`, a JSON object.
     ///
     /// # Errors
     /// If the question is malformed or not supported.
@@ -112,7 +112,7 @@ impl Question {
     }
 }
 
-/// Why a step has no answer.
+/// Reason why a step has no answer.
 enum Unanswered {
     Refused(Refusal),
     NoValue(NoValue),
@@ -138,7 +138,7 @@ fn malformed(message: impl Into<String>) -> Refusal {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 enum TextureStep {
-    /// Requests the fallback values.
+    /// Returns the fallback values.
     Defaults {},
     /// Selects entries for a facet.
     Select(Surface),
@@ -182,7 +182,7 @@ enum TextureStep {
         size: Vec<usize>,
         /// The change of the coordinates to the next pixel on the right.
         dtdx: Vec<f64>,
-        /// The change to the next pixel above.
+        /// The change of the coordinates to the next pixel above.
         dtdy: Vec<f64>,
         /// The depth sampling bias hint.
         #[serde(default)]
@@ -215,11 +215,11 @@ enum TextureStep {
         #[serde(default)]
         entry: EntryGiven,
         texel: TexelGiven,
-        /// The primitive's color; in the split form, the lit one.
+        /// The primitive's color; in the split form, after lighting.
         color: Color,
         #[serde(default = "opaque")]
         alpha: f64,
-        /// The light on white; present in the split form only.
+        /// The lit color of a white primitive; present only in the split form.
         #[serde(default = "white")]
         cw: Color,
     },
@@ -308,7 +308,7 @@ impl TextureStep {
         })
     }
 
-    /// Answers the steps that return a texel or a color.
+    /// Computes the steps that return a texel or a color.
     fn color(&self, rules: &Rules) -> Result<Value, Unanswered> {
         Ok(match self {
             TextureStep::Sample {
@@ -392,7 +392,7 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// Some fields of an entry; missing ones have their fallback values.
+/// Some fields of an entry; missing fields have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
@@ -416,7 +416,7 @@ impl TryFrom<Value> for EntryGiven {
 }
 
 impl EntryGiven {
-    /// Returns the whole entry; `rules` supply the fallback values.
+    /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
     /// Never: every field was read as a field of an entry.
@@ -438,7 +438,7 @@ impl EntryGiven {
 const POINT_FIELDS: &str = "`mc`, `wc`, `vrc`, `eye_mc`, `eye_wc`, `eye_vrc`, `mc_normal`, `wc_normal`, `vrc_normal`, \
     `mc_geometric_normal`, `wc_geometric_normal`, `vrc_geometric_normal`, `fp_data`, `nurb`, `u`, `v`, `data_splines`, `i`, `s`";
 
-/// A point of a surface. The fields of a coordinate system have its name: `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
+/// A point of a surface. Field names contain the coordinate system, such as `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(try_from = "Map<String, Value>")]
 struct PointGiven(Point);
@@ -513,7 +513,7 @@ enum MapGiven {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PtmGiven {
-    /// The file, in hexadecimal digits.
+    /// The file, in hexadecimal.
     ptm: String,
     light: [f64; 2],
     /// `rgb_float` or `rgb8`.
@@ -670,7 +670,7 @@ struct StageEntry {
     entry: EntryGiven,
     /// The sampled value.
     texel: Option<TexelGiven>,
-    /// The map; the default map if left out.
+    /// The map, or the default map if omitted.
     map: Option<MapGiven>,
     /// The coordinates at which it is sampled, after orientation.
     t: Option<Vector>,

@@ -1,4 +1,4 @@
-//! The suite of texture questions as a run uses it: the request is a question in JSON, the answer a JSON object.
+//! [`TestCase`] for texture questions: requests and answers are JSON objects.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -13,10 +13,10 @@ use crate::suite::texture::choices::CHOICES;
 use crate::suite::texture::compare::difference;
 use crate::texture::Rules;
 
-/// Maximum number of bytes of an answer: a JSON object of a few numbers and words.
+/// Maximum number of bytes of an answer, a small JSON object.
 const MAX_ANSWER_BYTES: usize = 1 << 20;
 
-/// The only view of a texture question.
+/// The single view of texture questions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextureView;
 
@@ -115,11 +115,11 @@ impl TestCase for TextureCase {
         let difference_in =
             |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tolerance());
         let difference = difference(&self.expect, answer, self.tolerance());
-        let axes = self.concerned();
+        let axes = self.relevant_axes();
         let right = match axes.is_empty() {
-            // Any words that it is refused are accepted.
-            true if self.must_be_refused() => Right::Anyway(answer.get("error").is_some()),
-            true => Right::Anyway(difference.is_none()),
+            // Any error message is accepted.
+            true if self.must_be_refused() => Right::InAll(answer.get("error").is_some()),
+            true => Right::InAll(difference.is_none()),
             false => Right::In {
                 axes: axes.to_vec(),
                 combinations: (CHOICES.combinations(axes).iter())
@@ -142,7 +142,7 @@ impl TestCase for TextureCase {
         Some(self.expect.clone())
     }
 
-    fn expected_in_words(&self) -> Option<String> {
+    fn expected_text(&self) -> Option<String> {
         Some(self.expect.to_string())
     }
 

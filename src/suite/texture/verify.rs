@@ -1,4 +1,4 @@
-//! Comparison of the reference with a file of cases: its answer to each, and the answer that the file expects.
+//! Comparison of the reference's answers with the expected answers of a case file.
 
 use serde_json::Value;
 
@@ -9,23 +9,23 @@ use crate::suite::texture::fixtures;
 use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
-/// Tolerance for numbers that were computed by hand, which are exact except for the last digits.
+/// Tolerance for expected numbers that were computed by hand.
 const HAND_TOLERANCE: f64 = 1e-9;
 
-/// One expected answer, and the answer of the reference.
+/// An expected answer and the reference's answer.
 #[derive(Clone, Debug)]
 pub struct VerifiedAnswer {
-    /// The case.
+    /// Id of the case.
     pub id: String,
-    /// The reading under which this answer is expected, if it is not that of the reference.
+    /// Reading under which this answer is expected, if it is not the reference's.
     pub reading: Option<String>,
-    /// True if the answers agree; None if the reading is not known here.
+    /// True if the answers agree; `None` if the reading is unknown.
     pub holds: Option<bool>,
     /// The answer, or the difference.
     pub says: String,
 }
 
-/// Compares every answer that `case` expects: its own first, then those of other readings.
+/// Compares all expected answers of `case`, first under the reference's reading, then under other readings.
 #[must_use]
 pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
     let line = |reading: Option<&String>, expect: &Value, rules: Option<Rules>| {
@@ -78,7 +78,7 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
     }
 }
 
-/// Returns the fields of an answer that are expected.
+/// Formats the expected fields of an answer.
 fn expected_fields(expect: &Value, answer: &Value) -> String {
     let fields = expect.as_object().into_iter().flatten();
     let fields: Vec<String> = fields

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::Lint;
 use super::codes::{ALL, Severity};
 use super::names::as_uri;
-use crate::suite::address::{self, published};
+use crate::suite::address::{self, published_url};
 
 /// Returns everything before the first result.
 #[must_use]
@@ -20,7 +20,7 @@ pub fn head() -> String {
                 "id": code.id,
                 "shortDescription": { "text": code.says },
                 "defaultConfiguration": { "level": level(code.severity) },
-                "helpUri": published(&address::code(code.id)),
+                "helpUri": published_url(&address::code(code.id)),
                 "properties": { "clause": code.clause },
             });
             if !code.fix.is_empty() {

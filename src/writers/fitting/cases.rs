@@ -151,7 +151,7 @@ impl TestCase for FitCase {
     fn compare(&self, built: &BuiltFit, _: &WriteView, file: &WrittenFile) -> Comparison<FitCase> {
         let difference = judge(&built.set, self.format, &file.0).err();
         Comparison {
-            right: Right::Anyway(difference.is_none()),
+            right: Right::InAll(difference.is_none()),
             difference,
             allowance: Allowance::None,
         }
@@ -161,7 +161,7 @@ impl TestCase for FitCase {
         one.has_values_of(other)
     }
 
-    fn expected_in_words(&self) -> Option<String> {
+    fn expected_text(&self) -> Option<String> {
         Some("a map that fits the images".to_owned())
     }
 

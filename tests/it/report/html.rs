@@ -331,7 +331,7 @@ fn page_of_a_non_decoder_names_the_next_step() {
 /// The page of the other suite has its questions, its places on the site, and its command.
 #[test]
 fn questions_of_the_texture_stage_are_shown() {
-    let suite = Suite::of_textures().expect("the texture suite");
+    let suite = Suite::load_texture().expect("the texture suite");
     let plan = RunPlan::new(&suite, 2);
     let mistake = misreadings::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {

@@ -34,7 +34,10 @@ fn counts_in_documents_are_those_of_the_program() {
     let suite = Suite::load().expect("the suite loads");
     let (cases, misreadings) = (thousands(suite.cases.len()), misreadings::all().count());
     let smoke = smoke::ids().expect("the smoke subset").len();
-    let stages = Suite::of_textures().expect("the texture suite").cases.len();
+    let stages = Suite::load_texture()
+        .expect("the texture suite")
+        .cases
+        .len();
     let [requirements, rulings] = [
         texture::clauses().expect("requirements").len(),
         texture::rulings().expect("rulings").len(),

@@ -127,7 +127,7 @@ fn every_published_address_has_a_page() {
     let mut addresses: Vec<String> = Vec::new();
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let suite = Suite::load().expect("the suite loads");
-    let stages = Suite::of_textures().expect("the texture suite loads");
+    let stages = Suite::load_texture().expect("the texture suite loads");
     let cases = suite.cases.iter().map(|case| ptm.case_page(&case.id));
     let cases = cases.chain(stages.cases.iter().map(|case| stage.case_page(&case.id)));
     addresses.extend(cases.map(|page| page.expect("a case has a page")));

@@ -26,7 +26,7 @@ use serde_json::Value;
 use crate::table::rows;
 
 fn suite() -> Suite<TextureCase> {
-    Suite::of_textures().expect("the suite loads")
+    Suite::load_texture().expect("the suite loads")
 }
 
 fn run(

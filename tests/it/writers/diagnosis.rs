@@ -28,7 +28,7 @@ struct Requests {
 
 impl Requests {
     fn small() -> Requests {
-        let mut suite = Suite::of_requests().expect("the requests load");
+        let mut suite = Suite::load_writer_requests().expect("the requests load");
         let large = |case: &WriterCase| {
             let request = case.request();
             let limit = if request.format.coding().is_some() {

@@ -9,7 +9,7 @@ use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use crate::common::conforms;
 
 fn suite() -> Suite<WriterCase> {
-    Suite::of_requests().expect("the requests load")
+    Suite::load_writer_requests().expect("the requests load")
 }
 
 /// Returns a request and the file that the reference writes.
