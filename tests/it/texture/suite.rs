@@ -142,7 +142,7 @@ fn mixing_readings_fails() {
             assert_eq!(kept.judgement.dialect, dialect, "{}: {name}", choice.ruling);
             let shows = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
-                case.concerned().contains(&axis)
+                case.relevant_axes().contains(&axis)
                     && difference(&case.expect, &other, case.tolerance()).is_some()
             });
             let shows: Vec<&str> = shows.map(|case| case.id.as_str()).collect();
@@ -286,7 +286,7 @@ fn every_cross_reference_exists_and_agrees() {
         };
         assert!(agrees, "{id}: {:?} under {ruling:?}", case.basis);
         // A case whose answer depends on a choice declares it.
-        let is_open = !case.concerned().is_empty();
+        let is_open = !case.relevant_axes().is_empty();
         let has_others = !case.also.is_empty() && case.basis != Basis::Impl;
         assert_eq!(is_open, case.basis == Basis::Reading, "{id}");
         assert_eq!(is_open, has_others, "{id}");
