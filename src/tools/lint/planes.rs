@@ -41,9 +41,13 @@ pub(super) fn faults(findings: &mut Findings) {
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
         return;
     };
+    let decode = match format.is_jpeg() {
+        true => jpeg::decode,
+        false => jpeg_ls::decode,
+    };
     for plane in 0..dissection.compressed_planes() {
         if let Some(stream) = dissection.bytes(Role::Stream(plane))
-            && let Err(error) = decode(format, stream, size)
+            && let Err(error) = decode(stream, size.width, size.height)
         {
             let problem = stream_problem(format, stream, size, &error);
             let at = dissection.start(Role::Stream(plane)) + error.offset;
@@ -63,14 +67,6 @@ pub(super) fn faults(findings: &mut Findings) {
     }
 }
 
-fn decode(format: Format, stream: &[u8], size: Size) -> Result<Vec<u8>, codec::StreamError> {
-    if format.is_jpeg() {
-        jpeg::decode(stream, size.width, size.height)
-    } else {
-        jpeg_ls::decode(stream, size.width, size.height)
-    }
-}
-
 /// Returns the problem of a stream that the codec refuses, as its markers show it.
 fn stream_problem(
     format: Format,
@@ -84,15 +80,14 @@ fn stream_problem(
     if !stream.starts_with(&[0xff, 0xd8]) {
         return Problem::NotAStream;
     }
-    match frame(&segments(stream)) {
-        Some((code, ..)) if (code == 0xf7) == format.is_jpeg() => Problem::NotAStream,
-        Some((_, _, height, width, components))
-            if (u32::from(width), u32::from(height), components)
-                != (size.width, size.height, 1) =>
-        {
-            Problem::OtherPicture
-        }
-        _ => Problem::StreamDamaged,
+    let Some((code, _, height, width, components)) = frame(&segments(stream)) else {
+        return Problem::StreamDamaged;
+    };
+    let found = (u32::from(width), u32::from(height), components);
+    match found == (size.width, size.height, 1) {
+        _ if (code == 0xf7) == format.is_jpeg() => Problem::NotAStream,
+        true => Problem::StreamDamaged,
+        false => Problem::OtherPicture,
     }
 }
 
@@ -151,11 +146,10 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
         if let Some(problem) = odd_segment(format, segment) {
-            let says = match segment.says.as_str() {
-                "" => String::new(),
-                says => format!(" ({says})"),
-            };
-            let found = format!("plane {plane}: {}{says}", segment.kind.label().0);
+            let mut found = format!("plane {plane}: {}", segment.kind.label().0);
+            if !segment.says.is_empty() {
+                found += &format!(" ({})", segment.says);
+            }
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
