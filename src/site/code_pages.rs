@@ -50,14 +50,8 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
 
 /// Returns a phrase as a sentence.
 fn sentence(phrase: &str) -> String {
-    let mut letters = phrase.chars();
-    let first: String = letters
-        .next()
-        .map(char::to_uppercase)
-        .into_iter()
-        .flatten()
-        .collect();
-    format!("{first}{}.", letters.as_str())
+    let (first, rest) = phrase.split_at(1);
+    format!("{}{rest}.", first.to_uppercase())
 }
 
 /// Returns the output of lint for the smallest file that provokes it.
