@@ -6,13 +6,11 @@
 //!   for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use std::fmt::Write as _;
 
 use serde::Serialize;
 
 use crate::generate::{Numbers, Recipe};
-use crate::kit::yaml::to_yaml;
-use crate::misreadings;
 use crate::ptm::{Format, Size};
 use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::{Case, Expect, Suite};
@@ -106,101 +104,83 @@ impl Coverage {
         })
     }
 
-    /// Returns the measures as YAML.
-    ///
-    /// # Errors
-    /// No error that depends on a measurement.
-    pub fn to_yaml(&self) -> Result<String, String> {
-        to_yaml(self)
-    }
-
     /// Returns text for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
-        let mut text = String::new();
-        self.write_text(suite, &mut text)
-            .expect("writing to memory does not fail");
-        text
-    }
-
-    fn write_text(&self, suite: &Suite, out: &mut String) -> std::fmt::Result {
-        self.write_clauses(out)?;
-        self.write_misreadings(out)?;
+        let out = &mut String::new();
+        self.write_clauses(out);
+        self.write_misreadings(out);
         let Pairwise {
             pairs,
             covered,
             missing,
             ..
         } = &self.pairwise;
-        writeln!(
+        let _ = writeln!(
             out,
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
-        )?;
+        );
         for pair in missing.iter().take(MAX_MISSING) {
-            writeln!(out, "  missing: {pair}")?;
+            let _ = writeln!(out, "  missing: {pair}");
         }
         if missing.len() > MAX_MISSING {
             let more = missing.len() - MAX_MISSING;
-            writeln!(out, "  … and {more} more; --yaml lists them")?;
+            let _ = writeln!(out, "  … and {more} more; --yaml lists them");
         }
-        writeln!(
+        let (redundant, all) = (self.redundant.len(), suite.cases.len());
+        let _ = writeln!(
             out,
-            "redundant: {} of {} cases kill nothing and separate no pair that others do not",
-            self.redundant.len(),
-            suite.cases.len()
-        )
+            "redundant: {redundant} of {all} cases kill nothing and separate no pair that others do not"
+        );
+        std::mem::take(out)
     }
 
-    fn write_clauses(&self, out: &mut String) -> std::fmt::Result {
+    fn write_clauses(&self, out: &mut String) {
         let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
         for clause in &self.clauses {
             *statuses.entry(&clause.status).or_default() += 1;
         }
         let statuses = statuses.iter();
-        let statuses: Vec<String> = statuses
-            .map(|(status, count)| format!("{count} {status}"))
-            .collect();
-        let (all, statuses) = (self.clauses.len(), statuses.join(", "));
-        writeln!(out, "clauses: {all}: {statuses}")?;
+        let statuses = statuses.map(|(status, count)| format!("{count} {status}"));
+        let (all, statuses) = (self.clauses.len(), statuses.collect::<Vec<_>>().join(", "));
+        let _ = writeln!(out, "clauses: {all}: {statuses}");
         let is_weak = |clause: &&ClauseCoverage| {
             clause.status == "tested" && (clause.cases == 0 || clause.killed.is_empty())
         };
         for clause in self.clauses.iter().filter(is_weak) {
-            writeln!(
+            let _ = writeln!(
                 out,
                 "  {}: {} cases, and no misreading of it is killed",
                 clause.clause, clause.cases
-            )?;
+            );
         }
-        Ok(())
     }
 
-    fn write_misreadings(&self, out: &mut String) -> std::fmt::Result {
+    fn write_misreadings(&self, out: &mut String) {
         let all = self.misreadings.len();
         let killed = self.misreadings.iter().filter(|kills| kills.count > 0);
-        writeln!(out, "misreadings: {} of {all} killed", killed.count())?;
+        let _ = writeln!(out, "misreadings: {} of {all} killed", killed.count());
         for kills in self.misreadings.iter().filter(|kills| kills.count < 2) {
-            writeln!(
+            let _ = writeln!(
                 out,
                 "  {} ({}): killed by {}",
                 kills.misreading,
                 kills.clause,
                 kills.cases.first().map_or("no case", String::as_str)
-            )?;
+            );
         }
         let Separation {
             pairs,
             separated,
             alike,
         } = &self.separation;
-        writeln!(
+        let _ = writeln!(
             out,
             "pairs of misreadings: {separated} of {pairs} distinguished"
-        )?;
+        );
         for set in alike {
-            writeln!(out, "  alike in every case: {}", set.join(", "))?;
+            let _ = writeln!(out, "  alike in every case: {}", set.join(", "));
         }
-        Ok(())
     }
 }
 
@@ -237,8 +217,8 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
     let mut separated = 0;
     for (i, a) in rows.iter().enumerate() {
-        let slug = misreadings::find(a.misreading.slug).map_or("", |known| known.slug);
-        alike.entry(&a.answers).or_default().push(slug.to_owned());
+        let slug = a.misreading.slug.to_owned();
+        alike.entry(&a.answers).or_default().push(slug);
         for b in &rows[i + 1..] {
             let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
             match (apart.next(), apart.next()) {
