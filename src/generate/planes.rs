@@ -115,10 +115,8 @@ fn encode_plane(
     let predictor =
         reference.map(|reference| predictor(&reference.samples, recipe.size, transform, vector));
     let (original, residual) = paint(recipe, scene, plane, predictor.as_deref());
-    let Encoded {
-        stream,
-        samples: received,
-    } = run_codec(recipe, plane, &residual);
+    let encoded = run_codec(recipe, plane, &residual);
+    let (stream, received) = (encoded.stream, encoded.samples);
     let own_slack = match recipe.coding() {
         Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
         Coding::JpegLs => 0,

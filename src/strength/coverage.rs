@@ -72,7 +72,7 @@ pub struct Separation {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Pairwise {
     /// The parameters and their values.
-    pub parameters: BTreeMap<String, Vec<String>>,
+    pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
     /// Number of pairs that do, in a file that must be decoded.
@@ -110,12 +110,8 @@ impl Coverage {
         let out = &mut String::new();
         self.write_clauses(out);
         self.write_misreadings(out);
-        let Pairwise {
-            pairs,
-            covered,
-            missing,
-            ..
-        } = &self.pairwise;
+        let missing = &self.pairwise.missing;
+        let (covered, pairs) = (self.pairwise.covered, self.pairwise.pairs);
         let _ = writeln!(
             out,
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
@@ -169,16 +165,12 @@ impl Coverage {
                 kills.cases.first().map_or("no case", String::as_str)
             );
         }
-        let Separation {
-            pairs,
-            separated,
-            alike,
-        } = &self.separation;
+        let (separated, pairs) = (self.separation.separated, self.separation.pairs);
         let _ = writeln!(
             out,
             "pairs of misreadings: {separated} of {pairs} distinguished"
         );
-        for set in alike {
+        for set in &self.separation.alike {
             let _ = writeln!(out, "  alike in every case: {}", set.join(", "));
         }
     }
@@ -196,16 +188,16 @@ fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, Str
             ClauseStatus::Untestable => "untestable",
         }
         .to_owned(),
-        cases: suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.contains(&clause.id))
-            .count(),
-        killed: rows
-            .iter()
-            .filter(|row| row.misreading.clause == clause.id && !row.killed_by.is_empty())
-            .map(|row| row.misreading.slug.to_owned())
-            .collect(),
+        cases: {
+            let about = |case: &&Case| case.clauses.contains(&clause.id);
+            suite.cases.iter().filter(about).count()
+        },
+        killed: {
+            let mistakes = rows.iter().filter(|row| !row.killed_by.is_empty());
+            let mistakes = mistakes.map(|row| row.misreading);
+            let mistakes = mistakes.filter(|mistake| mistake.clause == clause.id);
+            mistakes.map(|mistake| mistake.slug.to_owned()).collect()
+        },
         clause: clause.id,
     };
     Ok(clauses::clauses()?.into_iter().map(one).collect())
@@ -260,18 +252,14 @@ fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
         true => "over 255",
         false => kind_of_numbers(&recipe.bias),
     };
+    let scale_bias = spelling.scale_bias_on_two_lines;
+    let space = !spelling.space_before_newline.is_empty();
     let mut chosen = vec![
         ("format", recipe.format.short_name()),
         ("size", kind_of_size(recipe.size)),
         ("size is written on", lines(spelling.size_on_two_lines)),
-        (
-            "scale and bias are written on",
-            lines(spelling.scale_bias_on_two_lines),
-        ),
-        (
-            "space before a line feed",
-            yes_or_no(!spelling.space_before_newline.is_empty()),
-        ),
+        ("scale and bias are written on", lines(scale_bias)),
+        ("space before a line feed", yes_or_no(space)),
         ("scale", kind_of_numbers(&recipe.scale)),
         ("bias", bias),
     ];
@@ -329,16 +317,14 @@ fn kind_of_size(size: Size) -> &'static str {
 
 /// Returns true if two values can occur in one file.
 fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
-    let rules_out = |format: (&str, &str), other: (&str, &str)| {
-        format.0 == "format"
-            && format
-                .1
-                .parse::<Format>()
-                .is_ok_and(|format| match other.0 {
-                    "entries" => !format.has_table(),
-                    "prediction" | "side information" => !format.is_compressed(),
-                    _ => false,
-                })
+    let rules_out = |(name, value): (&str, &str), other: (&str, &str)| {
+        let format = value.parse::<Format>();
+        name == "format"
+            && format.is_ok_and(|format| match other.0 {
+                "entries" => !format.has_table(),
+                "prediction" | "side information" => !format.is_compressed(),
+                _ => false,
+            })
     };
     let apart = |a: &str, b: &str| a == "entries" && matches!(b, "prediction" | "side information");
     !(rules_out(a, b) || rules_out(b, a) || apart(a.0, b.0) || apart(b.0, a.0))
@@ -347,10 +333,8 @@ fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
 fn pairwise(suite: &Suite) -> Pairwise {
     let mut values: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
     let mut seen = BTreeSet::new();
-    let decoded = suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Decode);
+    let decoded = suite.cases.iter();
+    let decoded = decoded.filter(|case| case.expect == Expect::Decode);
     for (case, recipe) in decoded.filter_map(|case| Some((case, case.recipe()?))) {
         let chosen = parameters(case, recipe);
         for (i, (a, x)) in chosen.iter().enumerate() {
@@ -377,11 +361,9 @@ fn pairwise(suite: &Suite) -> Pairwise {
             }
         }
     }
+    let owned = |(name, values): (&str, BTreeSet<String>)| (name.to_owned(), values);
     Pairwise {
-        parameters: values
-            .into_iter()
-            .map(|(name, values)| (name.to_owned(), values.into_iter().collect()))
-            .collect(),
+        parameters: values.into_iter().map(owned).collect(),
         pairs,
         covered,
         missing,

@@ -36,9 +36,8 @@ impl TextureMap {
             Rounding::None => value / 255.0,
             Rounding::EightBits => (rules.to_eight_bits)(value) / 255.0,
         };
-        let texels = (rules.rows)(&picture)
-            .into_iter()
-            .map(|color| Texel::rgb(color.map(value)));
+        let colors = (rules.rows)(&picture).into_iter();
+        let texels = colors.map(|color| Texel::rgb(color.map(value)));
         let size = [picture.size.width as usize, picture.size.height as usize, 1];
         let base = Level {
             size,

@@ -40,12 +40,9 @@ pub(crate) fn by_method(
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
     match entry.parameterization {
-        Parameterization::VertexMCCoord => {
-            (rules.coordinates)(&point.mc).ok_or(NoValue::Missing("mc"))
-        }
-        Parameterization::VertexWCCoord => {
-            (rules.coordinates)(&point.wc).ok_or(NoValue::Missing("wc"))
-        }
+        // (x, y, z) (R-PAR-13, R-PAR-14)
+        Parameterization::VertexMCCoord => point.mc.position.ok_or(NoValue::Missing("mc")),
+        Parameterization::VertexWCCoord => point.wc.position.ok_or(NoValue::Missing("wc")),
         Parameterization::VertexMCNormal => {
             (rules.normal)(&point.mc).ok_or(NoValue::Missing("mc_normal or mc_geometric_normal"))
         }
@@ -73,11 +70,6 @@ pub(crate) fn in_vrc(point: &Point) -> Place {
 /// Returns the vertex in world coordinates (R-PAR-35).
 pub(crate) fn in_wc(point: &Point) -> Place {
     point.wc.clone()
-}
-
-/// Returns (x, y, z) (R-PAR-13, R-PAR-14).
-pub(crate) fn coordinates(place: &Place) -> Option<Vector> {
-    place.position
 }
 
 /// Returns the normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
@@ -118,12 +110,11 @@ fn reflection(
     place: &Place,
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
-    let s = if let Some(s) = point.reflection {
-        s
-    } else {
+    let reflected = || {
         let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
-        (rules.reflect)(sight(point, place, rules)?, n)
+        Ok((rules.reflect)(sight(point, place, rules)?, n))
     };
+    let s = point.reflection.map_or_else(reflected, Ok)?;
     let turned = (rules.turn)(&entry.reflection_matrix, s);
     if turned == [0.0; 3] {
         return Err(NoValue::ImplementationDefined("no-reflection"));

@@ -103,14 +103,10 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
         dt_dx: way(right),
         dt_dy: way(above),
     };
-    let Entry {
-        depth_bias,
-        frequency,
-        ..
-    } = preview.entry;
+    let (bias, frequency) = (preview.entry.depth_bias, preview.entry.frequency);
     let base = &preview.map.levels()[0].size[..preview.map.dimensions()];
-    let depth = sample_depth(base, &footprint, depth_bias, frequency, rules);
-    let magnify = magnifies(base, &footprint, rules);
+    let depth = sample_depth(base, &footprint, bias, frequency);
+    let magnify = magnifies(base, &footprint);
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
     let lit = lit(preview, &point);

@@ -54,10 +54,9 @@ pub fn fetch(
 
 /// Returns the minification method, or the magnification method (R-SMP-02, R-SMP-03).
 pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
-    if magnify {
-        entry.mag_sample
-    } else {
-        entry.min_sample
+    match magnify {
+        true => entry.mag_sample,
+        false => entry.min_sample,
     }
 }
 

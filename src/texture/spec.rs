@@ -2,8 +2,8 @@
 
 use super::rules::Rules;
 use super::{
-    boundary, checkerboard, compose, depth, entry, from_ptm, map, orient, parameterize, sample,
-    select, stage, table,
+    boundary, checkerboard, compose, entry, from_ptm, map, orient, parameterize, sample, select,
+    stage, table,
 };
 
 impl Rules {
@@ -19,7 +19,6 @@ impl Rules {
         checkerboard: checkerboard::sixteen_by_two,
         is_white: checkerboard::white_at_origin,
         parameterize: parameterize::by_method,
-        coordinates: parameterize::coordinates,
         normal: parameterize::normal,
         spline_parameters: parameterize::spline_parameters,
         float_data: parameterize::float_data,
@@ -37,7 +36,6 @@ impl Rules {
         hyperbolic: orient::hyperbolic,
         site: orient::as_often_as_lit,
         stage: stage::before_and_after,
-        is_split: stage::is_split,
         add_specular: stage::add_specular,
         light: stage::light,
         texel_color: map::texel_color,
@@ -61,10 +59,6 @@ impl Rules {
         wrap: boundary::wrap,
         mirror: boundary::mirror,
         border: boundary::border,
-        explicit_neighbor: boundary::border,
-        depth: depth::log2_of_widest,
-        biased: depth::add,
-        magnifies: depth::none_over_one,
         rows: from_ptm::from_the_bottom,
         to_eight_bits: from_ptm::halves_up,
     };

@@ -286,8 +286,8 @@ impl TextureStep {
                 let (dt_dx, dt_dy) = (padded(dtdx, 0.0), padded(dtdy, 0.0));
                 let footprint = Footprint { dt_dx, dt_dy };
                 let hints = padded(freq, 1.0);
-                let depth = texture::sample_depth(size, &footprint, *bias, hints, rules);
-                let mode = match texture::magnifies(size, &footprint, rules) {
+                let depth = texture::sample_depth(size, &footprint, *bias, hints);
+                let mode = match texture::magnifies(size, &footprint) {
                     true => "mag",
                     false => "min",
                 };
