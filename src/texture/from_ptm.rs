@@ -59,8 +59,3 @@ pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
 pub(crate) fn halves_up(value: f64) -> f64 {
     (value + 0.5).floor()
 }
-
-/// Returns the value unrounded: the other reading of `ptm-texels`.
-pub(crate) fn unrounded(value: f64) -> f64 {
-    value
-}

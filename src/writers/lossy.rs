@@ -40,7 +40,10 @@ pub(super) fn check<'a>(
     (0..request.format.channels()).try_for_each(|plane| {
         let lossy = LossyPlane::new(request, plane, decoded, side(plane));
         lossy.check_ends()?;
-        lossy.check_loss()
+        match request.header.quality {
+            Some(quality) => lossy.check_blocks(quality),
+            None => lossy.check_near(request.header.near.unwrap_or_default()),
+        }
     })
 }
 
@@ -75,14 +78,6 @@ impl<'a> LossyPlane<'a> {
             wanted: stored_plane(request, &request.samples, plane),
             found: stored_plane(request, decoded, plane),
             corrected: records.iter().map(|&(place, _)| place as usize).collect(),
-        }
-    }
-
-    /// Checks that the loss is within the tolerance of the format.
-    fn check_loss(&self) -> Result<(), WriterFault> {
-        match self.request.header.quality {
-            Some(quality) => self.check_blocks(quality),
-            None => self.check_near(self.request.header.near.unwrap_or_default()),
         }
     }
 

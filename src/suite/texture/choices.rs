@@ -3,7 +3,8 @@
 //! Each choice is a ruling of kind `choice`; see [`Choices`].
 
 use crate::suite::dialect::{Choice, Choices};
-use crate::texture::{Rules, compose, from_ptm, parameterize, sample};
+use crate::texture::map::texel_color;
+use crate::texture::{Rules, Shade, parameterize, sample};
 
 /// All open questions.
 pub const CHOICES: Choices<Rules> = Choices(&[
@@ -23,7 +24,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("scalar", |r| r),
             ("vector", |r| Rules {
-                gamma: compose::whole_color,
+                gamma: |_, texel| texel_color(texel),
                 ..r
             }),
         ],
@@ -33,7 +34,10 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("texel", |r| r),
             ("result", |r| Rules {
-                clamp_color: compose::clamp_color_alone,
+                clamp_color: |_, color, input, _, rules| Shade {
+                    color: (rules.texel_color)(color),
+                    ..input
+                },
                 ..r
             }),
         ],
@@ -99,7 +103,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("rounded", |r| r),
             ("kept", |r| Rules {
-                to_eight_bits: from_ptm::unrounded,
+                to_eight_bits: |value| value,
                 ..r
             }),
         ],

@@ -219,7 +219,9 @@ fn other_transforms(findings: &mut Findings, streams: &Streams) {
     }
     let mut slack = vec![0u8; channels];
     for (plane, residuals) in streams.residuals() {
-        let exact = in_blocks_of_one_value(residuals, size.width as usize);
+        let width = size.width as usize;
+        let first_of_block = |at: usize| residuals[at / width / 8 * 8 * width + at % width / 8 * 8];
+        let exact = (0..residuals.len()).all(|at| residuals[at] == first_of_block(at));
         let reference = reference(plane);
         slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
         if reference.is_none() || slack[plane] == 0 {
@@ -253,11 +255,6 @@ fn near_an_end(
     Some(format!(
         "{count} texels within {slack} of 0 or 255, the first at {place}"
     ))
-}
-
-fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
-    let first_of_block = |at: usize| samples[at / width / 8 * 8 * width + at % width / 8 * 8];
-    (0..samples.len()).all(|at| samples[at] == first_of_block(at))
 }
 
 /// Keeps one finding of each code, with the number of the others: usually all planes have the same property.
