@@ -11,11 +11,8 @@ use crate::ptm::{Format, Size};
 
 /// The standard of the streams.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Coding {
     /// ITU-T T.81.
     Jpeg,
@@ -76,11 +73,8 @@ impl Stream {
 
 /// The painted samples of planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Residuals {
     /// The samples of the scene, as planes; the residuals follow by prediction.
     Natural,
@@ -153,11 +147,8 @@ impl FromStr for Records {
 
 /// The references of planes and their order of decoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Structure {
     /// No references.
     Intra,
