@@ -111,9 +111,9 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     });
     let mut markup = String::new();
     pulldown_cmark::html::push_html(&mut markup, events);
-    const TABLE: &str = "<div class=\"scroll\" tabindex=\"0\"><table class=\"list\">";
+    let table = "<div class=\"scroll\" tabindex=\"0\"><table class=\"list\">";
     let markup = markup
-        .replace("<table>", TABLE)
+        .replace("<table>", table)
         .replace("</table>", "</table></div>")
         .replace("<pre>", "<pre tabindex=\"0\">")
         .replace("<th></th>", "<td></td>");

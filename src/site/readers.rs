@@ -1,6 +1,7 @@
 //! The results of public readers in this suite: `reports/readers/`, a file for each.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use serde::Deserialize;
 
@@ -55,7 +56,7 @@ impl ReaderRun {
         let passed = self.cases - self.by_case.len();
         let mut counts = format!("{passed} pass");
         for (outcome, cases) in &self.outcomes {
-            counts += &format!(", {} {outcome}", cases.len());
+            let _ = write!(counts, ", {} {outcome}", cases.len());
         }
         counts
     }

@@ -167,12 +167,8 @@ pub(crate) fn half_turns(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
-/// Lets t0 increase to the left: another reading of `vrc-azimuth`.
-pub(crate) fn half_turns_leftward(s: Vector) -> f64 {
-    (1.0 - half_turns(s)).fract()
-}
-
 /// Lets t0 increase along x: another reading of `vrc-azimuth`.
+#[cfg(feature = "harness")]
 pub(crate) fn along_x(s: Vector) -> f64 {
     let around = s[0].hypot(s[2]);
     if around == 0.0 {
@@ -181,19 +177,9 @@ pub(crate) fn along_x(s: Vector) -> f64 {
     f64::midpoint(1.0, s[0] / around)
 }
 
-/// Mirrors the front half to the rear half: another reading of `vrc-azimuth`.
-pub(crate) fn rear_mirrored(s: Vector) -> f64 {
-    half_turns([s[0], s[1], s[2].abs()])
-}
-
 /// Maps a whole turn to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
 pub(crate) fn whole_turn(s: Vector) -> f64 {
     azimuth(s) / (2.0 * PI)
-}
-
-/// Turns clockwise, seen from +y: the other reading of `wc-azimuth`.
-pub(crate) fn whole_turn_clockwise(s: Vector) -> f64 {
-    (1.0 - whole_turn(s)).fract()
 }
 
 /// Returns the angle from −y as a fraction of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
@@ -202,11 +188,13 @@ pub(crate) fn by_angle(s: Vector) -> f64 {
 }
 
 /// Lets t1 be proportional to y: another reading of `vrc-height` and `wc-height`.
+#[cfg(feature = "harness")]
 pub(crate) fn by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
 /// Measures the angle from +y: another reading of `vrc-height` and `wc-height`.
+#[cfg(feature = "harness")]
 pub(crate) fn downward(s: Vector) -> f64 {
     1.0 - by_angle(s)
 }

@@ -215,9 +215,10 @@ impl<'a> Dissection<'a> {
         };
         let (clause, mut at) = (error.clause(), error.offset());
         if clause != COMPRESSED_PLANE {
-            let blocks = (0..).find(|&block| self.part(Role::Block(block)).is_none());
-            let range = at..self.file.len();
-            return self.add_part(clause, range, blocks.unwrap_or_default(), Some(needs));
+            let blocks = self.parts.iter();
+            let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
+            let (nth, range) = (blocks.count(), at..self.file.len());
+            return self.add_part(clause, range, nth, Some(needs));
         }
         // The planes, as far as the file goes.
         for plane in 0..self.compressed_planes() {

@@ -47,7 +47,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("rightward", |r| r),
             ("leftward", |r| Rules {
-                vrc_azimuth: parameterize::half_turns_leftward,
+                vrc_azimuth: |s| (1.0 - parameterize::half_turns(s)).fract(),
                 ..r
             }),
             ("cosine", |r| Rules {
@@ -55,7 +55,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
                 ..r
             }),
             ("rear half mirrored", |r| Rules {
-                vrc_azimuth: parameterize::rear_mirrored,
+                vrc_azimuth: |[x, y, z]| parameterize::half_turns([x, y, z.abs()]),
                 ..r
             }),
         ],
@@ -79,7 +79,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("counter-clockwise", |r| r),
             ("clockwise", |r| Rules {
-                wc_azimuth: parameterize::whole_turn_clockwise,
+                wc_azimuth: |s| (1.0 - parameterize::whole_turn(s)).fract(),
                 ..r
             }),
         ],

@@ -1,5 +1,7 @@
 //! The planes of a compressed file: errors in each, and unusual properties of their lists and streams.
 
+use std::fmt::Write as _;
+
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
 use crate::codec::{self, jpeg, jpeg_ls};
@@ -148,7 +150,7 @@ fn stream(findings: &mut Findings, format: Format, plane: usize) {
         if let Some(problem) = odd_segment(format, segment) {
             let mut found = format!("plane {plane}: {}", segment.kind.label().0);
             if !segment.says.is_empty() {
-                found += &format!(" ({})", segment.says);
+                let _ = write!(found, " ({})", segment.says);
             }
             findings.add_at(problem, start + segment.range.start, found);
         }
