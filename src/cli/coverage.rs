@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::strength::coverage::Coverage;
 use ptm_conform::strength::matrix::matrix;
 use ptm_conform::strength::smoke;
@@ -36,7 +37,7 @@ pub fn run(args: &CoverageArgs) -> CommandResult {
     let rows = with_progress(|progress| matrix(&suite, jobs, progress));
     let coverage = Coverage::new(&suite, &rows)?;
     print(&if args.yaml {
-        coverage.to_yaml()?
+        to_yaml(&coverage)?
     } else {
         coverage.to_text(&suite)
     });

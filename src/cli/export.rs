@@ -7,6 +7,7 @@ use image::ImageFormat;
 
 use super::{CommandResult, files, output};
 use ptm_conform::tools::export;
+use ptm_conform::tools::render::to_file;
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
 ///
@@ -58,7 +59,10 @@ pub fn run(args: &ExportArgs) -> CommandResult {
             "stored bytes".to_owned(),
         ),
         _ => (
-            export::stacked_planes(samples, size, channels).to_file(ImageFormat::Png)?,
+            to_file(
+                export::stacked_planes(samples, size, channels),
+                ImageFormat::Png,
+            )?,
             format!("{channels} stored planes below each other"),
         ),
     };

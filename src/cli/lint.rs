@@ -117,9 +117,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     };
     let profiles = readers::known(args.profiles.as_deref())?;
     let readers = readers::selected(&profiles, &args.readers)?;
-    let mut paths = args.files.iter();
-    let is_collection = paths.any(|path| is_list(path) || path.is_dir());
-    let rows = Rows::new(format, &readers, settings.max, is_collection);
+    let rows = Rows::new(format, &readers, settings.max);
     let mut rows = rows.map_err(|error| error.to_string())?;
     let judge = Judge {
         limit: args.limit,
@@ -136,7 +134,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
         worst = std::cmp::min_by_key(worst, status, |status| {
             STATUSES_WORST_FIRST.iter().position(|one| one == status)
         });
-        let shown = bar.suspend(|| rows.show(&row.path, row.lint));
+        let shown = bar.suspend(|| rows.show(&row.path, row.lint, row.failed));
         // The reader of standard output has closed it.
         closed.fetch_or(shown.is_err(), Relaxed);
         bar.inc(1);
@@ -261,7 +259,10 @@ impl Judge<'_> {
         if !bytes.starts_with(MAGIC) {
             // The length of something other than a regular file is unknown before its end.
             let length = length.max(bytes.len() as u64);
-            return Ok(Lint::of_other(&name, &bytes, length));
+            return Ok(Lint {
+                bytes: Some(length),
+                ..Lint::new(&name, &bytes)
+            });
         }
         if length > limit {
             return Ok(too_long(Some(length)));

@@ -36,8 +36,6 @@ pub struct Rows {
     most: usize,
     /// Number of requested readers.
     readers: usize,
-    /// True if most files may not be PTMs, for which a line is enough.
-    is_collection: bool,
     /// True if a row, or a result, has been printed.
     begun: bool,
     /// Counts of everything, printed or not.
@@ -50,7 +48,6 @@ impl Rows {
         format: RowFormat,
         readers: &[&ReaderProfile],
         most: Option<usize>,
-        is_collection: bool,
     ) -> io::Result<Rows> {
         match format {
             RowFormat::Text | RowFormat::Yaml => {}
@@ -62,22 +59,24 @@ impl Rows {
             format,
             most: most.unwrap_or(usize::MAX),
             readers: readers.len(),
-            is_collection,
             begun: false,
             totals: Totals::default(),
         })
     }
 
-    /// Prints and counts a file.
-    pub fn show(&mut self, path: &Path, mut lint: Lint) -> io::Result<()> {
+    /// Prints and counts a file; `failed` is true if it could not be read.
+    pub fn show(&mut self, path: &Path, mut lint: Lint, failed: bool) -> io::Result<()> {
         self.totals.add(&lint);
         // A row per file has every code; in other formats findings are lines.
         if self.format != RowFormat::Csv {
             lint.findings.truncate(self.most);
         }
         match self.format {
-            RowFormat::Text if self.is_collection && lint.status == Status::NotAPtm => {
-                emit(&format!("{}: {}\n", lint.file, lint.status.words()))
+            // Most files of a collection may be of other kinds, so a line is enough.
+            RowFormat::Text if lint.status == Status::NotAPtm => {
+                let found = lint.findings.first().map(|finding| finding.found.as_str());
+                let found = found.map_or(String::new(), |found| format!(": {found}"));
+                emit(&format!("{}: {}{found}\n", lint.file, lint.status.words()))
             }
             RowFormat::Text => text(&lint),
             RowFormat::Json => {
@@ -86,7 +85,7 @@ impl Rows {
             }
             RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
             RowFormat::Csv => emit(&csv::row(&lint, self.readers)),
-            RowFormat::Sarif => self.separated(&sarif::results(path.as_os_str(), &lint)),
+            RowFormat::Sarif => self.separated(&sarif::results(path.as_os_str(), &lint, failed)),
         }
     }
 

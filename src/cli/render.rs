@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::render::{lit, normals, sheet};
+use ptm_conform::tools::render::{enlarged, lit, normals, sheet, to_file};
 
 /// Render a map: under one light, under many lights, or its normals.
 ///
@@ -44,7 +44,7 @@ pub struct RenderArgs {
 }
 
 /// Maximum side of a map that is hard to see.
-const MAX_SMALL_SIDE: usize = 32;
+const MAX_SMALL_SIDE: u32 = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
     let format = ImageFormat::from_path(&args.output).ok();
@@ -59,19 +59,22 @@ pub fn run(args: &RenderArgs) -> CommandResult {
             format!("{side} x {side} lights"),
         ),
         (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
-        (None, false, (lu, lv)) => (lit(&ptm, lu, lv), format!("light {lu},{lv}")),
+        (None, false, (lu, lv)) => {
+            let image = lit(&ptm.coefficients(), lu, lv);
+            (image, format!("light {lu},{lv}"))
+        }
     };
-    let is_small = image.width.max(image.height) <= MAX_SMALL_SIDE;
+    let is_small = image.width().max(image.height()) <= MAX_SMALL_SIDE;
     let hint = match args.sheet.is_none() && args.zoom == 1 && is_small {
         true => "; --zoom 32 enlarges them",
         false => "",
     };
     let image = match args.zoom {
         1 => image,
-        zoom => image.enlarged(zoom.into())?,
+        zoom => enlarged(&image, zoom.into())?,
     };
-    files::write_whole(&args.output, image.to_file(format)?)?;
-    let (output, width, height) = (args.output.display(), image.width, image.height);
+    let (output, (width, height)) = (args.output.display(), image.dimensions());
+    files::write_whole(&args.output, to_file(image, format)?)?;
     output::note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));

@@ -11,11 +11,12 @@ use super::output::print;
 use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
 
 use ptm_conform::kit::yaml::from_yaml;
+use ptm_conform::ptm::Size;
 use ptm_conform::suite::texture::cases::cases_of;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
-use ptm_conform::tools::render::Image;
+use ptm_conform::tools::render::{rgb, to_file};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -200,12 +201,8 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     };
     let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("these coordinates cannot be drawn: {error}"))?;
-    let image = Image {
-        width: drawn.side,
-        height: drawn.side,
-        channels: 3,
-        samples: drawn.rgb,
-    };
-    write_whole(&args.output, image.to_file(image::ImageFormat::Png)?)?;
+    let (width, height) = (args.size, args.size);
+    let image = rgb(Size { width, height }, drawn);
+    write_whole(&args.output, to_file(image, image::ImageFormat::Png)?)?;
     Ok(0)
 }

@@ -9,10 +9,8 @@ use super::planes::Compressed;
 use super::spelling::{Line, Lists};
 
 pub(super) fn write(model: &Model, out: &mut Output) {
-    let compressed = model
-        .compressed
-        .as_ref()
-        .expect("planes are painted with a compressed format");
+    let compressed = model.compressed.as_ref();
+    let compressed = compressed.expect("planes are painted with a compressed format");
     write_lists(compressed, out);
     write_planes(compressed, out);
 }
@@ -21,10 +19,7 @@ pub(super) fn write(model: &Model, out: &mut Output) {
 fn write_lists(compressed: &Compressed, out: &mut Output) {
     let Compressed { plan, planes } = compressed;
     let sizes: Vec<usize> = planes.iter().map(|plane| plane.stream.len()).collect();
-    let side_sizes: Vec<usize> = planes
-        .iter()
-        .map(|plane| plane.side_information().len())
-        .collect();
+    let side_sizes: Vec<usize> = planes.iter().map(|plane| 5 * plane.records.len()).collect();
 
     write_list(Line::Parameter, "parameter", &[plan.parameter], out);
     write_list(Line::Transforms, "transforms", &plan.transforms, out);

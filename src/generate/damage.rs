@@ -209,14 +209,9 @@ impl Damage {
 
 impl Needs {
     fn check(&self, model: &Model) -> Result<(), String> {
-        let size = self
-            .size
-            .as_ref()
-            .map(|size| size.parse::<Size>())
-            .transpose()?;
-        let met = self
-            .planes
-            .is_none_or(|planes| planes == model.format.channels())
+        let size = self.size.as_deref().map(str::parse::<Size>).transpose()?;
+        let planes = self.planes;
+        let met = planes.is_none_or(|planes| planes == model.format.channels())
             && size.is_none_or(|size| size == model.size)
             && (self.coding.is_none() || self.coding == model.format.coding());
         met.then_some(()).ok_or_else(|| {
@@ -228,10 +223,9 @@ impl Needs {
 /// Returns the bytes of a content at a place: `hex` bytes, a stand-in `stream`, or text.
 fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>, String> {
     if let Some(hex) = content.strip_prefix("hex ") {
-        let words = hex
-            .split_whitespace()
-            .map(|word| hex_bytes(word, file.model));
-        return Ok(words.collect::<Result<Vec<_>, _>>()?.concat());
+        let words = hex.split_whitespace();
+        let words: Result<Vec<_>, _> = words.map(|word| hex_bytes(word, file.model)).collect();
+        return Ok(words?.concat());
     }
     if let Some(name) = content.strip_prefix("stream ") {
         let unknown = || format!("unknown stream {name:?}");
@@ -261,14 +255,12 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
         return Ok((texels as u32).to_be_bytes().to_vec());
     }
     let (byte, times) = word.split_once('*').unwrap_or((word, "1"));
-    let times = if times == "{texels}" {
-        Some(texels)
-    } else {
-        times.parse().ok()
+    let times = match times {
+        "{texels}" => Some(texels),
+        _ => times.parse().ok(),
     };
-    let byte = (byte.len() == 2)
-        .then(|| u8::from_str_radix(byte, 16).ok())
-        .flatten();
+    let value = u8::from_str_radix(byte, 16).ok();
+    let byte = value.filter(|_| byte.len() == 2);
     Ok(vec![byte.ok_or_else(unknown)?; times.ok_or_else(unknown)?])
 }
 
@@ -304,10 +296,8 @@ fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, St
     }
     let start = spot.range.start + width * texel;
     let range = start..start + width;
-    Ok((
-        Spot { range, ..spot },
-        index.to_le_bytes()[..width].to_vec(),
-    ))
+    let bytes = index.to_le_bytes()[..width].to_vec();
+    Ok((Spot { range, ..spot }, bytes))
 }
 
 /// Returns the sizes of planes and of their side information after these splices.
@@ -319,14 +309,12 @@ fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
         });
         (list, length.to_string().into_bytes())
     };
-    [
-        ("compressed sizes", "plane"),
-        ("side sizes", "side information"),
-    ]
-    .into_iter()
-    .flat_map(|(list, part)| file.named(list).into_iter().zip(file.named(part)))
-    .map(size)
-    .collect()
+    let pairs = |list, part| file.named(list).into_iter().zip(file.named(part));
+    let sizes = pairs("compressed sizes", "plane");
+    sizes
+        .chain(pairs("side sizes", "side information"))
+        .map(size)
+        .collect()
 }
 
 /// Applies splices that do not overlap to a file.

@@ -88,10 +88,9 @@ impl Model {
 
     /// Encodes the streams, and sets the samples that an exact decoder returns for them.
     fn compress(&mut self, recipe: &Recipe) {
-        let encoding = planes::encode(recipe, &self.samples);
-        self.samples = encoding.samples;
-        self.slack = encoding.slack;
-        self.compressed = Some(encoding.compressed);
+        let compressed;
+        (compressed, self.samples, self.slack) = planes::encode(recipe, &self.samples);
+        self.compressed = Some(compressed);
     }
 
     /// Makes a table of the distinct texels, and the indices that name them.
@@ -149,82 +148,60 @@ impl Model {
     /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
+        self.finals(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])
+    }
+
+    /// Returns the final values of `samples`, of which coefficient a*i* becomes `coefficient(raw, i)`.
+    fn finals(&self, samples: &[u8], coefficient: impl Fn(f64, usize) -> f64) -> Vec<f64> {
         let channels = self.format.channels();
         let polynomials = if channels == 18 { 18 } else { 6 };
         let value = |(i, &byte): (usize, &u8)| match i % channels {
-            channel if channel < polynomials => {
-                (f64::from(byte) - self.bias[channel % 6]) * self.scale[channel % 6]
-            }
+            channel if channel < polynomials => coefficient(f64::from(byte), channel % 6),
             _ => f64::from(byte),
         };
-        self.samples.iter().enumerate().map(value).collect()
+        samples.iter().enumerate().map(value).collect()
     }
 
     /// Returns `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
     #[must_use]
     pub fn picture(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
-        let polynomial = |a: &[f64]| {
-            a.iter()
-                .zip(powers)
-                .map(|(a, power)| a * power)
-                .sum::<f64>()
-        };
+        let polynomial = |a: &[f64]| -> f64 { (0..6).map(|i| a[i] * powers[i]).sum() };
         let color = |texel: &[f64]| match texel.len() {
-            18 => [
-                polynomial(&texel[..6]),
-                polynomial(&texel[6..12]),
-                polynomial(&texel[12..]),
-            ],
+            18 => [0, 6, 12].map(|channel| polynomial(&texel[channel..])),
             9 => [6, 7, 8].map(|channel| polynomial(&texel[..6]) * texel[channel] / 255.0),
             _ => {
                 let input = [polynomial(&texel[..6]), texel[6], texel[7], 1.0];
-                [0, 1, 2].map(|row| {
-                    (0..4)
-                        .map(|column| self.matrix[4 * column + row] * input[column])
-                        .sum()
-                })
+                let product = |row, column| self.matrix[4 * column + row] * input[column];
+                [0, 1, 2].map(|row| (0..4).map(|column| product(row, column)).sum())
             }
         };
         let coefficients = self.coefficients();
-        coefficients
-            .chunks_exact(self.format.channels())
-            .flat_map(color)
-            .map(|value| value.clamp(0.0, 255.0))
-            .collect()
+        let colors = coefficients.chunks_exact(self.format.channels());
+        let colors = colors.flat_map(color);
+        colors.map(|value| value.clamp(0.0, 255.0)).collect()
     }
 
     /// Returns the maximum deviation of each final value between inverse DCTs; empty if all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
-        let channels = self.format.channels();
-        let polynomials = if channels == 18 { 18 } else { 6 };
-        let slack = |(i, &slack): (usize, &u8)| match i % channels {
-            channel if channel < polynomials => f64::from(slack) * self.scale[channel % 6].abs(),
-            _ => f64::from(slack),
-        };
-        self.slack.iter().enumerate().map(slack).collect()
+        self.finals(&self.slack, |slack, i| slack * self.scale[i].abs())
     }
 
     /// Returns the maximum deviation of each color between inverse DCTs; empty if all agree.
     #[must_use]
     pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
-        let sum = |a: &[f64], weigh: fn(f64) -> f64| {
-            a.iter()
-                .zip(powers)
-                .map(|(a, power)| weigh(a * power))
-                .sum::<f64>()
+        let sum = |a: &[f64], weigh: fn(f64) -> f64| -> f64 {
+            (0..6).map(|i| weigh(a[i] * powers[i])).sum()
         };
         let color = |(values, slack): (&[f64], &[f64])| {
             if values.len() == 18 {
-                [0, 6, 12].map(|channel| sum(&slack[channel..channel + 6], f64::abs))
+                [0, 6, 12].map(|channel| sum(&slack[channel..], f64::abs))
             } else {
                 // The maximum deviation of a product of two values that both deviate.
-                let (luminance, off) = (
-                    sum(&values[..6], |term| term).abs(),
-                    sum(&slack[..6], f64::abs),
-                );
+                let luminance = sum(values, |term| term).abs();
+                let off = sum(slack, f64::abs);
                 [6, 7, 8].map(|channel| {
                     (off * (values[channel] + slack[channel]) + luminance * slack[channel]) / 255.0
                 })

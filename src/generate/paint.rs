@@ -75,8 +75,8 @@ pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
         Indices::BytesDiffer => {
             // Continue to the next index whose bytes differ; of two neighbors one always does.
             let start = any % entries;
-            (0..entries)
-                .map(|step| (start + step) % entries)
+            let mut following = (0..entries).map(|step| (start + step) % entries);
+            following
                 .find(|index| index % 256 != index / 256)
                 .unwrap_or(0)
         }

@@ -57,35 +57,9 @@ enum Offset {
 }
 
 /// Names of fields.
-const NAMES: [&str; 27] = [
-    "file",
-    "header",
-    "payload",
-    "version",
-    "format",
-    "width",
-    "height",
-    "scale",
-    "bias",
-    "count",
-    "count keyword",
-    "table",
-    "matrix",
-    "indices",
-    "coefficients",
-    "colors",
-    "blue coefficients",
-    "parameter",
-    "transforms",
-    "motion x",
-    "motion y",
-    "order",
-    "references",
-    "compressed sizes",
-    "side sizes",
-    "plane",
-    "side information",
-];
+const NAMES: &str = "file|header|payload|version|format|width|height|scale|bias|count|count keyword|table|matrix|indices|\
+    coefficients|colors|blue coefficients|parameter|transforms|motion x|motion y|order|references|compressed sizes|side sizes|\
+    plane|side information";
 
 impl FromStr for DamagePlace {
     type Err = String;
@@ -93,32 +67,25 @@ impl FromStr for DamagePlace {
     fn from_str(text: &str) -> Result<DamagePlace, String> {
         let unknown = |what: &str| format!("unknown {what} in the place {text:?}");
         let cut = text.rfind(['+', '-', '/']).unwrap_or(text.len());
-        let (whole, offset) = match Offset::parse(&text[cut..]) {
-            Some(offset) => (&text[..cut], offset),
-            None => (text, Offset::Forward(0)),
-        };
-        let (field, segment) = match whole.split_once('.') {
-            Some((field, segment)) => (
-                field,
-                Some(StreamPart::parse(segment).ok_or_else(|| unknown("part"))?),
-            ),
-            None => (whole, None),
-        };
-        let (name, which) = match field
-            .strip_suffix(']')
-            .and_then(|field| field.split_once('['))
-        {
-            Some((name, which)) => (name, Which::parse(which).ok_or_else(|| unknown("number"))?),
-            None => (field, Which::Nth(0)),
-        };
-        if !NAMES.contains(&name) {
+        let offset = Offset::parse(&text[cut..]);
+        let whole = &text[..offset.map_or(text.len(), |_| cut)];
+        let (mut field, mut segment, mut which) = (whole, None, Which::Nth(0));
+        if let Some((before, part)) = whole.split_once('.') {
+            field = before;
+            segment = Some(StreamPart::parse(part).ok_or_else(|| unknown("part"))?);
+        }
+        if let Some((before, number)) = field.strip_suffix(']').and_then(|of| of.split_once('[')) {
+            field = before;
+            which = Which::parse(number).ok_or_else(|| unknown("number"))?;
+        }
+        if NAMES.split('|').all(|name| name != field) {
             return Err(unknown("field"));
         }
         Ok(DamagePlace {
-            name: name.to_owned(),
+            name: field.to_owned(),
             which,
             segment,
-            offset,
+            offset: offset.unwrap_or(Offset::Forward(0)),
         })
     }
 }
@@ -265,12 +232,13 @@ impl Named<'_> {
             "header" => 0..payload,
             "payload" => payload..end,
             _ => {
-                return match place.which {
-                    Which::All => Some(named),
-                    Which::Last => Some(vec![named.last()?.clone()]),
-                    Which::Nth(nth) => Some(vec![named.get(nth)?.clone()]),
-                    which => Some(vec![named.get(which.plane(self.model)?)?.clone()]),
+                let spot = match place.which {
+                    Which::All => return Some(named),
+                    Which::Last => named.last()?,
+                    Which::Nth(nth) => named.get(nth)?,
+                    which => named.get(which.plane(self.model)?)?,
                 };
+                return Some(vec![spot.clone()]);
             }
         };
         Some(vec![Spot::outside(range)])
@@ -324,11 +292,10 @@ impl Named<'_> {
         let value = match inside {
             "" => Some(self.text(at)),
             ":lower" => Some(self.text(at).to_lowercase()),
-            ":hex" => self
-                .text(at)
-                .parse()
-                .ok()
-                .map(|number: u64| format!("{number:x}")),
+            ":hex" => {
+                let number: Option<u64> = self.text(at).parse().ok();
+                number.map(|number| format!("{number:x}"))
+            }
             "planes" => Some(self.model.format.channels().to_string()),
             "predicted" => plane(Which::Predicted),
             "first" => plane(Which::First),

@@ -64,11 +64,8 @@ impl Stream {
 
 /// The painted samples of planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Residuals {
     /// The samples of the scene, as planes; the residuals follow by prediction.
     Natural,
@@ -130,12 +127,10 @@ impl FromStr for Records {
             "all" => Texels::All,
             "border" => Texels::Border,
             "twice" => Texels::Twice,
-            list => Texels::These(
-                list.split('+')
-                    .map(str::parse)
-                    .collect::<Result<_, _>>()
-                    .map_err(|_| wrong())?,
-            ),
+            list => {
+                let texels: Result<_, _> = list.split('+').map(str::parse).collect();
+                Texels::These(texels.map_err(|_| wrong())?)
+            }
         };
         Ok(Records { planes, texels })
     }
@@ -143,11 +138,8 @@ impl FromStr for Records {
 
 /// The references of planes and their order of decoding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Structure {
     /// No references.
     Intra,
@@ -195,9 +187,8 @@ impl Structure {
             Structure::Star => (from(0, i == 0), i),
             Structure::EqualRanks => (from(0, i == 0), i64::from(i > 0)),
             Structure::Deep => {
-                let rank = (0..count)
-                    .find(|k| (5 * k + 2) % count == i)
-                    .expect("5 has no divisor in common with 9 or 18");
+                let rank = (0..count).find(|k| (5 * k + 2) % count == i);
+                let rank = rank.expect("5 has no divisor in common with 9 or 18");
                 (from((i - 5).rem_euclid(count), rank == 0), rank)
             }
             Structure::TwoTrees => {
@@ -212,11 +203,9 @@ impl Structure {
                 // The file has 9 planes; in 18 planes the second half repeats the first, 9 planes and 9 ranks later.
                 const REFERENCES: [i64; 9] = [-1, 5, -1, -1, -1, 0, 7, -1, 7];
                 const ORDER: [i64; 9] = [4, 8, 3, 0, 1, 7, 5, 2, 6];
-                let (reference, half) = (REFERENCES[(i % 9) as usize], i / 9 * 9);
-                (
-                    from(reference + half, reference < 0),
-                    ORDER[(i % 9) as usize] + half,
-                )
+                let (place, half) = ((i % 9) as usize, i / 9 * 9);
+                let reference = REFERENCES[place];
+                (from(reference + half, reference < 0), ORDER[place] + half)
             }
         }
     }
@@ -257,16 +246,11 @@ impl Compression {
     /// Repeats numbers over the predicted planes, or over all; the others have 0.
     #[must_use]
     pub fn cycled<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
-        let concerned = |plane: usize| everywhere || self.reference(plane).is_some();
-        (0..self.order.len())
-            .map(|plane| {
-                if concerned(plane) {
-                    numbers[plane % numbers.len()]
-                } else {
-                    T::default()
-                }
-            })
-            .collect()
+        let number = |plane: usize| match everywhere || self.reference(plane).is_some() {
+            true => numbers[plane % numbers.len()],
+            false => T::default(),
+        };
+        (0..self.order.len()).map(number).collect()
     }
 
     /// Returns the reference of a plane (clauses 2.9.5/1–3).
@@ -297,11 +281,8 @@ impl Compression {
                 || place / width == size.height as usize - 1
         };
         let mut places: Vec<usize> = Vec::new();
-        for records in self
-            .records
-            .iter()
-            .filter(|records| self.includes(records.planes, plane))
-        {
+        let concerns = |records: &&Records| self.includes(records.planes, plane);
+        for records in self.records.iter().filter(concerns) {
             let more: Vec<usize> = match &records.texels {
                 Texels::First | Texels::Twice => vec![0],
                 Texels::Last => vec![texels - 1],
@@ -349,8 +330,8 @@ impl Compression {
     /// Returns true if a reference is inverted.
     #[must_use]
     pub fn inverts(&self) -> bool {
-        self.predicted()
-            .any(|(_, transform, _)| transform & INVERSION != 0)
+        let mut planes = self.predicted();
+        planes.any(|(_, transform, _)| transform & INVERSION != 0)
     }
 
     /// Returns true if a reference is displaced.
@@ -363,55 +344,40 @@ impl Compression {
     /// Returns the open choices that may affect a file with these lists, possibly more than do.
     #[must_use]
     pub fn axes(&self) -> Vec<&'static str> {
-        let moved: Vec<_> = self
-            .predicted()
-            .filter(|&(_, transform, vector)| transform & MOTION != 0 && vector != (0, 0))
-            .collect();
-        let shows = [
-            (
-                "jpeg-ls-offset",
-                self.coding == Coding::JpegLs && self.predicts(),
-            ),
-            ("motion-sign", !moved.is_empty()),
-            (
-                "motion-vertical",
-                moved.iter().any(|(_, _, (_, my))| *my != 0),
-            ),
-            (
-                "motion-half",
-                moved
-                    .iter()
-                    .any(|(_, _, (mx, my))| mx % 2 != 0 || my % 2 != 0),
-            ),
-            ("motion-border", !moved.is_empty()),
-            (
-                "motion-inversion",
-                moved
-                    .iter()
-                    .any(|(_, transform, _)| transform & INVERSION != 0),
-            ),
-            (
-                "side-lossless",
-                self.parameter == 0 && !self.records.is_empty(),
-            ),
-        ];
-        shows
-            .into_iter()
-            .filter(|&(_, shows)| shows)
-            .map(|(axis, _)| axis)
-            .collect()
+        let is_moved = |&(_, transform, vector): &_| transform & MOTION != 0 && vector != (0, 0);
+        let moved: Vec<(usize, u32, (i32, i32))> = self.predicted().filter(is_moved).collect();
+        let mut axes = Vec::new();
+        let mut add = |axis, shows: bool| axes.extend(shows.then_some(axis));
+        let offset = self.coding == Coding::JpegLs && self.predicts();
+        let is_half = |&(_, _, (mx, my)): &(_, _, (i32, i32))| mx % 2 != 0 || my % 2 != 0;
+        let is_inverted = |&(_, transform, _): &(_, u32, _)| transform & INVERSION != 0;
+        add("jpeg-ls-offset", offset);
+        add("motion-sign", !moved.is_empty());
+        add(
+            "motion-vertical",
+            moved.iter().any(|(.., (_, my))| *my != 0),
+        );
+        add("motion-half", moved.iter().any(is_half));
+        add("motion-border", !moved.is_empty());
+        add("motion-inversion", moved.iter().any(is_inverted));
+        add(
+            "side-lossless",
+            self.parameter == 0 && !self.records.is_empty(),
+        );
+        axes
     }
 
     /// Returns an error if no file can be written with these lists.
     pub(super) fn check(&self, size: Size) -> Result<(), String> {
         let count = self.order.len();
+        let (transforms, references) = (self.transforms.len(), self.references.len());
         let lengths = [
-            self.transforms.len(),
+            transforms,
             self.motion_x.len(),
             self.motion_y.len(),
-            self.references.len(),
+            references,
         ];
-        if lengths.iter().any(|&length| length != count) {
+        if lengths != [count; 4] {
             return Err(format!("every list of this format has {count} numbers"));
         }
         for plane in 0..count {
@@ -426,11 +392,8 @@ impl Compression {
                 }
                 _ => {}
             }
-            if self
-                .asked_records(plane, size)
-                .iter()
-                .any(|&place| place >= size.texels())
-            {
+            let mut places = self.asked_records(plane, size).into_iter();
+            if places.any(|place| place >= size.texels()) {
                 return Err("a record refers to a texel that does not exist".to_owned());
             }
         }

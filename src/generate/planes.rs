@@ -49,16 +49,6 @@ impl StoredPlane {
     }
 }
 
-/// Values and their encoding.
-pub(super) struct Encoding {
-    /// `height * width * channels` values, texel after texel, top row first, as an exact decoder returns them.
-    pub samples: Vec<u8>,
-    /// Maximum deviation of each value between inverse DCTs; empty if all agree.
-    pub slack: Vec<u8>,
-    /// The streams and their side information.
-    pub compressed: Compressed,
-}
-
 /// One decoded plane, in the stored raster.
 #[derive(Clone)]
 struct Finished {
@@ -70,52 +60,42 @@ struct Finished {
 
 /// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds the values to encode, texel after
 /// texel, top row first.
-pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> Encoding {
+///
+/// Returns the streams; the values as an exact decoder returns them; and the maximum deviation of each value between inverse
+/// DCTs, empty if all agree.
+pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec<u8>) {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
     let mut finished: Vec<Option<Finished>> = vec![None; count];
     for plane in plan.in_order() {
-        let reference = plan.reference(plane).map(|j| {
-            finished[j]
-                .as_ref()
-                .expect("Compression::check has seen to the order")
-        });
+        let reference = plan.reference(plane).map(|j| finished[j].as_ref());
+        let reference = reference.map(|j| j.expect("Compression::check has seen to the order"));
         finished[plane] = Some(encode_plane(recipe, scene, plane, reference));
     }
     let finished: Vec<Finished> = finished.into_iter().flatten().collect();
 
-    let texel = |channel: usize, place: usize| (channel, stored_place(recipe.size, place));
-    let places = || (0..recipe.size.texels() * count).map(|i| texel(i % count, i / count));
-    let samples = places()
-        .map(|(channel, place)| finished[channel].samples[place])
-        .collect();
+    let texel = |i: usize| (i % count, stored_place(recipe.size, i / count));
+    let places = || (0..recipe.size.texels() * count).map(texel);
+    let sample = |(channel, place): (usize, usize)| finished[channel].samples[place];
+    let samples = places().map(sample).collect();
     let mut slack = Vec::new();
     if finished.iter().any(|plane| plane.slack > 0) {
-        // A corrected texel has its value from the file and no deviation.
-        let mut planes: Vec<Vec<u8>> = finished
-            .iter()
-            .map(|plane| vec![plane.slack; plane.samples.len()])
-            .collect();
-        for (plane, slack) in finished.iter().zip(&mut planes) {
-            plane
-                .stored
-                .records
-                .iter()
-                .for_each(|&(place, _)| slack[place as usize] = 0);
-        }
-        slack = places()
-            .map(|(channel, place)| planes[channel][place])
-            .collect();
+        let planes = finished.iter().map(|plane| {
+            let mut slack = vec![plane.slack; plane.samples.len()];
+            // A corrected texel has its value from the file and no deviation.
+            for &(place, _) in &plane.stored.records {
+                slack[place as usize] = 0;
+            }
+            slack
+        });
+        let planes: Vec<Vec<u8>> = planes.collect();
+        slack.extend(places().map(|(channel, place)| planes[channel][place]));
     }
     let compressed = Compressed {
         plan: plan.clone(),
         planes: finished.into_iter().map(|plane| plane.stored).collect(),
     };
-    Encoding {
-        samples,
-        slack,
-        compressed,
-    }
+    (compressed, samples, slack)
 }
 
 /// Returns the stored position of texel `place`, counted from the top; the first stored row is the bottom one (ruling `rows`).
@@ -131,19 +111,12 @@ fn encode_plane(
     reference: Option<&Finished>,
 ) -> Finished {
     let plan = &recipe.compression;
-    let predictor = reference.map(|reference| {
-        predictor(
-            &reference.samples,
-            recipe.size,
-            plan.transforms[plane],
-            plan.vector(plane),
-        )
-    });
+    let (transform, vector) = (plan.transforms[plane], plan.vector(plane));
+    let predictor =
+        reference.map(|reference| predictor(&reference.samples, recipe.size, transform, vector));
     let (original, residual) = paint(recipe, scene, plane, predictor.as_deref());
-    let Encoded {
-        stream,
-        samples: received,
-    } = run_codec(recipe, plane, &residual);
+    let encoded = run_codec(recipe, plane, &residual);
+    let (stream, received) = (encoded.stream, encoded.samples);
     let own_slack = match recipe.compression.coding {
         Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
         Coding::JpegLs => 0,
@@ -173,15 +146,11 @@ fn paint(
     let scene = |place: usize| scene[stored_place(size, place) * channels + plane];
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
-        let residual = match predictor {
-            // An intra plane is stored directly.
-            None => original.clone(),
-            Some(predictor) => original
-                .iter()
-                .zip(predictor)
-                .map(|(sample, predictor)| sample.wrapping_sub(*predictor).wrapping_add(128))
-                .collect(),
-        };
+        let mut residual = original.clone();
+        // An intra plane is stored directly.
+        for (sample, predictor) in residual.iter_mut().zip(predictor.unwrap_or_default()) {
+            *sample = sample.wrapping_sub(*predictor).wrapping_add(128);
+        }
         return (original, residual);
     }
     let residual = painted_residual(recipe, plane, predictor);
@@ -195,14 +164,11 @@ fn paint(
 
 /// Returns the plane of a residual: residual + predictor − 128 modulo 256, or the residual itself (ruling `prediction`).
 fn plane_of_residual(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
-    match predictor {
-        None => residual.to_vec(),
-        Some(predictor) => residual
-            .iter()
-            .zip(predictor)
-            .map(|(residual, predictor)| residual.wrapping_add(*predictor).wrapping_sub(128))
-            .collect(),
+    let mut plane = residual.to_vec();
+    for (sample, predictor) in plane.iter_mut().zip(predictor.unwrap_or_default()) {
+        *sample = sample.wrapping_add(*predictor).wrapping_sub(128);
     }
+    plane
 }
 
 /// Paints a residual of 8×8 blocks, each of one value that every inverse DCT restores.
@@ -211,8 +177,8 @@ fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> 
     let (width, height) = (size.width as usize, size.height as usize);
     let (columns, rows) = (width.div_ceil(8), height.div_ceil(8));
     let step = exact_step(recipe);
-    let value = |column: usize, row: usize| -> u8 {
-        let block = row * columns + column;
+    let value = |block: usize| -> u8 {
+        let (column, row) = (block % columns, block / columns);
         let any = hash(recipe.seed ^ 0x0b1c, block, plane);
         // 128 + a multiple of the step, from 0 to 255.
         let (below, above) = (128 / step, 127 / step);
@@ -227,12 +193,9 @@ fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> 
             _ => noise,
         }
     };
-    let values: Vec<u8> = (0..rows * columns)
-        .map(|block| value(block % columns, block / columns))
-        .collect();
-    (0..size.texels())
-        .map(|place| values[place / width / 8 * columns + place % width / 8])
-        .collect()
+    let values: Vec<u8> = (0..rows * columns).map(value).collect();
+    let texel = |place: usize| values[place / width / 8 * columns + place % width / 8];
+    (0..size.texels()).map(texel).collect()
 }
 
 /// Returns a residual whose sum with the predictor, less 128, is just outside 0…255 or just inside: −1, 0, 255 or 256.
@@ -252,10 +215,9 @@ fn exact_step(recipe: &Recipe) -> u32 {
         return 1;
     }
     // The Independent JPEG Group's definition of quality, for the first of the steps, 16 (T.81 Table K.1).
-    let percent = if quality < 50 {
-        5000 / quality
-    } else {
-        200 - 2 * quality
+    let percent = match quality {
+        ..50 => 5000 / quality,
+        _ => 200 - 2 * quality,
     };
     let options = &recipe.compression.stream.jpeg;
     let largest = if options.baseline { 255 } else { 32767 };
@@ -316,22 +278,18 @@ fn records(
     size: Size,
 ) -> Vec<(u32, u8)> {
     let mut places = plan.asked_records(plane, size);
-    let overflows =
-        (0..original.len()).filter(|&place| original[place].abs_diff(restored[place]) > 128);
     let asked: HashSet<usize> = places.iter().copied().collect();
-    places.extend(overflows.filter(|place| !asked.contains(place)));
-    let record = |place: usize| (place as u32, original[place]);
-    let twice = |place: usize| plan.has_records(plane, &Texels::Twice) && place == 0;
-    // side-twice: the first of the two is wrong.
-    places
-        .iter()
-        .flat_map(|&place| {
-            twice(place)
-                .then(|| (place as u32, !original[place]))
-                .into_iter()
-                .chain([record(place)])
-        })
-        .collect()
+    let overflows = |place: &usize| original[*place].abs_diff(restored[*place]) > 128;
+    places.extend((0..original.len()).filter(|place| overflows(place) && !asked.contains(place)));
+    let mut records = Vec::with_capacity(places.len());
+    for place in places {
+        // side-twice: the first of the two is wrong.
+        if place == 0 && plan.has_records(plane, &Texels::Twice) {
+            records.push((place as u32, !original[place]));
+        }
+        records.push((place as u32, original[place]));
+    }
+    records
 }
 
 #[cfg(test)]

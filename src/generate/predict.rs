@@ -42,12 +42,8 @@ fn displace(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
     for y in 0..i64::from(size.height) {
         for x in 0..i64::from(size.width) {
             // motion-sign, motion-vertical: added, and y runs along the stored rows.
-            moved.push(sample_between(
-                plane,
-                size,
-                2 * x + i64::from(mx),
-                2 * y + i64::from(my),
-            ));
+            let (x2, y2) = (2 * x + i64::from(mx), 2 * y + i64::from(my));
+            moved.push(sample_between(plane, size, x2, y2));
         }
     }
     moved
@@ -58,10 +54,8 @@ fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     let (left, below) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, above) = (left + x2.rem_euclid(2), below + y2.rem_euclid(2));
     let corners = [(left, below), (right, below), (left, above), (right, above)];
-    let sum: u32 = corners
-        .iter()
-        .map(|&(x, y)| u32::from(sample_at(plane, size, x, y)))
-        .sum();
+    let corners = corners.map(|(x, y)| u32::from(sample_at(plane, size, x, y)));
+    let sum: u32 = corners.iter().sum();
     // motion-half: halves are rounded up. For two equal pairs the mean of four is the mean of two, (a + b + 1) >> 1.
     ((sum + 2) >> 2) as u8
 }

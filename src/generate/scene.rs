@@ -60,13 +60,9 @@ impl FromStr for Scene {
             "breaks" => Scene::Breaks,
             "last-column" => Scene::LastColumn,
             _ => {
-                let value = |prefix| {
-                    name.strip_prefix(prefix)
-                        .and_then(|value| value.parse().ok())
-                };
-                let scene = value("flat-")
-                    .map(Scene::Flat)
-                    .or(value("framed-").map(Scene::Framed));
+                let value = |prefix| name.strip_prefix(prefix)?.parse().ok();
+                let flat = value("flat-").map(Scene::Flat);
+                let scene = flat.or_else(|| value("framed-").map(Scene::Framed));
                 scene.ok_or_else(|| format!("unknown scene {name:?}"))?
             }
         })

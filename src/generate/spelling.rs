@@ -4,11 +4,8 @@ use std::str::FromStr;
 
 /// A line of the header, named after the last item on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Line {
     /// 2.1
     Version,
@@ -106,11 +103,8 @@ impl FromStr for Count {
 
 /// The split of the lists of 2.9 into lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-#[cfg_attr(
-    feature = "harness",
-    derive(serde::Deserialize),
-    serde(rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "harness", derive(serde::Deserialize))]
+#[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Lists {
     /// Each list on its own line, motion on two (ruling `list-layout`).
     #[default]

@@ -1,13 +1,22 @@
 //! Shared by several modules: work on all threads, digests, YAML, last messages of crashed programs.
 
 pub mod digest;
-
 #[cfg(unix)]
 pub(crate) mod last_words;
-
 pub mod parallel;
-
 pub mod yaml;
+
+/// Returns the name and the text of files of a folder of the repository. They are embedded in the program, so that an installed
+/// one needs no checkout.
+macro_rules! embedded {
+    ($folder:literal, $($name:literal),* $(,)?) => {
+        &[$((
+            $name,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/", $folder, "/", $name)),
+        )),*]
+    };
+}
+pub(crate) use embedded;
 
 /// Returns the message of an error without the number that the operating system gives it.
 #[must_use]

@@ -77,14 +77,10 @@ pub fn in_turn<T: Send, R: Send>(
             let early = |line: &mut OrderedResults<R, _>| turn > line.next + MAX_WAITING_RESULTS;
             let mut line = moved.wait_while(line, early).expect(LOCK_NOT_POISONED);
             line.waiting.insert(turn, result);
-            let OrderedResults {
-                next,
-                waiting,
-                show,
-            } = &mut *line;
-            while let Some(result) = waiting.remove(next) {
-                show(result);
-                *next += 1;
+            let line = &mut *line;
+            while let Some(result) = line.waiting.remove(&line.next) {
+                (line.show)(result);
+                line.next += 1;
             }
             moved.notify_all();
         }

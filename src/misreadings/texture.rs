@@ -9,6 +9,7 @@ use super::misreading::{Misreading, catalog};
 use crate::texture::compose::{mix, times};
 use crate::texture::parameterize::{dot, length};
 use crate::texture::primitive::Terms;
+use crate::texture::stage::is_split;
 use crate::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Entry, Fetched, Frequency, InteriorStyle,
     Interpolation, Lit, Parameterization, RenderingControl, Rules, SampleMethod, Selection, Shade,
@@ -386,7 +387,7 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("specular-lost", |r| r.add_specular = |shade, _| shade),
     ("white-light-lost", |r| {
-        r.stage = |maps, lit, i, f, rules| match (rules.is_split)(i, f) {
+        r.stage = |maps, lit, i, f, rules| match is_split(i, f) {
             true => unlit(maps, lit, rules),
             false => (SPEC.stage)(maps, lit, i, f, rules),
         };
@@ -397,7 +398,7 @@ const CHANGES: &[(&str, Change)] = &[
             let is_pre = |(entry, _): &(Entry, Fetched)| {
                 entry.rendering_control == RenderingControl::PreLight
             };
-            if !(maps.iter().any(is_pre) && (rules.is_split)(i, f)) {
+            if !(maps.iter().any(is_pre) && is_split(i, f)) {
                 return shade;
             }
             let [white, specular] = [lit.white, lit.specular];

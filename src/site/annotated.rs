@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use data_encoding::HEXLOWER;
 use serde::Deserialize;
 
-use crate::kit::yaml::from_yaml;
+use crate::kit::{embedded, yaml::from_yaml};
 
 /// A chapter of the format's text: one page.
 #[derive(Clone, Debug, Deserialize)]
@@ -109,29 +109,21 @@ pub struct Annotated {
     pub files: Files,
 }
 
-macro_rules! chapter {
-    ($name:literal) => {
-        (
-            $name,
-            include_str!(concat!("../../spec-cases/annotated/", $name)),
-        )
-    };
-}
-
 /// The chapters in the order of the text.
-pub const CHAPTERS: &[(&str, &str)] = &[
-    chapter!("1.0-background.yaml"),
-    chapter!("2.0-file-format.yaml"),
-    chapter!("2.1-header-string.yaml"),
-    chapter!("2.2-format-string.yaml"),
-    chapter!("2.3-image-size.yaml"),
-    chapter!("2.4-scale-and-bias.yaml"),
-    chapter!("2.5-lookup-table.yaml"),
-    chapter!("2.6-color-matrix.yaml"),
-    chapter!("2.7-texel-data.yaml"),
-    chapter!("2.8-indices.yaml"),
-    chapter!("2.9-compressed.yaml"),
-    chapter!("2.9.8-planes.yaml"),
+pub const CHAPTERS: &[(&str, &str)] = embedded![
+    "spec-cases/annotated",
+    "1.0-background.yaml",
+    "2.0-file-format.yaml",
+    "2.1-header-string.yaml",
+    "2.2-format-string.yaml",
+    "2.3-image-size.yaml",
+    "2.4-scale-and-bias.yaml",
+    "2.5-lookup-table.yaml",
+    "2.6-color-matrix.yaml",
+    "2.7-texel-data.yaml",
+    "2.8-indices.yaml",
+    "2.9-compressed.yaml",
+    "2.9.8-planes.yaml",
 ];
 
 /// The files that examples are based on.

@@ -116,7 +116,7 @@ fn picture(case: &Case, built: &Built) -> Markup {
     html! {
         @if let (Ok(ptm), Some(light)) = (decode(&built.file), light) {
             figure.large {
-                (pictures::of_map(&ptm, (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
+                (pictures::of_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
             }
         } @else { p.nothing { "No image: the reference refuses this file." } }

@@ -37,7 +37,10 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
         h2 { "Why it matters" }
         p { (paper.library.texts.severities[code.severity.name()]) }
         @if let Some(clause) = paper.library.clause(code.clause) { p { "Clause " (paper.link(&clause.id)) ": " (clause.rule) } }
-        @if !code.fix.is_empty() { h2 { "What to do" } p { (sentence(code.fix)) } }
+        @if !code.fix.is_empty() {
+            @let (first, rest) = code.fix.split_at(1);
+            h2 { "What to do" } p { (first.to_uppercase()) (rest) "." }
+        }
         (example(paper, code, &cases))
         (affected(paper, code, &cases))
         @if !cases.is_empty() {
@@ -46,18 +49,6 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
         }
     };
     paper.entry("Lint codes", code.id, code.id, &body)
-}
-
-/// Returns a phrase as a sentence.
-fn sentence(phrase: &str) -> String {
-    let mut letters = phrase.chars();
-    let first: String = letters
-        .next()
-        .map(char::to_uppercase)
-        .into_iter()
-        .flatten()
-        .collect();
-    format!("{first}{}.", letters.as_str())
 }
 
 /// Returns the output of lint for the smallest file that provokes it.

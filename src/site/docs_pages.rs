@@ -47,12 +47,8 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
             nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short(other)) } " " } }
             div.document { (markup) }
         };
-        paper.page(
-            &format!("docs/{name}.html"),
-            "Documentation",
-            &headings[0],
-            &body,
-        )
+        let path = format!("docs/{name}.html");
+        paper.page(&path, "Documentation", &headings[0], &body)
     };
     let picture = SiteFile::new(format!("docs/{}", PICTURE.1), PICTURE.2);
     DOCUMENTS.iter().map(page).chain([picture]).collect()
@@ -97,7 +93,10 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
             }
             Event::End(TagEnd::Heading(_)) => {
                 let (level, text) = heading.take()?;
-                event = Event::Html(set_heading(level, &text).into());
+                // With the anchor that links to it use.
+                let words = html! { (text) }.0;
+                let set = format!("<{level} id=\"{}\">{words}</{level}>", anchor(&text));
+                event = Event::Html(set.into());
                 headings.push(text);
             }
             // Headings contain only text.
@@ -112,20 +111,13 @@ fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
     });
     let mut markup = String::new();
     pulldown_cmark::html::push_html(&mut markup, events);
+    let table = "<div class=\"scroll\" tabindex=\"0\"><table class=\"list\">";
     let markup = markup
-        .replace(
-            "<table>",
-            "<div class=\"scroll\" tabindex=\"0\"><table class=\"list\">",
-        )
+        .replace("<table>", table)
         .replace("</table>", "</table></div>")
         .replace("<pre>", "<pre tabindex=\"0\">")
         .replace("<th></th>", "<td></td>");
     (headings, PreEscaped(markup))
-}
-
-/// Returns a heading with the anchor that links to it use.
-fn set_heading(level: HeadingLevel, text: &str) -> String {
-    html! { (PreEscaped(format!("<{level} id=\"{}\">", anchor(text)))) (text) (PreEscaped(format!("</{level}>"))) }.0
 }
 
 fn anchor(heading: &str) -> String {

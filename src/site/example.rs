@@ -130,10 +130,9 @@ fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();
     let found = example.find_in(&file)?;
     holds(example, &found)?;
-    let readings = CHOICES
-        .iter()
-        .filter(|choice| Some(choice.ruling) == ruling);
-    let readings = readings.flat_map(|choice| &choice.readings[1..]);
+    let choices = CHOICES.iter();
+    let choices = choices.filter(|choice| Some(choice.ruling) == ruling);
+    let readings = choices.flat_map(|choice| &choice.readings[1..]);
     let mut otherwise = Vec::new();
     for (says, change) in readings {
         let other = example.find(&file, &change(Reading::SPEC))?;
@@ -163,12 +162,10 @@ fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
             let words: Vec<&str> = value.split_whitespace().collect();
             let is_equal = |(word, value): (&&str, &f64)| {
-                let decimals = word
-                    .split_once('.')
-                    .map_or(0, |(_, decimals)| decimals.len());
-                let tolerance = 0.5e-9 + 0.5 * 0.1_f64.powi(decimals as i32 + 3);
-                word.parse()
-                    .is_ok_and(|said: f64| (said - value).abs() < tolerance)
+                let decimals = word.split_once('.').map_or("", |(_, decimals)| decimals);
+                let tolerance = 0.5e-9 + 0.5 * 0.1_f64.powi(decimals.len() as i32 + 3);
+                let said = word.parse::<f64>();
+                said.is_ok_and(|said| (said - value).abs() < tolerance)
             };
             if words.len() == found.len() && words.iter().zip(&found).all(is_equal) {
                 return Ok(());

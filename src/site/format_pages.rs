@@ -100,14 +100,11 @@ fn clause<'a>(
 ) -> Result<Markup, String> {
     let library = paper.library;
     let id = annotated.clause.as_str();
-    let known = library
-        .clause(id)
-        .ok_or_else(|| format!("unknown clause {id}"))?;
+    let known = library.clause(id);
+    let known = known.ok_or_else(|| format!("unknown clause {id}"))?;
     let executed = execute(annotated, known.ruling.as_deref(), &library.annotated.files)?;
     let anchor = format!("c-{}", id.replace('/', "-"));
-    let mistakes: Vec<&Misreading> = misreadings::all()
-        .filter(|misreading| misreading.clause == id)
-        .collect();
+    let mistakes = misreadings::all().filter(|misreading| misreading.clause == id);
     Ok(html! {
         section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
             h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (known.rule) }
@@ -117,7 +114,7 @@ fn clause<'a>(
                 (worked(paper, example, executed, i + 1, annotated.examples.len()))
             }
             (ruling_markup(paper, known, explained))
-            (misreading_markup(paper, &mistakes))
+            (misreading_markup(paper, mistakes.collect()))
             (test_markup(paper, known))
         }
     })
@@ -197,9 +194,8 @@ fn hex(bytes: &[u8]) -> String {
 
 /// Returns a header line as text; empty for data.
 fn as_text(bytes: &[u8]) -> String {
-    let is_text = bytes
-        .iter()
-        .all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte));
+    let mut texts = bytes.iter();
+    let is_text = texts.all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte));
     if !is_text || !bytes.ends_with(b"\n") && !bytes.ends_with(b" ") {
         return String::new();
     }
@@ -228,8 +224,7 @@ fn ruling_markup<'a>(
     }
 }
 
-fn misreading_markup(paper: Paper, mistakes: &[&Misreading]) -> Markup {
-    let mut mistakes = mistakes.to_vec();
+fn misreading_markup(paper: Paper, mut mistakes: Vec<&Misreading>) -> Markup {
     // Misreadings of known readers first.
     mistakes.sort_by_key(|misreading| makers(misreading).is_empty());
     let (first, others) = mistakes.split_at(MAX_PICTURED.min(mistakes.len()));
@@ -253,7 +248,10 @@ fn misreading_markup(paper: Paper, mistakes: &[&Misreading]) -> Markup {
 }
 
 fn test_markup(paper: Paper, clause: &Clause) -> Markup {
-    let cases = paper.library.cases_about(&clause.id);
+    let cases = paper.library.suite.cases.iter();
+    let cases: Vec<_> = cases
+        .filter(|case| case.clauses.contains(&clause.id))
+        .collect();
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {

@@ -25,6 +25,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         library.rulings.len(),
         library.readers().len(),
     ];
+    let map = ball(96);
     let body = html! {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
         p.lead {
@@ -36,7 +37,14 @@ pub(super) fn page(paper: Paper) -> SiteFile {
             a href=(SPECIFICATION) { "archived copy" } "). It leaves some questions open, and readers answer them differently. "
             "The suite and its tools are " a href=(env!("CARGO_PKG_REPOSITORY")) { "ptm-conform" } "."
         }
-        (lit())
+        div.lights aria-label="One map under four lights" role="group" {
+            @for (lu, lv) in LIGHTS {
+                figure {
+                    (pictures::of_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
+                    figcaption { "u " (lu) ", v " (lv) }
+                }
+            }
+        }
         ul.doors { @for ((place, what), count) in library.texts.counts.iter().zip(counts) { li { a href=(place) { b { (count) } " " (what) } } } }
         h2 { "The file in one drawing" }
         (overview::drawing(paper))
@@ -51,19 +59,4 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         }
     };
     paper.page("index.html", "", "Polynomial Texture Maps", &body)
-}
-
-/// Returns one map under some lights.
-fn lit() -> maud::Markup {
-    let map = ball(96);
-    html! {
-        div.lights aria-label="One map under four lights" role="group" {
-            @for (lu, lv) in LIGHTS {
-                figure {
-                    (pictures::of_coefficients(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
-                    figcaption { "u " (lu) ", v " (lv) }
-                }
-            }
-        }
-    }
 }

@@ -149,10 +149,4 @@ impl Library {
     pub(super) fn clause(&self, id: &str) -> Option<&Clause> {
         self.clauses.iter().find(|clause| clause.id == id)
     }
-
-    /// Returns the cases that test a clause.
-    pub(super) fn cases_about(&self, clause: &str) -> Vec<&Case> {
-        let about = |case: &&Case| case.clauses.iter().any(|id| id == clause);
-        self.suite.cases.iter().filter(about).collect()
-    }
 }

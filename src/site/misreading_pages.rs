@@ -113,15 +113,16 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
         View::Rgb(_) => witness.view.clone(),
         _ => View::ORDINARY_LIGHT.parse().expect("a light"),
     };
-    let wrong_lit = MisreadingWitness::lit(misreading, file, &light);
+    let wrong = |view: &View| {
+        let answer = misreadings::answer(&[misreading], Reading::SPEC, file, view);
+        answer.decoded::<Frame>().ok()
+    };
+    let wrong_lit = wrong(&light);
     let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
     // A mistake that is invisible under a light is visible in the stored values.
     let (view, wrong) = match shows {
         true => (light, wrong_lit),
-        false => (
-            View::Raw,
-            MisreadingWitness::lit(misreading, file, &View::Raw),
-        ),
+        false => (View::Raw, wrong(&View::Raw)),
     };
     html! {
         div.pair {

@@ -4,48 +4,27 @@
 //! The output is reproducible.
 
 pub mod annotated;
-
-pub mod example;
-
-mod formula;
-
-pub mod readers;
-
-mod witness;
-
-mod texts;
-
-mod library;
-
-mod paper;
-
-mod pictures;
-
-mod overview;
-
-mod home;
-
-mod ruling_pages;
-
-mod misreading_pages;
-
-mod format_pages;
-
 mod case_pages;
-
 mod code_pages;
-
-mod reader_pages;
-
-mod texture_pages;
-
 mod docs_pages;
-
-mod glossary;
-
-mod search;
-
 mod drop;
+pub mod example;
+mod format_pages;
+mod formula;
+mod glossary;
+mod home;
+mod library;
+mod misreading_pages;
+mod overview;
+mod paper;
+mod pictures;
+mod reader_pages;
+pub mod readers;
+mod ruling_pages;
+mod search;
+mod texts;
+mod texture_pages;
+mod witness;
 
 pub use paper::SiteFile;
 

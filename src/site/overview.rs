@@ -3,35 +3,30 @@
 use maud::{Markup, html};
 
 use super::paper::Paper;
-use super::texts::Drawing;
 
 /// Returns a drawing of each kind of file; every part has a link to its chapter.
 pub(super) fn drawing(paper: Paper) -> Markup {
     html! {
         div.drawings {
-            @for drawing in &paper.library.texts.drawings { (kind(paper, drawing)) }
-        }
-        p.legend { span.swatch {} " text, a line each " span.swatch.data {} " bytes" }
-    }
-}
-
-fn kind(paper: Paper, drawing: &Drawing) -> Markup {
-    let text = drawing.text.iter().map(|part| (part, "line"));
-    let parts = text.chain(drawing.bytes.iter().map(|part| (part, "data")));
-    let height = 30 * parts.clone().count() + 34;
-    html! {
-        svg.file viewBox={ "0 0 300 " (height) } role="group" aria-label={ "A file of " (drawing.name) } {
-            text.name x="2" y="20" { (drawing.name) }
-            @for (i, ((what, section), class)) in parts.enumerate() {
-                @let y = 32 + 30 * i;
-                @let place = paper.library.place(section).unwrap_or_default();
-                a href={ (paper.root) (place) } {
-                    rect class=(class) x="2" y=(y) width="296" height="26" rx="4" {}
-                    text x="12" y=(y + 18) { (what) }
-                    text.section x="288" y=(y + 18) text-anchor="end" { (section) }
+            @for drawing in &paper.library.texts.drawings {
+                @let text = drawing.text.iter().map(|part| (part, "line"));
+                @let parts = text.chain(drawing.bytes.iter().map(|part| (part, "data")));
+                @let height = 30 * parts.clone().count() + 34;
+                svg.file viewBox={ "0 0 300 " (height) } role="group" aria-label={ "A file of " (drawing.name) } {
+                    text.name x="2" y="20" { (drawing.name) }
+                    @for (i, ((what, section), class)) in parts.enumerate() {
+                        @let y = 32 + 30 * i;
+                        @let place = paper.library.place(section).unwrap_or_default();
+                        a href={ (paper.root) (place) } {
+                            rect class=(class) x="2" y=(y) width="296" height="26" rx="4" {}
+                            text x="12" y=(y + 18) { (what) }
+                            text.section x="288" y=(y + 18) text-anchor="end" { (section) }
+                        }
+                    }
                 }
             }
         }
+        p.legend { span.swatch {} " text, a line each " span.swatch.data {} " bytes" }
     }
 }
 

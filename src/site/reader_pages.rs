@@ -18,10 +18,8 @@ pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str
     let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
     for case in &paper.library.suite.cases {
         for clause in &case.clauses {
-            tallies
-                .entry(clause)
-                .or_default()
-                .add(run.outcome(&case.id));
+            let tally = tallies.entry(clause).or_default();
+            tally.add(run.outcome(&case.id));
         }
     }
     tallies
@@ -37,15 +35,11 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
 /// Returns its mistakes: those of its profile in the order in which they act, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
-    let known = known.iter();
-    let mut mistakes: Vec<&Misreading> = known
-        .filter_map(|known| misreadings::find(&known.slug))
-        .collect();
+    let known = known.iter().map(|known| misreadings::find(&known.slug));
+    let mut mistakes: Vec<&Misreading> = known.flatten().collect();
     for misreading in misreadings::all() {
-        let is_seen = misreading
-            .seen
-            .iter()
-            .any(|sighting| sighting.reader == reader);
+        let mut seen = misreading.seen.iter();
+        let is_seen = seen.any(|sighting| sighting.reader == reader);
         if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
             mistakes.push(misreading);
         }
@@ -174,7 +168,11 @@ pub(super) fn scoreboard(paper: Paper) -> SiteFile {
         h1 { "Scoreboard" }
         p.lead { "Results of public readers for the cases about each clause: passed of judged. A case may be about several clauses, so one mistake can show in several rows; "
             "a reader's page says which mistakes are known." }
-        (legend())
+        p.legend {
+            span.tile data-state="fail" { "✗" } " at least one case failed "
+            span.tile data-state="pass" { "✓" } " all judged cases passed "
+            span.tile data-state="open" { "–" } " nothing judged: unsupported, inconclusive or not run"
+        }
         form.tools {
             label for="list-filter" { "Filter" }
             input #list-filter type="search" placeholder="a clause or a word" autocomplete="off" spellcheck="false";
@@ -182,7 +180,12 @@ pub(super) fn scoreboard(paper: Paper) -> SiteFile {
             span #list-found role="status" aria-live="polite" {}
         }
         div.scroll.tall tabindex="0" { table.matrix.filtered {
-            thead { (column_heads(paper)) }
+            thead { tr {
+                th scope="col" { "clause" }
+                @for run in runs {
+                    th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
+                }
+            } }
             tbody { @for clause in paper.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
                     th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
@@ -192,28 +195,6 @@ pub(super) fn scoreboard(paper: Paper) -> SiteFile {
         } }
     };
     paper.page("scoreboard.html", "Scoreboard", "Scoreboard", &body)
-}
-
-fn legend() -> Markup {
-    html! {
-        p.legend {
-            span.tile data-state="fail" { "✗" } " at least one case failed "
-            span.tile data-state="pass" { "✓" } " all judged cases passed "
-            span.tile data-state="open" { "–" } " nothing judged: unsupported, inconclusive or not run"
-        }
-    }
-}
-
-/// Returns a column head for each reader.
-fn column_heads(paper: Paper) -> Markup {
-    html! {
-        tr {
-            th scope="col" { "clause" }
-            @for run in &paper.library.runs {
-                th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
-            }
-        }
-    }
 }
 
 fn cell(tally: ReaderTally) -> Markup {

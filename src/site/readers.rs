@@ -1,10 +1,11 @@
 //! The results of public readers in this suite: `reports/readers/`, a file for each.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use serde::Deserialize;
 
-use crate::kit::yaml::from_yaml;
+use crate::kit::{embedded, yaml::from_yaml};
 use crate::misreadings::Misreading;
 use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
@@ -53,12 +54,11 @@ impl ReaderRun {
     /// Returns the number of cases with each outcome, in words.
     pub(super) fn counts(&self) -> String {
         let passed = self.cases - self.by_case.len();
-        let others = self.outcomes.iter();
-        let others = others.map(|(outcome, cases)| format!("{} {outcome}", cases.len()));
-        let counts: Vec<String> = std::iter::once(format!("{passed} pass"))
-            .chain(others)
-            .collect();
-        counts.join(", ")
+        let mut counts = format!("{passed} pass");
+        for (outcome, cases) in &self.outcomes {
+            let _ = write!(counts, ", {} {outcome}", cases.len());
+        }
+        counts
     }
 
     /// Returns the version of the reader, with its date.
@@ -69,32 +69,15 @@ impl ReaderRun {
     }
 }
 
-const FILES: [(&str, &str); 7] = [
-    (
-        "cceh-rti",
-        include_str!("../../reports/readers/cceh-rti.yaml"),
-    ),
-    (
-        "jedmills",
-        include_str!("../../reports/readers/jedmills.yaml"),
-    ),
-    ("oxrti", include_str!("../../reports/readers/oxrti.yaml")),
-    (
-        "ptmconvert",
-        include_str!("../../reports/readers/ptmconvert.yaml"),
-    ),
-    (
-        "relight",
-        include_str!("../../reports/readers/relight.yaml"),
-    ),
-    (
-        "rtiprep",
-        include_str!("../../reports/readers/rtiprep.yaml"),
-    ),
-    (
-        "rtiviewer",
-        include_str!("../../reports/readers/rtiviewer.yaml"),
-    ),
+const FILES: &[(&str, &str)] = embedded![
+    "reports/readers",
+    "cceh-rti.yaml",
+    "jedmills.yaml",
+    "oxrti.yaml",
+    "ptmconvert.yaml",
+    "relight.yaml",
+    "rtiprep.yaml",
+    "rtiviewer.yaml",
 ];
 
 /// Returns all embedded runs.
@@ -103,12 +86,11 @@ const FILES: [(&str, &str); 7] = [
 /// A sentence that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
-        let mut run: ReaderRun =
-            from_yaml(text).map_err(|error| format!("{name}.yaml: {error}"))?;
+        let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
         let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
         for (outcome, cases) in &run.outcomes {
             if !known(outcome) {
-                return Err(format!("{name}.yaml: unknown outcome {outcome:?}"));
+                return Err(format!("{name}: unknown outcome {outcome:?}"));
             }
             let cases = cases.iter().map(|case| (case.clone(), outcome.clone()));
             run.by_case.extend(cases);

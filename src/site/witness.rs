@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::diagnose::applies;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Misreading, answer};
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, View};
 use crate::reading::Reading;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::CHOICES;
@@ -27,13 +27,8 @@ pub(super) struct MisreadingWitness {
 /// Returns the smallest witness of every misreading that has one.
 pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, MisreadingWitness> {
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
-    let length = |&place: &usize| {
-        suite.cases[place]
-            .build(TableSpelling::default())
-            .file
-            .len()
-    };
-    by_size.sort_by_cached_key(length);
+    let built = |place: usize| suite.cases[place].build(TableSpelling::default());
+    by_size.sort_by_cached_key(|&place| built(place).file.len());
     let all: Vec<&'static Misreading> = misreadings::all().collect();
     let found = in_parallel(all.len(), jobs, &|_, _| (), &|i| {
         let mut places = by_size.iter();
@@ -41,9 +36,8 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
         (all[i].slug, witness)
     });
     let found = found.into_iter();
-    found
-        .filter_map(|(slug, witness)| Some((slug, witness?)))
-        .collect()
+    let found = found.filter_map(|(slug, witness)| Some((slug, witness?)));
+    found.collect()
 }
 
 fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<MisreadingWitness> {
@@ -73,14 +67,4 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Misread
         answer,
         difference: difference.map(|difference| difference.to_string()),
     })
-}
-
-impl MisreadingWitness {
-    /// Returns the image of a decoder with the mistake under a light, if it shows any.
-    pub(super) fn lit(misreading: &Misreading, file: &[u8], view: &View) -> Option<Frame> {
-        match answer(&[misreading], Reading::SPEC, file, view) {
-            Answer::Decoded(frame) => Some(frame),
-            _ => None,
-        }
-    }
 }

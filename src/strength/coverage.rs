@@ -6,13 +6,11 @@
 //!   for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use std::fmt::Write as _;
 
 use serde::Serialize;
 
 use crate::generate::{Numbers, Recipe};
-use crate::kit::yaml::to_yaml;
-use crate::misreadings;
 use crate::ptm::{Format, Size};
 use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::{Case, Expect, Suite};
@@ -74,7 +72,7 @@ pub struct Separation {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Pairwise {
     /// The parameters and their values.
-    pub parameters: BTreeMap<String, Vec<String>>,
+    pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
     /// Number of pairs that do, in a file that must be decoded.
@@ -106,101 +104,75 @@ impl Coverage {
         })
     }
 
-    /// Returns the measures as YAML.
-    ///
-    /// # Errors
-    /// No error that depends on a measurement.
-    pub fn to_yaml(&self) -> Result<String, String> {
-        to_yaml(self)
-    }
-
     /// Returns text for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
-        let mut text = String::new();
-        self.write_text(suite, &mut text)
-            .expect("writing to memory does not fail");
-        text
-    }
-
-    fn write_text(&self, suite: &Suite, out: &mut String) -> std::fmt::Result {
-        self.write_clauses(out)?;
-        self.write_misreadings(out)?;
-        let Pairwise {
-            pairs,
-            covered,
-            missing,
-            ..
-        } = &self.pairwise;
-        writeln!(
+        let out = &mut String::new();
+        self.write_clauses(out);
+        self.write_misreadings(out);
+        let missing = &self.pairwise.missing;
+        let (covered, pairs) = (self.pairwise.covered, self.pairwise.pairs);
+        let _ = writeln!(
             out,
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
-        )?;
+        );
         for pair in missing.iter().take(MAX_MISSING) {
-            writeln!(out, "  missing: {pair}")?;
+            let _ = writeln!(out, "  missing: {pair}");
         }
         if missing.len() > MAX_MISSING {
             let more = missing.len() - MAX_MISSING;
-            writeln!(out, "  … and {more} more; --yaml lists them")?;
+            let _ = writeln!(out, "  … and {more} more; --yaml lists them");
         }
-        writeln!(
+        let (redundant, all) = (self.redundant.len(), suite.cases.len());
+        let _ = writeln!(
             out,
-            "redundant: {} of {} cases neither detect a misreading nor distinguish a pair that no other case does",
-            self.redundant.len(),
-            suite.cases.len()
-        )
+            "redundant: {redundant} of {all} cases neither detect a misreading nor distinguish a pair that no other case does"
+        );
+        std::mem::take(out)
     }
 
-    fn write_clauses(&self, out: &mut String) -> std::fmt::Result {
+    fn write_clauses(&self, out: &mut String) {
         let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
         for clause in &self.clauses {
             *statuses.entry(&clause.status).or_default() += 1;
         }
         let statuses = statuses.iter();
-        let statuses: Vec<String> = statuses
-            .map(|(status, count)| format!("{count} {status}"))
-            .collect();
-        let (all, statuses) = (self.clauses.len(), statuses.join(", "));
-        writeln!(out, "clauses: {all}: {statuses}")?;
+        let statuses = statuses.map(|(status, count)| format!("{count} {status}"));
+        let (all, statuses) = (self.clauses.len(), statuses.collect::<Vec<_>>().join(", "));
+        let _ = writeln!(out, "clauses: {all}: {statuses}");
         let is_weak = |clause: &&ClauseCoverage| {
             clause.status == "tested" && (clause.cases == 0 || clause.killed.is_empty())
         };
         for clause in self.clauses.iter().filter(is_weak) {
-            writeln!(
+            let _ = writeln!(
                 out,
                 "  {}: {} cases, but none detects a misreading",
                 clause.clause, clause.cases
-            )?;
+            );
         }
-        Ok(())
     }
 
-    fn write_misreadings(&self, out: &mut String) -> std::fmt::Result {
+    fn write_misreadings(&self, out: &mut String) {
         let all = self.misreadings.len();
         let killed = self.misreadings.iter().filter(|kills| kills.count > 0);
-        writeln!(out, "misreadings: {} of {all} killed", killed.count())?;
+        let _ = writeln!(out, "misreadings: {} of {all} killed", killed.count());
         for kills in self.misreadings.iter().filter(|kills| kills.count < 2) {
-            writeln!(
+            let _ = writeln!(
                 out,
                 "  {} ({}): killed by {}",
                 kills.misreading,
                 kills.clause,
                 kills.cases.first().map_or("no case", String::as_str)
-            )?;
+            );
         }
-        let Separation {
-            pairs,
-            separated,
-            alike,
-        } = &self.separation;
-        writeln!(
+        let (separated, pairs) = (self.separation.separated, self.separation.pairs);
+        let _ = writeln!(
             out,
             "pairs of misreadings: {separated} of {pairs} distinguished"
-        )?;
-        for set in alike {
-            writeln!(out, "  alike in every case: {}", set.join(", "))?;
+        );
+        for set in &self.separation.alike {
+            let _ = writeln!(out, "  alike in every case: {}", set.join(", "));
         }
-        Ok(())
     }
 }
 
@@ -216,16 +188,16 @@ fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, Str
             ClauseStatus::Untestable => "untestable",
         }
         .to_owned(),
-        cases: suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.contains(&clause.id))
-            .count(),
-        killed: rows
-            .iter()
-            .filter(|row| row.misreading.clause == clause.id && !row.killed_by.is_empty())
-            .map(|row| row.misreading.slug.to_owned())
-            .collect(),
+        cases: {
+            let about = |case: &&Case| case.clauses.contains(&clause.id);
+            suite.cases.iter().filter(about).count()
+        },
+        killed: {
+            let mistakes = rows.iter().filter(|row| !row.killed_by.is_empty());
+            let mistakes = mistakes.map(|row| row.misreading);
+            let mistakes = mistakes.filter(|mistake| mistake.clause == clause.id);
+            mistakes.map(|mistake| mistake.slug.to_owned()).collect()
+        },
         clause: clause.id,
     };
     Ok(clauses::clauses()?.into_iter().map(one).collect())
@@ -237,8 +209,8 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
     let mut separated = 0;
     for (i, a) in rows.iter().enumerate() {
-        let slug = misreadings::find(a.misreading.slug).map_or("", |known| known.slug);
-        alike.entry(&a.answers).or_default().push(slug.to_owned());
+        let slug = a.misreading.slug.to_owned();
+        alike.entry(&a.answers).or_default().push(slug);
         for b in &rows[i + 1..] {
             let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
             match (apart.next(), apart.next()) {
@@ -280,18 +252,14 @@ fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
         true => "over 255",
         false => kind_of_numbers(&recipe.bias),
     };
+    let scale_bias = spelling.scale_bias_on_two_lines;
+    let space = !spelling.space_before_newline.is_empty();
     let mut chosen = vec![
         ("format", recipe.format.short_name()),
         ("size", kind_of_size(recipe.size)),
         ("size is written on", lines(spelling.size_on_two_lines)),
-        (
-            "scale and bias are written on",
-            lines(spelling.scale_bias_on_two_lines),
-        ),
-        (
-            "space before a line feed",
-            yes_or_no(!spelling.space_before_newline.is_empty()),
-        ),
+        ("scale and bias are written on", lines(scale_bias)),
+        ("space before a line feed", yes_or_no(space)),
         ("scale", kind_of_numbers(&recipe.scale)),
         ("bias", bias),
     ];
@@ -349,16 +317,14 @@ fn kind_of_size(size: Size) -> &'static str {
 
 /// Returns true if two values can occur in one file.
 fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
-    let rules_out = |format: (&str, &str), other: (&str, &str)| {
-        format.0 == "format"
-            && format
-                .1
-                .parse::<Format>()
-                .is_ok_and(|format| match other.0 {
-                    "entries" => !format.has_table(),
-                    "prediction" | "side information" => format.coding().is_none(),
-                    _ => false,
-                })
+    let rules_out = |(name, value): (&str, &str), other: (&str, &str)| {
+        let format = value.parse::<Format>();
+        name == "format"
+            && format.is_ok_and(|format| match other.0 {
+                "entries" => !format.has_table(),
+                "prediction" | "side information" => format.coding().is_none(),
+                _ => false,
+            })
     };
     let apart = |a: &str, b: &str| a == "entries" && matches!(b, "prediction" | "side information");
     !(rules_out(a, b) || rules_out(b, a) || apart(a.0, b.0) || apart(b.0, a.0))
@@ -367,10 +333,8 @@ fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
 fn pairwise(suite: &Suite) -> Pairwise {
     let mut values: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
     let mut seen = BTreeSet::new();
-    let decoded = suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Decode);
+    let decoded = suite.cases.iter();
+    let decoded = decoded.filter(|case| case.expect == Expect::Decode);
     for (case, recipe) in decoded.filter_map(|case| Some((case, case.recipe()?))) {
         let chosen = parameters(case, recipe);
         for (i, (a, x)) in chosen.iter().enumerate() {
@@ -397,11 +361,9 @@ fn pairwise(suite: &Suite) -> Pairwise {
             }
         }
     }
+    let owned = |(name, values): (&str, BTreeSet<String>)| (name.to_owned(), values);
     Pairwise {
-        parameters: values
-            .into_iter()
-            .map(|(name, values)| (name.to_owned(), values.into_iter().collect()))
-            .collect(),
+        parameters: values.into_iter().map(owned).collect(),
         pairs,
         covered,
         missing,

@@ -42,10 +42,8 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
 /// Returns few cases that kill all misreadings that any case kills, in the order of the suite.
 #[must_use]
 pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
-    let mut left: Vec<&MatrixRow> = rows
-        .iter()
-        .filter(|row| !row.killed_by.is_empty())
-        .collect();
+    let killed = rows.iter().filter(|row| !row.killed_by.is_empty());
+    let mut left: Vec<&MatrixRow> = killed.collect();
     let mut chosen = Vec::new();
     while !left.is_empty() {
         let mut kills = vec![0_usize; suite.cases.len()];
@@ -64,11 +62,8 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     }
     // Misreadings that one choice kills may also be killed by later ones together.
     for place in (0..chosen.len()).rev() {
-        let without: Vec<usize> = chosen
-            .iter()
-            .copied()
-            .filter(|&i| i != chosen[place])
-            .collect();
+        let mut without = chosen.clone();
+        without.remove(place);
         let kills = |row: &MatrixRow| {
             row.killed_by.is_empty() || row.killed_by.iter().any(|case| without.contains(case))
         };

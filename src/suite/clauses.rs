@@ -2,8 +2,7 @@
 
 use serde::Deserialize;
 
-use super::load::spec_file;
-use crate::kit::yaml::from_yaml;
+use crate::kit::{embedded, yaml::from_yaml};
 
 /// A rule of the specification, in our own words.
 #[derive(Clone, Debug, Deserialize)]
@@ -89,14 +88,11 @@ impl RulingKind {
 /// # Errors
 /// A sentence that names the line at fault.
 pub fn clauses() -> Result<Vec<Clause>, String> {
-    let files = [
-        spec_file!("", "clauses.yaml"),
-        spec_file!("", "clauses-2.9.yaml"),
-    ];
-    let read = |(name, text): (&str, &str)| {
+    let files = embedded!["spec-cases", "clauses.yaml", "clauses-2.9.yaml"];
+    let read = |(name, text): &(&str, &str)| {
         from_yaml::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))
     };
-    let files: Result<Vec<_>, _> = files.into_iter().map(read).collect();
+    let files: Result<Vec<_>, _> = files.iter().map(read).collect();
     Ok(files?.concat())
 }
 

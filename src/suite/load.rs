@@ -7,38 +7,23 @@ use std::collections::HashMap;
 use super::cases::{Case, Suite};
 use super::record::CaseRecord;
 use super::words::Words;
-use crate::kit::yaml::records;
-
-/// Expands to the name and the text of an embedded file of `spec-cases/`.
-macro_rules! spec_file {
-    ($folder:literal, $name:literal) => {
-        (
-            $name,
-            include_str!(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/spec-cases/",
-                $folder,
-                $name
-            )),
-        )
-    };
-}
-pub(super) use spec_file;
+use crate::kit::{embedded, yaml::records};
 
 /// The files of `spec-cases/cases/`, in the order of the text.
-const FILES: &[(&str, &str)] = &[
-    spec_file!("cases/", "first.yaml"),
-    spec_file!("cases/", "header.yaml"),
-    spec_file!("cases/", "scale-bias.yaml"),
-    spec_file!("cases/", "lookup-table.yaml"),
-    spec_file!("cases/", "color-matrix.yaml"),
-    spec_file!("cases/", "texels.yaml"),
-    spec_file!("cases/", "compressed.yaml"),
-    spec_file!("cases/", "prediction.yaml"),
-    spec_file!("cases/", "side-information.yaml"),
-    spec_file!("cases/", "streams.yaml"),
-    spec_file!("cases/", "evaluate.yaml"),
-    spec_file!("cases/", "sweeps.yaml"),
+const FILES: &[(&str, &str)] = embedded![
+    "spec-cases/cases",
+    "first.yaml",
+    "header.yaml",
+    "scale-bias.yaml",
+    "lookup-table.yaml",
+    "color-matrix.yaml",
+    "texels.yaml",
+    "compressed.yaml",
+    "prediction.yaml",
+    "side-information.yaml",
+    "streams.yaml",
+    "evaluate.yaml",
+    "sweeps.yaml",
 ];
 
 impl Suite {

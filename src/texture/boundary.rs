@@ -58,7 +58,7 @@ pub(crate) fn fold(boundary: Boundary, k: i64, size: usize, rules: &Rules) -> us
         Boundary::Wrap => (rules.wrap)(k, size),
         Boundary::Mirror => (rules.mirror)(k, size),
         Boundary::ClampBorder => (rules.border)(k, size),
-        Boundary::ClampExplicit => (rules.explicit_neighbor)(k, size),
+        Boundary::ClampExplicit => border(k, size),
     }
 }
 

@@ -64,20 +64,6 @@ pub(crate) fn with_texel(
     }
 }
 
-/// Returns the clamp color, whatever the method: the other reading of `clamp-color`.
-pub(crate) fn clamp_color_alone(
-    _: &Entry,
-    color: &Texel,
-    input: Shade,
-    _white: Color,
-    rules: &Rules,
-) -> Shade {
-    Shade {
-        color: (rules.texel_color)(color),
-        ..input
-    }
-}
-
 /// Applies R-CMP-30, R-CMP-31.
 pub(crate) fn replace(x: &Terms) -> Shade {
     Shade {
@@ -133,11 +119,6 @@ pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
         Channel::Alpha => texel.alpha().unwrap_or(1.0),
     });
     [gamma; 3]
-}
-
-/// Returns the texel's color, component by component: the other reading of `gamma`.
-pub(crate) fn whole_color(_: &Entry, texel: &Texel) -> Color {
-    texel_color(texel)
 }
 
 pub(crate) fn times(a: Color, b: Color) -> Color {

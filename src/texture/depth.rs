@@ -10,7 +10,6 @@
 //! - A pixel over exactly one texel is magnified; if directions disagree, the larger one decides (ruling `one-texel`).
 
 use super::entry::Vector;
-use super::rules::Rules;
 
 /// The difference of texture coordinates from a pixel to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,22 +20,19 @@ pub struct Footprint {
     pub dt_dy: Vector,
 }
 
-/// Returns the depth at which a map of base size `size` (one number for each dimension) is sampled.
+/// Returns the depth at which a map of base size `size` (one number for each dimension) is sampled: the base-2 logarithm of the
+/// widest span, weighted by its hint (ruling `depth-formula`), and a bias in levels (R-HNT-02, R-HNT-03).
 #[must_use]
-pub fn sample_depth(
-    size: &[usize],
-    footprint: &Footprint,
-    bias: f64,
-    frequency: [f64; 3],
-    rules: &Rules,
-) -> f64 {
-    (rules.biased)((rules.depth)(&spans(size, footprint), frequency), bias)
+pub fn sample_depth(size: &[usize], footprint: &Footprint, bias: f64, frequency: [f64; 3]) -> f64 {
+    let spans = spans(size, footprint).into_iter().zip(frequency);
+    let weighted = spans.map(|(span, hint)| span * hint);
+    weighted.fold(0.0, f64::max).log2() + bias
 }
 
-/// Returns true if a pixel covers a texel or less of a map of base size `size`.
+/// Returns true if a pixel covers a texel or less of a map of base size `size` (ruling `one-texel`).
 #[must_use]
-pub fn magnifies(size: &[usize], footprint: &Footprint, rules: &Rules) -> bool {
-    (rules.magnifies)(&spans(size, footprint))
+pub fn magnifies(size: &[usize], footprint: &Footprint) -> bool {
+    spans(size, footprint).iter().all(|&span| span <= 1.0)
 }
 
 /// Returns the number of texels of the base level that a pixel spans, in each direction of the map.
@@ -44,20 +40,4 @@ fn spans(size: &[usize], footprint: &Footprint) -> Vec<f64> {
     let span =
         |(c, &side): (usize, &usize)| side as f64 * footprint.dt_dx[c].hypot(footprint.dt_dy[c]);
     size.iter().enumerate().take(3).map(span).collect()
-}
-
-/// Returns the base-2 logarithm of the widest span, weighted by its hint (ruling `depth-formula`).
-pub(crate) fn log2_of_widest(spans: &[f64], frequency: [f64; 3]) -> f64 {
-    let weighted = spans.iter().zip(frequency).map(|(span, hint)| span * hint);
-    weighted.fold(0.0, f64::max).log2()
-}
-
-/// Adds a bias, in levels (R-HNT-02, R-HNT-03).
-pub(crate) fn add(depth: f64, bias: f64) -> f64 {
-    depth + bias
-}
-
-/// Returns true if no direction spans more than a texel (ruling `one-texel`).
-pub(crate) fn none_over_one(spans: &[f64]) -> bool {
-    spans.iter().all(|&span| span <= 1.0)
 }

@@ -36,9 +36,8 @@ impl TextureMap {
             Rounding::None => value / 255.0,
             Rounding::EightBits => (rules.to_eight_bits)(value) / 255.0,
         };
-        let texels = (rules.rows)(&picture)
-            .into_iter()
-            .map(|color| Texel::rgb(color.map(value)));
+        let colors = (rules.rows)(&picture).into_iter();
+        let texels = colors.map(|color| Texel::rgb(color.map(value)));
         let size = [picture.size.width as usize, picture.size.height as usize, 1];
         let base = Level {
             size,
@@ -59,9 +58,4 @@ pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
 /// Returns the nearest whole number, halves up (ruling `ptm-texels`).
 pub(crate) fn halves_up(value: f64) -> f64 {
     (value + 0.5).floor()
-}
-
-/// Returns the value unrounded: the other reading of `ptm-texels`.
-pub(crate) fn unrounded(value: f64) -> f64 {
-    value
 }

@@ -53,9 +53,8 @@ impl Texel {
     #[must_use]
     pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
         let mut values = [0.0; 4];
-        values
-            .get_mut(..components.len())?
-            .copy_from_slice(components);
+        let given = values.get_mut(..components.len())?;
+        given.copy_from_slice(components);
         (components.len() == kind.components()).then_some(Texel { kind, values })
     }
 
@@ -147,21 +146,17 @@ impl TextureMap {
         let first = levels.first().and_then(|level| level.texels.first());
         let kind = first.ok_or("a map has a base level with texels")?.kind;
         for (number, level) in levels.iter().enumerate() {
-            let texels = level
-                .size
-                .iter()
-                .try_fold(1_usize, |product, &side| product.checked_mul(side));
-            if texels != Some(level.texels.len()) || texels == Some(0) {
+            let (size, count) = (level.size, level.texels.len());
+            let mut sides = size.iter();
+            let texels = sides.try_fold(1_usize, |product, &side| product.checked_mul(side));
+            if texels != Some(count) || count == 0 {
                 return Err(format!(
-                    "level {number} of size {:?} has {} texels",
-                    level.size,
-                    level.texels.len()
+                    "level {number} of size {size:?} has {count} texels"
                 ));
             }
-            if level.size[dimensions..].iter().any(|&side| side != 1) {
+            if size[dimensions..].iter().any(|&side| side != 1) {
                 return Err(format!(
-                    "level {number} of size {:?} has more than {dimensions} dimensions",
-                    level.size
+                    "level {number} of size {size:?} has more than {dimensions} dimensions"
                 ));
             }
             if level.texels.iter().any(|texel| texel.kind != kind) {
@@ -208,11 +203,8 @@ impl TextureMap {
 /// Returns a level of half the size, rounded down.
 fn half_size_level(fine: &Level) -> Level {
     let size = fine.size.map(|side| (side / 2).max(1));
-    let cover: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| {
-        (0..size[d])
-            .map(|at| covered_cells(at, fine.size[d], size[d]))
-            .collect()
-    });
+    let cover = |d: usize| (0..size[d]).map(move |at| covered_cells(at, fine.size[d], size[d]));
+    let cover: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| cover(d).collect());
     let mut texels = Vec::with_capacity(size[0] * size[1] * size[2]);
     for z in &cover[2] {
         for y in &cover[1] {

@@ -83,4 +83,4 @@ pub use from_ptm::Rounding;
 mod spec;
 
 mod preview;
-pub use preview::{Preview, PreviewImage, PreviewShape, preview};
+pub use preview::{Preview, PreviewShape, preview};

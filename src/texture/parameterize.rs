@@ -40,12 +40,9 @@ pub(crate) fn by_method(
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
     match entry.parameterization {
-        Parameterization::VertexMCCoord => {
-            (rules.coordinates)(&point.mc).ok_or(NoValue::Missing("mc"))
-        }
-        Parameterization::VertexWCCoord => {
-            (rules.coordinates)(&point.wc).ok_or(NoValue::Missing("wc"))
-        }
+        // (x, y, z) (R-PAR-13, R-PAR-14)
+        Parameterization::VertexMCCoord => point.mc.position.ok_or(NoValue::Missing("mc")),
+        Parameterization::VertexWCCoord => point.wc.position.ok_or(NoValue::Missing("wc")),
         Parameterization::VertexMCNormal => {
             (rules.normal)(&point.mc).ok_or(NoValue::Missing("mc_normal or mc_geometric_normal"))
         }
@@ -73,11 +70,6 @@ pub(crate) fn in_vrc(point: &Point) -> Place {
 /// Returns the vertex in world coordinates (R-PAR-35).
 pub(crate) fn in_wc(point: &Point) -> Place {
     point.wc.clone()
-}
-
-/// Returns (x, y, z) (R-PAR-13, R-PAR-14).
-pub(crate) fn coordinates(place: &Place) -> Option<Vector> {
-    place.position
 }
 
 /// Returns the normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
@@ -118,12 +110,11 @@ fn reflection(
     place: &Place,
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
-    let s = if let Some(s) = point.reflection {
-        s
-    } else {
+    let reflected = || {
         let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
-        (rules.reflect)(sight(point, place, rules)?, n)
+        Ok((rules.reflect)(sight(point, place, rules)?, n))
     };
+    let s = point.reflection.map_or_else(reflected, Ok)?;
     let turned = (rules.turn)(&entry.reflection_matrix, s);
     if turned == [0.0; 3] {
         return Err(NoValue::ImplementationDefined("no-reflection"));
@@ -176,12 +167,8 @@ pub(crate) fn half_turns(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
-/// Lets t0 increase to the left: another reading of `vrc-azimuth`.
-pub(crate) fn half_turns_leftward(s: Vector) -> f64 {
-    (1.0 - half_turns(s)).fract()
-}
-
 /// Lets t0 increase along x: another reading of `vrc-azimuth`.
+#[cfg(feature = "harness")]
 pub(crate) fn along_x(s: Vector) -> f64 {
     let around = s[0].hypot(s[2]);
     if around == 0.0 {
@@ -190,19 +177,9 @@ pub(crate) fn along_x(s: Vector) -> f64 {
     f64::midpoint(1.0, s[0] / around)
 }
 
-/// Mirrors the front half to the rear half: another reading of `vrc-azimuth`.
-pub(crate) fn rear_mirrored(s: Vector) -> f64 {
-    half_turns([s[0], s[1], s[2].abs()])
-}
-
 /// Maps a whole turn to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
 pub(crate) fn whole_turn(s: Vector) -> f64 {
     azimuth(s) / (2.0 * PI)
-}
-
-/// Turns clockwise, seen from +y: the other reading of `wc-azimuth`.
-pub(crate) fn whole_turn_clockwise(s: Vector) -> f64 {
-    (1.0 - whole_turn(s)).fract()
 }
 
 /// Returns the angle from −y as a fraction of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
@@ -211,11 +188,13 @@ pub(crate) fn by_angle(s: Vector) -> f64 {
 }
 
 /// Lets t1 be proportional to y: another reading of `vrc-height` and `wc-height`.
+#[cfg(feature = "harness")]
 pub(crate) fn by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
 /// Measures the angle from +y: another reading of `vrc-height` and `wc-height`.
+#[cfg(feature = "harness")]
 pub(crate) fn downward(s: Vector) -> f64 {
     1.0 - by_angle(s)
 }

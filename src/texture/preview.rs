@@ -43,15 +43,6 @@ pub struct Preview {
     pub around: f64,
 }
 
-/// A square image.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PreviewImage {
-    /// Number of pixels in a row, and of rows.
-    pub side: usize,
-    /// Red, green and blue of each pixel, top row first.
-    pub rgb: Vec<u8>,
-}
-
 const EYE_POSITION: Vector = [0.0, 0.0, 4.0];
 /// The distance of the light.
 const LIGHT_DISTANCE: f64 = 2.2;
@@ -60,11 +51,11 @@ const BACKGROUND: Color = [0.13, 0.13, 0.15];
 /// Number of samples along each side of a pixel.
 const SAMPLES_PER_SIDE: usize = 2;
 
-/// Renders a preview, `side` pixels wide and high.
+/// Returns red, green and blue of each pixel of a preview, `side` pixels wide and high, top row first.
 ///
 /// # Errors
 /// If the entry's coordinates cannot be derived on such a shape.
-pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<PreviewImage, NoValue> {
+pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>, NoValue> {
     let mut rgb = Vec::with_capacity(3 * side * side);
     for row in 0..side {
         for column in 0..side {
@@ -83,7 +74,7 @@ pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<PreviewI
             rgb.extend(bytes);
         }
     }
-    Ok(PreviewImage { side, rgb })
+    Ok(rgb)
 }
 
 /// Returns the color at (x, y), both from −1 to 1; `step` is the distance to the next pixel.
@@ -112,14 +103,10 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
         dt_dx: way(right),
         dt_dy: way(above),
     };
-    let Entry {
-        depth_bias,
-        frequency,
-        ..
-    } = preview.entry;
+    let (bias, frequency) = (preview.entry.depth_bias, preview.entry.frequency);
     let base = &preview.map.levels()[0].size[..preview.map.dimensions()];
-    let depth = sample_depth(base, &footprint, depth_bias, frequency, rules);
-    let magnify = magnifies(base, &footprint, rules);
+    let depth = sample_depth(base, &footprint, bias, frequency);
+    let magnify = magnifies(base, &footprint);
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
     let lit = lit(preview, &point);

@@ -31,7 +31,6 @@ pub struct Rules {
     pub(crate) is_white: fn(usize, usize) -> bool,
     // parameterization
     pub(crate) parameterize: fn(&Entry, &Point, usize, &Rules) -> Result<Vector, NoValue>,
-    pub(crate) coordinates: fn(&Place) -> Option<Vector>,
     pub(crate) normal: fn(&Place) -> Option<Vector>,
     pub(crate) spline_parameters: fn(&Point) -> Vector,
     pub(crate) float_data: fn(&Point, usize, usize) -> Result<Vector, NoValue>,
@@ -51,7 +50,6 @@ pub struct Rules {
     pub(crate) site: fn(Interpolation, Frequency) -> Site,
     // composition
     pub(crate) stage: fn(&[(Entry, Fetched)], &Lit, Interpolation, Frequency, &Rules) -> Shade,
-    pub(crate) is_split: fn(Interpolation, Frequency) -> bool,
     pub(crate) add_specular: fn(Shade, Color) -> Shade,
     pub(crate) light: fn(Shade, &Lit) -> Shade,
     pub(crate) texel_color: fn(&Texel) -> Color,
@@ -77,11 +75,6 @@ pub struct Rules {
     pub(crate) wrap: fn(i64, usize) -> usize,
     pub(crate) mirror: fn(i64, usize) -> usize,
     pub(crate) border: fn(i64, usize) -> usize,
-    pub(crate) explicit_neighbor: fn(i64, usize) -> usize,
-    // sampling hints
-    pub(crate) depth: fn(&[f64], [f64; 3]) -> f64,
-    pub(crate) biased: fn(f64, f64) -> f64,
-    pub(crate) magnifies: fn(&[f64]) -> bool,
     // a PTM as a map
     pub(crate) rows: fn(&Picture) -> Vec<[f64; 3]>,
     pub(crate) to_eight_bits: fn(f64) -> f64,

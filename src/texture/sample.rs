@@ -54,10 +54,9 @@ pub fn fetch(
 
 /// Returns the minification method, or the magnification method (R-SMP-02, R-SMP-03).
 pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
-    if magnify {
-        entry.mag_sample
-    } else {
-        entry.min_sample
+    match magnify {
+        true => entry.mag_sample,
+        false => entry.min_sample,
     }
 }
 
@@ -106,11 +105,13 @@ pub(crate) fn cells_around(
 }
 
 /// Treats texel k of N as the point k/(N − 1): the other reading of `texel-grid`.
+#[cfg(feature = "harness")]
 pub(crate) fn point(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
     ((inside(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
 }
 
 /// Returns the points around t, weighted: the other reading of `texel-grid`.
+#[cfg(feature = "harness")]
 pub(crate) fn points_around(
     boundary: Boundary,
     t: f64,
@@ -124,6 +125,7 @@ pub(crate) fn points_around(
 }
 
 /// Maps a coordinate to 0 … 1: if texels are points, boundary conditions apply to the map itself, not to texels.
+#[cfg(feature = "harness")]
 fn inside(boundary: Boundary, t: f64) -> f64 {
     match boundary {
         // 1 is the last point of the map, not the first of the next.

@@ -14,10 +14,9 @@ use super::rules::Rules;
 /// Returns the textures for a facet.
 #[must_use]
 pub fn select(surface: &Surface, rules: &Rules) -> Selection {
-    let (style, active) = if (rules.uses_back)(surface) {
-        (surface.bf_interior_style, &surface.bf_active)
-    } else {
-        (surface.interior_style, &surface.active)
+    let (style, active) = match (rules.uses_back)(surface) {
+        true => (surface.bf_interior_style, &surface.bf_active),
+        false => (surface.interior_style, &surface.active),
     };
     if !(rules.is_textured)(style) {
         Selection::Untextured

@@ -37,15 +37,13 @@ pub(crate) fn before_and_after(
     rules: &Rules,
 ) -> Shade {
     let all = |control: RenderingControl, input: Shade, white: Color| {
-        let with = maps
-            .iter()
-            .filter(|(entry, _)| entry.rendering_control == control);
+        let with = maps.iter();
+        let with = with.filter(|(entry, _)| entry.rendering_control == control);
         with.fold(input, |input, (entry, fetched)| {
             compose(entry, fetched, input, white, rules)
         })
     };
-    let split = (rules.is_split)(interpolation, frequency);
-    let lit = if split {
+    let lit = if is_split(interpolation, frequency) {
         let diffuse = Shade {
             color: times(lit.white, lit.surface.color),
             ..lit.surface

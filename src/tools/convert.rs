@@ -216,11 +216,9 @@ fn multiply_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<V
         let product = (i64::from(texel[i]) - bias[i]) * i64::from(color);
         (product % 255 == 0).then(|| u8::try_from(product / 255 + bias[i]).ok())?
     };
-    texel[6..9]
-        .iter()
-        .flat_map(|&color| (0..6).map(move |i| (color, i)))
-        .map(coefficient)
-        .collect()
+    let colors = texel[6..9].iter();
+    let pairs = colors.flat_map(|&color| (0..6).map(move |i| (color, i)));
+    pairs.map(coefficient).collect()
 }
 
 fn greatest_common_divisor(a: i64, b: i64) -> i64 {

@@ -5,6 +5,7 @@
 
 use super::convert::{Converted, Target, convert};
 use super::dissection::Dissection;
+use super::joined;
 use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
@@ -31,10 +32,9 @@ pub fn convert_for(
     let own = ptm.header.format;
     let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
-    let formats = std::iter::once(own).chain(others);
-    let formats: Vec<Format> = formats.filter(read_by_all).collect();
-    let names: Vec<&str> = readers.iter().map(|reader| &*reader.name).collect();
-    let names = names.join(" and ");
+    let formats = std::iter::once(own).chain(others).filter(read_by_all);
+    let formats: Vec<Format> = formats.collect();
+    let names = joined(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
         return Err(format!(
             "{names}: no lossless format is read by all of them"

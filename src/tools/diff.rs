@@ -53,7 +53,7 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
         header: header(a, b),
         ..MapDifference::default()
     };
-    if same_planes(&a.planes, &b.planes) {
+    if a.planes.size == b.planes.size && a.planes.shape.channels() == b.planes.shape.channels() {
         difference.planes = planes(&a.planes, &b.planes);
     }
     if a.header.format != b.header.format {
@@ -109,10 +109,6 @@ fn header(a: &Ptm, b: &Ptm) -> Vec<String> {
         }
     }
     words
-}
-
-fn same_planes(a: &Planes, b: &Planes) -> bool {
-    a.size == b.size && a.shape.channels() == b.shape.channels()
 }
 
 fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {

@@ -35,9 +35,9 @@ pub struct FilePart {
     /// Its role.
     #[serde(skip)]
     pub role: Role,
-    /// The name of the list it is an element of, if it is one.
+    /// The name of the list it is an element of; empty if it is none.
     #[serde(skip)]
-    pub list: Option<&'static str>,
+    pub list: &'static str,
     /// The number of bytes that it should have, if the file ends earlier.
     #[serde(skip)]
     pub cut_from: Option<u64>,
@@ -111,25 +111,26 @@ impl<'a> Dissection<'a> {
         let format = Format::ALL
             .into_iter()
             .find(|format| Some(format.name().as_bytes()) == name);
-        let mut counts: HashMap<&str, usize> = HashMap::new();
-        let parts = fields.iter().filter_map(|field| {
-            let nth = counts.entry(field.clause).or_default();
-            let range = field.range.clone();
-            let part = FilePart::new(field.clause, range, *nth, file, format)?;
-            *nth += 1;
-            Some(part)
-        });
         let mut dissection = Dissection {
             file,
             format,
             size: None,
-            parts: parts.collect(),
+            parts: Vec::new(),
             outcome,
         };
-        dissection.size = dissection.read_size();
-        if dissection.outcome.is_err() {
-            dissection.show_cut_parts();
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        for field in fields {
+            let nth = counts.entry(field.clause).or_default();
+            dissection.add_part(field.clause, field.range.clone(), *nth, None);
+            *nth += 1;
         }
+        let side = |role| {
+            let side = u32::try_from(dissection.number(role)?).ok();
+            side.filter(|&side| side > 0)
+        };
+        let sides = side(Role::Width).zip(side(Role::Height));
+        dissection.size = sides.map(|(width, height)| Size { width, height });
+        dissection.add_cut_parts();
         dissection
     }
 
@@ -205,50 +206,22 @@ impl<'a> Dissection<'a> {
         }
     }
 
-    fn read_size(&self) -> Option<Size> {
-        let side = |role| {
-            let side = u32::try_from(self.number(role)?).ok();
-            side.filter(|&side| side > 0)
-        };
-        Some(Size {
-            width: side(Role::Width)?,
-            height: side(Role::Height)?,
-        })
-    }
-
     /// Adds the parts that the header declares and that are truncated.
-    fn show_cut_parts(&mut self) {
+    fn add_cut_parts(&mut self) {
         let Err(error) = &self.outcome else {
             return;
         };
         let &Kind::Short { needs, .. } = error.kind() else {
             return;
         };
-        if error.clause() == COMPRESSED_PLANE {
-            return self.show_cut_planes(error.offset());
+        let (clause, mut at) = (error.clause(), error.offset());
+        if clause != COMPRESSED_PLANE {
+            let blocks = self.parts.iter();
+            let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
+            let (nth, range) = (blocks.count(), at..self.file.len());
+            return self.add_part(clause, range, nth, Some(needs));
         }
-        let mut blocks = 0;
-        while self.part(Role::Block(blocks)).is_some() {
-            blocks += 1;
-        }
-        let range = error.offset()..self.file.len();
-        self.show_cut_part(error.clause(), range, blocks, Some(needs));
-    }
-
-    fn show_cut_part(
-        &mut self,
-        clause: &'static str,
-        range: Range<usize>,
-        nth: usize,
-        cut_from: Option<u64>,
-    ) {
-        let part = FilePart::new(clause, range, nth, self.file, self.format);
-        self.parts
-            .extend(part.map(|part| FilePart { cut_from, ..part }));
-    }
-
-    /// Adds the planes from byte `at` on, as far as the file goes.
-    fn show_cut_planes(&mut self, mut at: usize) {
+        // The planes, as far as the file goes.
         for plane in 0..self.compressed_planes() {
             for (size, clause) in [
                 (Role::StreamSize(plane), COMPRESSED_PLANE),
@@ -259,10 +232,74 @@ impl<'a> Dissection<'a> {
                 let there = (self.file.len() - at) as u64;
                 let range = at..at + size.min(there) as usize;
                 at = range.end;
-                let cut_from = (there < size).then_some(size);
-                self.show_cut_part(clause, range, plane, cut_from);
+                self.add_part(clause, range, plane, (there < size).then_some(size));
             }
         }
+    }
+
+    /// Adds the bytes of a field, the `nth` one of its clause; `cut_from` is the length that the file is too short for.
+    fn add_part(
+        &mut self,
+        clause: &'static str,
+        range: Range<usize>,
+        nth: usize,
+        cut_from: Option<u64>,
+    ) {
+        let planes = self.format.map_or(9, Format::channels);
+        let is_y = clause == "2.9.3/1" && nth >= planes;
+        let nth = if is_y { nth - planes } else { nth };
+        let is_word = matches!(&self.file[range.clone()], b"nentries" | b"N_LUT_ENTRIES");
+        let (role, name, list) = match clause {
+            "2.1/1" => (Role::Version, "version", ""),
+            FORMAT_NAME => (Role::Format, "format", ""),
+            "2.3/1" if nth == 0 => (Role::Width, "width", ""),
+            "2.3/1" => (Role::Height, "height", ""),
+            "2.4/3" => (Role::Scale(nth), "scale of a#", "scales of a0…a5"),
+            "2.4/4" => (Role::Bias(nth), "bias of a#", "biases of a0…a5"),
+            "2.5/2" if is_word => (Role::CountWord, "word at the number of entries", ""),
+            "2.5/2" => (Role::Count, "number of entries", ""),
+            "2.5/3" => (Role::Table, "lookup table", ""),
+            "2.6/2" => (Role::Matrix(nth), "matrix element #", "color matrix"),
+            // Bytes that are present, and bytes that are missing.
+            "2.7/1" | "2.7/3" => (Role::Block(nth), block_name(self.format, nth), ""),
+            "2.8.1/1" => (Role::Indices, "indices", ""),
+            "2.9.1/1" => (Role::Parameter, "compression parameter", ""),
+            "2.9.2/1" => (Role::Transform(nth), "transform of plane #", "transforms"),
+            "2.9.3/1" if is_y => (Role::MotionY(nth), "vector of plane #, y", "vectors, y"),
+            "2.9.3/1" => (Role::MotionX(nth), "vector of plane #, x", "vectors, x"),
+            "2.9.4/1" => (Role::Rank(nth), "rank of plane #", "order"),
+            "2.9.5/1" => (Role::Reference(nth), "reference of plane #", "references"),
+            "2.9.6/1" => {
+                let (name, list) = ("compressed size of plane #", "compressed sizes");
+                (Role::StreamSize(nth), name, list)
+            }
+            "2.9.7/1" => {
+                let (name, list) = ("side information size of plane #", "side sizes");
+                (Role::SideSize(nth), name, list)
+            }
+            COMPRESSED_PLANE => (Role::Stream(nth), "plane #", ""),
+            SIDE_INFORMATION => (Role::Side(nth), "side information of plane #", ""),
+            _ => return,
+        };
+        self.parts.push(FilePart {
+            role,
+            name: name.replace('#', &nth.to_string()),
+            list,
+            // The exact clause, if the decoder cites the one that all formats share.
+            clause: match (role, self.format) {
+                (Role::Block(_), Some(format)) => {
+                    (blocks(format).get(nth)).map_or(clause, |block| block.clause)
+                }
+                (Role::Indices, Some(Format::PtmCLut)) => "2.8.2/1",
+                (Role::Table, Some(Format::PtmLut)) => "2.5/4",
+                (Role::Table, _) => "2.5/5",
+                _ => clause,
+            },
+            offset: range.start,
+            length: range.len(),
+            cut_from,
+            ..FilePart::default()
+        });
     }
 }
 
@@ -286,6 +323,7 @@ impl Role {
     }
 }
 
+/// Returns the name of a block of texel data.
 fn block_name(format: Option<Format>, block: usize) -> &'static str {
     match (format, block) {
         (Some(Format::Rgb), 0) => "red coefficients",
@@ -308,90 +346,6 @@ impl FilePart {
     pub fn range(&self) -> Range<usize> {
         self.offset..self.offset + self.length
     }
-
-    /// Describes the bytes of a field: the `nth` one of its clause.
-    fn new(
-        clause: &'static str,
-        range: Range<usize>,
-        nth: usize,
-        file: &[u8],
-        format: Option<Format>,
-    ) -> Option<FilePart> {
-        let planes = format.map_or(9, Format::channels);
-        let plain = |role, name: &str| (role, name.to_owned(), None);
-        let element = |role: fn(usize) -> Role, name: &str, list| {
-            (role(nth), format!("{name} {nth}"), Some(list))
-        };
-        let coefficient = |role, name: &str, list| (role, format!("{name} of a{nth}"), Some(list));
-        let (role, name, list) = match clause {
-            "2.1/1" => plain(Role::Version, "version"),
-            FORMAT_NAME => plain(Role::Format, "format"),
-            "2.3/1" if nth == 0 => plain(Role::Width, "width"),
-            "2.3/1" => plain(Role::Height, "height"),
-            "2.4/3" => coefficient(Role::Scale(nth), "scale", "scales of a0…a5"),
-            "2.4/4" => coefficient(Role::Bias(nth), "bias", "biases of a0…a5"),
-            "2.5/2" => match &file[range.clone()] {
-                b"nentries" | b"N_LUT_ENTRIES" => {
-                    plain(Role::CountWord, "word at the number of entries")
-                }
-                _ => plain(Role::Count, "number of entries"),
-            },
-            "2.5/3" => plain(Role::Table, "lookup table"),
-            "2.6/2" => element(Role::Matrix, "matrix element", "color matrix"),
-            // Bytes that are present, and bytes that are missing.
-            "2.7/1" | "2.7/3" => plain(Role::Block(nth), block_name(format, nth)),
-            "2.8.1/1" => plain(Role::Indices, "indices"),
-            "2.9.1/1" => plain(Role::Parameter, "compression parameter"),
-            "2.9.2/1" => element(Role::Transform, "transform of plane", "transforms"),
-            "2.9.3/1" if nth < planes => {
-                let name = format!("vector of plane {nth}, x");
-                (Role::MotionX(nth), name, Some("vectors, x"))
-            }
-            "2.9.3/1" => {
-                let plane = nth - planes;
-                let name = format!("vector of plane {plane}, y");
-                (Role::MotionY(plane), name, Some("vectors, y"))
-            }
-            "2.9.4/1" => element(Role::Rank, "rank of plane", "order"),
-            "2.9.5/1" => element(Role::Reference, "reference of plane", "references"),
-            "2.9.6/1" => element(
-                Role::StreamSize,
-                "compressed size of plane",
-                "compressed sizes",
-            ),
-            "2.9.7/1" => element(
-                Role::SideSize,
-                "side information size of plane",
-                "side sizes",
-            ),
-            COMPRESSED_PLANE => plain(Role::Stream(nth), &format!("plane {nth}")),
-            SIDE_INFORMATION => {
-                let name = format!("side information of plane {nth}");
-                plain(Role::Side(nth), &name)
-            }
-            _ => return None,
-        };
-        Some(FilePart {
-            role,
-            name,
-            list,
-            clause: exact_clause(role, format).unwrap_or(clause),
-            offset: range.start,
-            length: range.len(),
-            ..FilePart::default()
-        })
-    }
-}
-
-/// Returns the clause for the format of the file, if the decoder cites the one that all formats share.
-fn exact_clause(role: Role, format: Option<Format>) -> Option<&'static str> {
-    Some(match (role, format?) {
-        (Role::Block(nth), format) => blocks(format).get(nth)?.clause,
-        (Role::Indices, Format::PtmCLut) => "2.8.2/1",
-        (Role::Table, Format::PtmLut) => "2.5/4",
-        (Role::Table, Format::PtmCLut) => "2.5/5",
-        _ => return None,
-    })
 }
 
 #[cfg(test)]

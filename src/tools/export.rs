@@ -7,20 +7,10 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer,
     LayerAttributes, LineOrder, WritableImage,
 };
+use image::GrayImage;
 
-use crate::ptm::{self, Ptm, Shape, Size};
+use crate::ptm::{Ptm, Shape, Size, channel_name};
 use crate::tools::joined;
-use crate::tools::render::Image;
-
-/// Returns the name of channel `channel` in an EXR file: `a3`, `R`; with three polynomials `green.a3`.
-#[must_use]
-pub fn channel_name(channels: usize, channel: usize) -> String {
-    let name = ptm::channel_name(channels, channel);
-    match name.split_once(" of ") {
-        Some((coefficient, color)) => format!("{color}.{coefficient}"),
-        None => name,
-    }
-}
 
 /// Returns the final coefficients, and the other channels as plain numbers, as an EXR file of named float channels, in scan
 /// line blocks of 16 compressed with ZIP. An attribute named `ptm` has format, scales, biases and matrix.
@@ -47,7 +37,12 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
     let channel = |channel: usize| {
         let plane = values.iter().skip(channel).step_by(channels);
         let samples = FlatSamples::F32(plane.map(|&value| value as f32).collect());
-        AnyChannel::new(&*channel_name(channels, channel), samples)
+        // `a3`, `R`; with three polynomials `green.a3`.
+        let mut name = channel_name(channels, channel);
+        if let Some((coefficient, color)) = name.split_once(" of ") {
+            name = format!("{color}.{coefficient}");
+        }
+        AnyChannel::new(&*name, samples)
     };
     let encoding = Encoding {
         compression: Compression::ZIP16,
@@ -97,23 +92,13 @@ fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
 }
 
 /// Stacks the planes of samples that lie texel after texel: a gray image of `channels * height` rows.
+///
+/// # Panics
+/// If the number of samples does not match the size.
 #[must_use]
-pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> Image {
+pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> GrayImage {
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();
-    let (width, height) = (size.width as usize, size.height as usize * channels);
-    Image::gray(width, height, (0..channels).flat_map(plane).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn npy_header_is_aligned_to_64_bytes() {
-        let size = "2x1".parse().expect("a size");
-        let bytes = npy_bytes(&[1, 2, 3, 4, 5, 6], size, 3);
-        assert_eq!(bytes.len(), 128 + 6);
-        assert!(bytes.starts_with(b"\x93NUMPY\x01\x00\x76\x00{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2, 3), }"));
-        assert_eq!(bytes[127], b'\n');
-    }
+    let stacked = (0..channels).flat_map(plane).collect();
+    let image = GrayImage::from_raw(size.width, size.height * channels as u32, stacked);
+    image.expect("a sample for each channel of each texel")
 }

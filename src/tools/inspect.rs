@@ -109,23 +109,17 @@ pub fn inspect(file: &[u8]) -> Inspection {
     }
 }
 
+/// Returns a part with its value and its elements.
 fn show(dissection: &Dissection, place: usize) -> FilePart {
     let part = &dissection.parts[place];
     let bytes = &dissection.file[part.range()];
-    let is_payload = part.role.is_payload();
-    let (value, parts) = match part.cut_from {
-        Some(whole) => (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new()),
-        None if is_payload => describe(dissection, part, bytes),
-        None => (bytes.escape_ascii().to_string(), Vec::new()),
-    };
-    let mut field = FilePart {
-        value,
-        parts,
-        ..part.clone()
-    };
-    match is_payload {
-        true => field.begins = hexadecimal(bytes),
-        false => field.gap = visible(dissection.gap_after(place)),
+    let mut field = part.clone();
+    if part.role.is_payload() {
+        field.begins = hexadecimal(bytes);
+        (field.value, field.parts) = describe(dissection, part, bytes);
+    } else {
+        field.gap = visible(dissection.gap_after(place));
+        field.value = bytes.escape_ascii().to_string();
     }
     field
 }
@@ -133,23 +127,26 @@ fn show(dissection: &Dissection, place: usize) -> FilePart {
 /// Returns a description of a part of the payload, and its elements.
 fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
-    match part.role {
-        Role::Table => table(dissection, part, bytes),
-        Role::Indices => (indices(bytes, texels), Vec::new()),
+    if let Some(whole) = part.cut_from {
+        return (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new());
+    }
+    let value = match part.role {
+        Role::Table => return table(dissection, part, bytes),
+        Role::Side(_) => return records(dissection, part, bytes),
         Role::Stream(plane) => {
             let parts = segments(bytes).into_iter().map(|segment| {
                 let (name, clause) = segment.kind.label();
                 child(part, segment.range, clause, name.into_owned(), segment.says)
             });
-            (plan(dissection, plane), parts.collect())
+            return (plan(dissection, plane), parts.collect());
         }
-        Role::Side(_) => records(dissection, part, bytes),
+        Role::Indices => indices(bytes, texels),
         _ => {
             let each = bytes.len().checked_div(texels).unwrap_or(0);
-            let value = format!("{texels} texels of {each} bytes, bottom row first");
-            (value, Vec::new())
+            format!("{texels} texels of {each} bytes, bottom row first")
         }
-    }
+    };
+    (value, Vec::new())
 }
 
 /// Returns the entries of the lookup table.
@@ -250,14 +247,17 @@ impl Inspection {
     /// Returns the fields as a table for a terminal, with colors. `all` shows every entry, segment and record.
     #[must_use]
     pub fn to_text(&self, name: &str, all: bool) -> String {
-        let mut out = format!("{NAME}{name}{NAME:#}: {}", self.summary());
-        let _ = writeln!(
-            out,
-            "\n\n{DIM}  offset   length  clause        what{:<29}value{DIM:#}",
+        let size = self.width.zip(self.height);
+        let size = size.map(|(width, height)| format!("{width} x {height} texels, "));
+        let mut out = format!(
+            "{NAME}{name}{NAME:#}: {}, {}{} bytes\n\n{DIM}  offset   length  clause        what{:<29}value{DIM:#}\n",
+            self.format.unwrap_or("no known format"),
+            size.unwrap_or_default(),
+            self.bytes,
             ""
         );
         let mut fault = self.error.as_ref();
-        let in_one_line = |a: &FilePart, b: &FilePart| a.list.is_some() && a.list == b.list;
+        let in_one_line = |a: &FilePart, b: &FilePart| !a.list.is_empty() && a.list == b.list;
         for line in self.fields.chunk_by(in_one_line) {
             let first = &line[0];
             if first.length == 0 && matches!(first.role, Role::Side(_)) {
@@ -282,21 +282,12 @@ impl Inspection {
         }
         out
     }
-
-    fn summary(&self) -> String {
-        let size = self.width.zip(self.height);
-        let size = size.map_or_else(String::new, |(width, height)| {
-            format!("{width} x {height} texels, ")
-        });
-        let format = self.format.unwrap_or("no known format");
-        format!("{format}, {size}{} bytes", self.bytes)
-    }
 }
 
 impl Fault {
     /// Returns true if the fault is shown after this line: the line of its byte or, for a stream, of its plane.
     fn is_in(&self, line: &[FilePart]) -> bool {
-        let (start, end) = (line[0].offset, end(line));
+        let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {
             Kind::Stream { plane, .. } => line[0].role == Role::Stream(plane),
             Kind::Short { .. } => false,
@@ -315,28 +306,27 @@ fn write_fault(out: &mut String, fault: Option<&Fault>) {
     }
 }
 
-/// Returns the byte after the last field of a line.
-fn end(line: &[FilePart]) -> usize {
-    line.last().map_or(0, |last| last.range().end)
-}
-
 /// Writes a row of the table: a field, or all elements of a list.
 fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     let first = &line[0];
-    let name = first.list.unwrap_or(&first.name);
+    let name = match first.list {
+        "" => &first.name,
+        list => list,
+    };
     let _ = write!(
         out,
         "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{name}{NAME:#}",
         first.offset,
-        end(line) - first.offset,
+        line[line.len() - 1].range().end - first.offset,
         first.clause,
         "",
     );
-    let value: String = line.iter().map(FilePart::styled).collect();
-    if !value.is_empty() {
-        let width = indent + name.chars().count();
-        let space = 33_usize.saturating_sub(width).max(1);
-        let _ = write!(out, "{:space$}{value}", "");
+    let mut space = 33_usize
+        .saturating_sub(indent + name.chars().count())
+        .max(1);
+    for FilePart { value, gap, .. } in line.iter().filter(|part| !part.value.is_empty()) {
+        let _ = write!(out, "{:space$}{VALUE}{value}{VALUE:#}{DIM}{gap}{DIM:#}", "");
+        space = 0;
     }
     if !first.begins.is_empty() {
         let _ = write!(out, "  {DIM}{}{DIM:#}", first.begins);
@@ -345,13 +335,6 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
 }
 
 impl FilePart {
-    fn styled(&self) -> String {
-        match self.value.as_str() {
-            "" => String::new(),
-            value => format!("{VALUE}{value}{VALUE:#}{DIM}{}{DIM:#}", self.gap),
-        }
-    }
-
     /// Writes the entries, segments or records, all or some of them. The segments of an intact stream share one line.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
         let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
@@ -360,14 +343,13 @@ impl FilePart {
             let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
             return;
         }
-        let shown = match all || is_stream {
-            true => self.parts.len(),
-            false => MAX_ENTRIES.min(self.parts.len()),
+        let hidden = match all || is_stream {
+            true => 0,
+            false => self.parts.len().saturating_sub(MAX_ENTRIES),
         };
-        self.parts[..shown]
-            .chunks(1)
-            .for_each(|part| write_line(out, part, 2));
-        let hidden = self.parts.len() - shown;
+        for part in self.parts[..self.parts.len() - hidden].chunks(1) {
+            write_line(out, part, 2);
+        }
         if hidden > 0 {
             let _ = writeln!(
                 out,

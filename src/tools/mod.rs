@@ -5,29 +5,19 @@
 
 use crate::ptm::Size;
 
-pub mod segments;
-
+pub mod convert;
+pub mod convert_for;
+pub mod diff;
 pub mod dissection;
-
-pub mod inspect;
-
-pub mod lint;
-
-pub mod render;
-
 #[cfg(feature = "cli")]
 pub mod export;
-
-pub mod convert;
-
-pub mod convert_for;
-
-pub mod repair;
-
-pub mod diff;
-
+pub mod inspect;
+pub mod lint;
 #[cfg(feature = "cli")]
 pub mod profiles;
+pub mod render;
+pub mod repair;
+pub mod segments;
 
 /// Returns the number of the texel, counted from the top left, of a position in the stored raster, whose bottom row is first.
 fn texel_at(size: Size, position: u32) -> usize {
@@ -36,7 +26,7 @@ fn texel_at(size: Size, position: u32) -> usize {
 }
 
 /// Joins the texts of `items`.
-fn joined<T: ToString>(items: impl IntoIterator<Item = T>, separator: &str) -> String {
+pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>, separator: &str) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
     texts.join(separator)
 }

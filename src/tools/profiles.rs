@@ -9,7 +9,7 @@ use std::io;
 use std::path::Path;
 use std::str::FromStr;
 
-use image::ImageFormat;
+use image::{DynamicImage, ImageFormat};
 use serde::Serialize;
 
 use crate::kit::digest::sha256;
@@ -22,7 +22,7 @@ use crate::suite::compare::Expected;
 use crate::suite::corpus::put;
 use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
-use crate::tools::render::Image;
+use crate::tools::render::{rgb, to_file};
 
 /// A selection from the suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -292,7 +292,7 @@ fn encoded(
     profile: Profile,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
     let (size, channels) = (expected.size, expected.channels);
-    let png = |image: Image| Ok::<_, String>(("png", image.to_file(ImageFormat::Png)?));
+    let png = |image: DynamicImage| Ok::<_, String>(("png", to_file(image, ImageFormat::Png)?));
     let values = &expected.values;
     let floats = ("npy", npy_floats(values, size, channels));
     Ok(match expected.view {
@@ -303,7 +303,7 @@ fn encoded(
             let npy = ("npy", npy_bytes(&bytes, size, channels));
             match profile {
                 Profile::Minimal => vec![npy],
-                _ => vec![npy, png(stacked_planes(&bytes, size, channels))?],
+                _ => vec![npy, png(stacked_planes(&bytes, size, channels).into())?],
             }
         }
         ViewKind::Coef => match profile {
@@ -315,7 +315,7 @@ fn encoded(
         },
         ViewKind::Rgb => {
             let bytes = values.iter().map(|value| value.round() as u8);
-            vec![floats, png(Image::rgb(size, bytes.collect()))?]
+            vec![floats, png(rgb(size, bytes.collect()).into())?]
         }
     })
 }

@@ -4,44 +4,26 @@ use std::io::Cursor;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
-use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
+use image::{DynamicImage, GenericImageView, ImageFormat, Rgb, RgbImage, imageops};
 
 use crate::evaluate::Coefficients;
 use crate::ptm::{Ptm, Shape, Size};
 
-/// An image of 8 bits per sample, top row first.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image {
-    /// Number of pixels in a row.
-    pub width: usize,
-    /// Number of rows.
-    pub height: usize,
-    /// Number of samples per pixel: 1 for gray, 3 for red, green and blue.
-    pub channels: usize,
-    /// `height * width * channels` samples.
-    pub samples: Vec<u8>,
-}
-
 /// At this quality the encoder uses small steps and no chroma subsampling.
 const JPEG_QUALITY: u8 = 95;
 /// Number of pixels between the images of a contact sheet.
-const MARGIN: usize = 4;
+const MARGIN: u32 = 4;
 /// A gray that differs from black and white images.
-const BACKGROUND: u8 = 48;
+const BACKGROUND: Rgb<u8> = Rgb([48; 3]);
 /// Maximum number of bytes of a contact sheet, or of an enlarged image.
-const MAX_IMAGE_BYTES: usize = 1 << 30;
+const MAX_IMAGE_BYTES: u64 = 1 << 30;
 /// The radius of the lights at the edge of a contact sheet; at 1 they would be in the plane of the map.
 const RIM_RADIUS: f64 = 0.9;
 
-/// Returns the map under one light.
+/// Returns a map under one light.
 #[must_use]
-pub fn lit(ptm: &Ptm, lu: f64, lv: f64) -> Image {
-    picture(&ptm.coefficients(), lu, lv)
-}
-
-fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
-    let samples = coefficients.evaluate(lu, lv).to_bytes();
-    Image::rgb(coefficients.size, samples)
+pub fn lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
+    rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 
 /// Returns images under `side` × `side` lights over the hemisphere, from the right on the right and from above at the top;
@@ -49,33 +31,29 @@ fn picture(coefficients: &Coefficients, lu: f64, lv: f64) -> Image {
 ///
 /// # Errors
 /// If the sheet needs more than 1 GiB.
-pub fn sheet(ptm: &Ptm, side: usize, cell: usize) -> Result<Image, String> {
+pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     let coefficients = ptm.coefficients();
-    let step = |at: usize| match side {
+    let step = |at: u32| match side {
         1 => 0.0,
-        _ => 2.0 * at as f64 / (side - 1) as f64 - 1.0,
+        _ => 2.0 * f64::from(at) / f64::from(side - 1) - 1.0,
     };
-    let size = coefficients.size;
-    let (width, height) = (size.width as usize, size.height as usize);
+    let Size { width, height } = coefficients.size;
     let factor = width.max(height).div_ceil(cell.max(1));
-    let (cell_width, cell_height) = (width.div_ceil(factor), height.div_ceil(factor));
-    let place = |at: usize, length: usize| MARGIN + at * (length + MARGIN);
-    let (width, height) = (place(side, cell_width), place(side, cell_height));
-    let bytes = width.saturating_mul(height).saturating_mul(3);
+    let place = |at: u32, length: u32| MARGIN + at * (length.div_ceil(factor) + MARGIN);
+    let (sheet_width, sheet_height) = (place(side, width), place(side, height));
+    let bytes = 3 * u64::from(sheet_width) * u64::from(sheet_height);
     if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
             "a sheet of {bytes} bytes is too large; request fewer or smaller images"
         ));
     }
-    let mut sheet = Image {
-        channels: 3,
-        ..Image::gray(width, height, vec![BACKGROUND; bytes])
-    };
+    let mut sheet = RgbImage::from_pixel(sheet_width, sheet_height, BACKGROUND);
     for row in 0..side {
         for column in 0..side {
             let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
-            let small = picture(&coefficients, lu, lv).shrunk(factor);
-            sheet.paste(&small, place(column, cell_width), place(row, cell_height));
+            let small = shrunk(&lit(&coefficients, lu, lv), factor);
+            let (x, y) = (place(column, width), place(row, height));
+            imageops::replace(&mut sheet, &small, x.into(), y.into());
         }
     }
     Ok(sheet)
@@ -93,7 +71,7 @@ fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
 ///
 /// A normal points to the light under which its texel is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
 #[must_use]
-pub fn normals(ptm: &Ptm) -> Image {
+pub fn normals(ptm: &Ptm) -> RgbImage {
     let coefficients = ptm.coefficients();
     let channels = coefficients.shape.channels();
     let luminance = |texel: &[f64]| -> [f64; 6] {
@@ -106,7 +84,7 @@ pub fn normals(ptm: &Ptm) -> Image {
         normal(&luminance(texel)).map(|axis| (f64::midpoint(axis, 1.0) * 255.0).round() as u8)
     };
     let texels = coefficients.values.chunks(channels);
-    Image::rgb(coefficients.size, texels.flat_map(color).collect())
+    rgb(coefficients.size, texels.flat_map(color).collect())
 }
 
 /// Returns the direction of the light under which the polynomial is largest.
@@ -153,118 +131,68 @@ fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     best
 }
 
-impl Image {
-    /// Returns an image of one sample per pixel.
-    #[must_use]
-    pub fn gray(width: usize, height: usize, samples: Vec<u8>) -> Image {
-        let channels = 1;
-        Image {
-            width,
-            height,
-            channels,
-            samples,
-        }
-    }
+/// Returns an image of three samples per pixel.
+///
+/// # Panics
+/// If the number of samples does not match the size.
+#[must_use]
+pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
+    let image = RgbImage::from_raw(size.width, size.height, samples);
+    image.expect("three samples per pixel")
+}
 
-    /// Returns an image of three samples per pixel.
-    #[must_use]
-    pub fn rgb(size: Size, samples: Vec<u8>) -> Image {
-        let (width, height) = (size.width as usize, size.height as usize);
-        Image {
-            channels: 3,
-            ..Image::gray(width, height, samples)
+/// Returns a file of that format; JPEG has the quality that `check` accepts in answers.
+///
+/// # Errors
+/// If the image is too large for the format.
+pub fn to_file(image: impl Into<DynamicImage>, format: ImageFormat) -> Result<Vec<u8>, String> {
+    let (image, mut out) = (image.into(), Cursor::new(Vec::new()));
+    let written = match format {
+        ImageFormat::Pnm => {
+            // By default it would write the newer variant P7, which few programs read.
+            let subtype = PnmSubtype::Pixmap(SampleEncoding::Binary);
+            image.write_with_encoder(PnmEncoder::new(&mut out).with_subtype(subtype))
         }
-    }
+        ImageFormat::Jpeg => {
+            image.write_with_encoder(JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY))
+        }
+        _ => image.write_to(&mut out, format),
+    };
+    written.map_err(|error| error.to_string())?;
+    Ok(out.into_inner())
+}
 
-    /// Returns a file of that format; JPEG has the quality that `check` accepts in answers.
-    ///
-    /// # Errors
-    /// If the image is too large for the format.
-    pub fn to_file(&self, format: ImageFormat) -> Result<Vec<u8>, String> {
-        let side = |length: usize| u32::try_from(length).map_err(|_| "the image is too large");
-        let (width, height) = (side(self.width)?, side(self.height)?);
-        let color = match self.channels {
-            1 => ExtendedColorType::L8,
-            _ => ExtendedColorType::Rgb8,
-        };
-        // By default it would write the newer variant P7, which few programs read.
-        let subtype = match self.channels {
-            1 => PnmSubtype::Graymap(SampleEncoding::Binary),
-            _ => PnmSubtype::Pixmap(SampleEncoding::Binary),
-        };
-        let (mut out, samples) = (Cursor::new(Vec::new()), &self.samples);
-        let written = match format {
-            ImageFormat::Pnm => PnmEncoder::new(&mut out)
-                .with_subtype(subtype)
-                .write_image(samples, width, height, color),
-            ImageFormat::Jpeg => JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY)
-                .write_image(samples, width, height, color),
-            _ => write_buffer_with_format(&mut out, samples, width, height, color, format),
-        };
-        written.map_err(|error| error.to_string())?;
-        Ok(out.into_inner())
+/// Returns every pixel as a square of `factor` × `factor`.
+///
+/// # Errors
+/// If the image needs more than 1 GiB.
+pub fn enlarged(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
+    let area = u64::from(factor) * u64::from(factor);
+    let bytes = area.saturating_mul(image.len() as u64);
+    if bytes > MAX_IMAGE_BYTES {
+        return Err(format!(
+            "an image of {bytes} bytes is too large; enlarge it less"
+        ));
     }
+    let (width, height) = (image.width() * factor, image.height() * factor);
+    let pixel = |x, y| *image.get_pixel(x / factor, y / factor);
+    Ok(RgbImage::from_fn(width, height, pixel))
+}
 
-    /// Returns every pixel as a square of `factor` × `factor`.
-    ///
-    /// # Errors
-    /// If the image needs more than 1 GiB.
-    pub fn enlarged(&self, factor: usize) -> Result<Image, String> {
-        let area = factor.saturating_mul(factor);
-        let bytes = self.samples.len().saturating_mul(area);
-        if bytes > MAX_IMAGE_BYTES {
-            return Err(format!(
-                "an image of {bytes} bytes is too large; enlarge it less"
-            ));
-        }
-        let row_bytes = (self.width * self.channels).max(1);
-        let wide = |row: &[u8]| -> Vec<u8> {
-            let pixels = row.chunks(self.channels);
-            pixels.flat_map(|pixel| pixel.repeat(factor)).collect()
-        };
-        let rows = self.samples.chunks(row_bytes);
-        Ok(Image {
-            width: self.width * factor,
-            height: self.height * factor,
-            samples: rows.flat_map(|row| wide(row).repeat(factor)).collect(),
-            ..*self
-        })
-    }
-
-    /// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and bottom edges.
-    fn shrunk(&self, factor: usize) -> Image {
-        if factor <= 1 {
-            return self.clone();
-        }
-        let (width, height) = (self.width.div_ceil(factor), self.height.div_ceil(factor));
-        let mean = |i: usize| {
-            let (pixel, channel) = (i / self.channels, i % self.channels);
-            let (x, y) = (pixel % width * factor, pixel / width * factor);
-            let (mut sum, mut count) = (0, 0);
-            for row in y..(y + factor).min(self.height) {
-                for column in x..(x + factor).min(self.width) {
-                    let at = (row * self.width + column) * self.channels + channel;
-                    sum += usize::from(self.samples[at]);
-                    count += 1;
-                }
-            }
-            ((sum + count / 2) / count) as u8
-        };
-        Image {
-            width,
-            height,
-            samples: (0..width * height * self.channels).map(mean).collect(),
-            ..*self
-        }
-    }
-
-    fn paste(&mut self, small: &Image, x: usize, y: usize) {
-        let row_bytes = small.width * small.channels;
-        for (row, samples) in small.samples.chunks(row_bytes).enumerate() {
-            let at = ((y + row) * self.width + x) * self.channels;
-            self.samples[at..at + row_bytes].copy_from_slice(samples);
-        }
-    }
+/// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and bottom edges.
+fn shrunk(image: &RgbImage, factor: u32) -> RgbImage {
+    let (width, height) = image.dimensions();
+    RgbImage::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
+        let (x, y) = (x * factor, y * factor);
+        let block = image.view(x, y, factor.min(width - x), factor.min(height - y));
+        let count = block.pixels().count();
+        Rgb([0, 1, 2].map(|channel| {
+            let values = block
+                .pixels()
+                .map(|(.., pixel)| usize::from(pixel[channel]));
+            ((values.sum::<usize>() + count / 2) / count) as u8
+        }))
+    })
 }
 
 #[cfg(test)]
@@ -309,8 +237,8 @@ mod tests {
     #[test]
     fn image_is_encoded_in_every_file_format() {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
-        let image = Image::rgb("1x1".parse().expect("a size"), vec![7, 7, 7]);
-        let file = |format| image.to_file(format).expect("a small picture");
+        let image = RgbImage::from_pixel(1, 1, Rgb([7; 3]));
+        let file = |format| to_file(image.clone(), format).expect("a small picture");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);
@@ -321,11 +249,15 @@ mod tests {
 
     #[test]
     fn enlarging_repeats_and_shrinking_averages_pixels() {
-        let image = Image::gray(3, 2, vec![10, 20, 31, 30, 41, 33]);
-        assert_eq!(image.shrunk(2), Image::gray(2, 1, vec![25, 32]));
-        let image = Image::gray(2, 2, vec![1, 2, 3, 4]);
-        let samples = vec![1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
-        assert_eq!(image.enlarged(2), Ok(Image::gray(4, 4, samples)));
-        assert!(image.enlarged(usize::MAX).is_err());
+        let gray = |width, height, values: &[u8]| {
+            let samples = values.iter().flat_map(|&value| [value; 3]);
+            rgb(Size { width, height }, samples.collect())
+        };
+        let image = gray(3, 2, &[10, 20, 31, 30, 41, 33]);
+        assert_eq!(shrunk(&image, 2), gray(2, 1, &[25, 32]));
+        let image = gray(2, 2, &[1, 2, 3, 4]);
+        let samples = [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
+        assert_eq!(enlarged(&image, 2), Ok(gray(4, 4, &samples)));
+        assert!(enlarged(&image, u32::MAX).is_err());
     }
 }

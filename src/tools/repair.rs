@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
 use super::lint::Lint;
-use super::segments::{SegmentKind, segments};
+use super::segments::{EOI, SegmentKind, segments};
 use crate::decode::decode;
 use crate::ptm::Format;
 
@@ -180,10 +180,9 @@ fn after_blanks(bytes: &[u8]) -> &[u8] {
 /// Returns the length from SOI to EOI, if nothing between them is out of place.
 fn stream_length(stream: &[u8]) -> Option<usize> {
     let parts = segments(stream);
-    let end = parts.iter().position(|part| part.kind.is_end())?;
-    let is_sound = !parts[..end]
-        .iter()
-        .any(|part| part.kind == SegmentKind::Stray);
+    let first = |kind| parts.iter().position(|part| part.kind == kind);
+    let end = first(SegmentKind::Marker(EOI))?;
+    let is_sound = first(SegmentKind::Stray).is_none_or(|stray| stray > end);
     (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
 }
 

@@ -36,16 +36,11 @@ pub enum SegmentKind {
 }
 
 const SOI: u8 = 0xd8;
-const EOI: u8 = 0xd9;
+pub(super) const EOI: u8 = 0xd9;
 const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
 impl SegmentKind {
-    /// Returns true for the marker EOI.
-    pub(super) fn is_end(self) -> bool {
-        self == SegmentKind::Marker(EOI)
-    }
-
     /// Returns its name in its standard, and the clause of the standard that describes it.
     #[must_use]
     pub fn label(self) -> (Cow<'static, str>, &'static str) {

@@ -8,6 +8,7 @@ use crate::runner::scratch::Scratch;
 use crate::runner::write::{Attachment, WriteCall};
 use crate::session::run::Run;
 use crate::suite::cases::TableSpelling;
+use crate::tools::joined;
 use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
 use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
@@ -25,7 +26,9 @@ pub trait WritingCase: Reported<View = WriteView, Output = WrittenFile> {
     /// Returns the requested format.
     fn format(&self) -> Format;
     /// Returns true if it is in the smoke subset.
-    fn is_smoke(&self) -> bool;
+    fn is_smoke(&self) -> bool {
+        true
+    }
     /// Returns the input of the program.
     fn sent(built: &Self::Built) -> Sent;
 }
@@ -73,25 +76,22 @@ pub fn ask<C: WritingCase>(
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
     let built = case.make(TableSpelling::default());
-    let sent = C::sent(&built);
+    let mut sent = C::sent(&built);
+    let format = case.format().name().to_owned();
+    sent.values.push(("format", format));
     let call = WriteCall {
         request: &sent.json,
         attachments: &sent.attachments,
-        values: &[
-            sent.values,
-            vec![("format", case.format().name().to_owned())],
-        ]
-        .concat(),
+        values: &sent.values,
         most: case.largest_answer(&built),
         timeout_factor,
     };
     let result = writer.write(&call, scratch);
     let answer = match result.output {
         Ok(bytes) => Answer::Decoded(WrittenFile(bytes)),
-        Err(answer) => match answer.decoded() {
-            Err(answer) => answer,
-            Ok(_) => unreachable!("the decoded values are those of the file it wrote"),
-        },
+        Err(answer) => {
+            (answer.decoded()).expect_err("the decoded values are those of the file it wrote")
+        }
     };
     Reply {
         stderr: result.stderr,
@@ -103,10 +103,7 @@ pub fn ask<C: WritingCase>(
 
 /// Returns the values of a header as words of a command line; elements of lists are separated by commas.
 fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
-    let list = |numbers: &[f64]| {
-        let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-        numbers.join(",")
-    };
+    let list = |numbers: &[f64]| joined(numbers, ",");
     let matrix = header.matrix.map_or(String::new(), |matrix| list(&matrix));
     let number = |number: Option<u8>| number.map_or(String::new(), |number| number.to_string());
     vec![
@@ -125,24 +122,22 @@ pub fn reword<C: WritingCase>(run: &mut Run<C>) {
     let Some(reason) = &run.not_a_decoder else {
         return;
     };
-    let answers = || run.first.iter().map(|first| &first.reply.answer);
-    let only = |wanted: fn(&Answer<WrittenFile>) -> bool| answers().all(wanted);
-    let first = run
-        .first
-        .iter()
-        .find(|first| first.reply.answer.violation().is_some());
-    let says = match first {
+    let mut first = run.first.iter().map(|first| &first.reply);
+    let is_unsupported = |reply: &Reply<_>| matches!(reply.answer, Answer::Unsupported);
+    let says = match first
+        .clone()
+        .find(|first| first.answer.violation().is_some())
+    {
         _ if reason.contains("cannot be") => return,
-        _ if only(|answer| matches!(answer, Answer::Unsupported)) => {
+        _ if first.all(is_unsupported) => {
             "it answers every first request with 69 (unsupported)".to_owned()
         }
         None => "it writes none of the first files, and refuses them".to_owned(),
-        Some(first) => {
-            let answer = &first.reply.answer;
+        Some(Reply { answer, stderr, .. }) => {
             let what = answer.violation().unwrap_or_default();
-            let stderr = match first.reply.stderr.is_empty() {
+            let stderr = match stderr.is_empty() {
                 true => String::new(),
-                false => format!("\nits standard error begins:\n{}", first.reply.stderr),
+                false => format!("\nits standard error begins:\n{stderr}"),
             };
             format!(
                 "it writes none of the first files; the first of its answers: {}: {what}{stderr}",

@@ -118,14 +118,7 @@ fn single(
     let screen = smallest_exhibits(exhibits, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |exhibit: &Exhibit| {
-            let Exhibit {
-                request,
-                right,
-                file,
-            } = exhibit;
-            explains(request, right, file, mistake.at)
-        };
+        let explains = |one: &Exhibit| explains(&one.request, &one.right, &one.file, mistake.at);
         // A reader with this misreading misreads the right file, so a writer with it would have written another.
         let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
             !SeenFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))

@@ -9,6 +9,7 @@ use crate::decode::texels::block_of;
 use crate::error::Error;
 use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use crate::tools::dissection::{Dissection, Role};
+use crate::tools::joined;
 use crate::tools::lint::codes::Severity;
 use crate::tools::lint::lint;
 use crate::writers::fault::WriterFault;
@@ -30,7 +31,8 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     compare_headers(request, ptm)?;
     compare_parameter(request, &dissection)?;
     if request.is_lossy() {
-        super::lossy::compare(request, &dissection, &ptm.planes.samples)?;
+        let side = |plane| dissection.bytes(Role::Side(plane)).unwrap_or_default();
+        super::lossy::check(request, &ptm.planes.samples, side)?;
     } else {
         compare_planes(request, &dissection, &ptm.planes.samples)?;
     }
@@ -106,7 +108,7 @@ fn compare_numbers(
     let Some(i) = (0..wanted.len()).find(differs) else {
         return Ok(());
     };
-    let [all, instead] = [found, wanted].map(join_numbers);
+    let [all, instead] = [found, wanted].map(|numbers| joined(numbers, " "));
     let says = format!(
         "{name} {i}: expected {}, the file has {} (all of them: {all} instead of {instead})",
         wanted[i], found[i],
@@ -118,18 +120,10 @@ pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
     (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
-fn join_numbers(numbers: &[f64]) -> String {
-    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
-    numbers.join(" ")
-}
-
 /// Compares the compression parameters (2.9.1).
 fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<(), WriterFault> {
-    let wanted = request
-        .header
-        .quality
-        .or(request.header.near)
-        .map(i64::from);
+    let wanted = request.header.quality.or(request.header.near);
+    let wanted = wanted.map(i64::from);
     match (wanted, dissection.number(Role::Parameter)) {
         (Some(wanted), Some(found)) if wanted != found => {
             let says = format!("expected the compression parameter {wanted}, found {found}");

@@ -12,27 +12,13 @@
 use std::collections::HashSet;
 
 use crate::codec::jpeg::scaled_steps;
+use crate::decode::planes::records;
 use crate::ptm::channel_name;
-use crate::tools::dissection::{Dissection, Role};
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
 /// Additional tolerance for each sample: the integer transforms of an encoder and of a decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;
-
-/// Compares the planes of a lossy file with the requested ones.
-///
-/// # Errors
-/// The first fault.
-pub(super) fn compare(
-    request: &WriteRequest,
-    dissection: &Dissection,
-    decoded: &[u8],
-) -> Result<(), WriterFault> {
-    check(request, decoded, |plane| {
-        dissection.bytes(Role::Side(plane)).unwrap_or_default()
-    })
-}
 
 /// Returns true if the samples are the requested ones, within the loss of the format; side information is not considered.
 pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
@@ -42,8 +28,11 @@ pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
     }
 }
 
-/// Checks all planes, whose side information `side` returns.
-fn check<'a>(
+/// Compares all planes with the requested ones; `side` returns their side information.
+///
+/// # Errors
+/// The first fault.
+pub(super) fn check<'a>(
     request: &WriteRequest,
     decoded: &[u8],
     side: impl Fn(usize) -> &'a [u8],
@@ -51,7 +40,10 @@ fn check<'a>(
     (0..request.format.channels()).try_for_each(|plane| {
         let lossy = LossyPlane::new(request, plane, decoded, side(plane));
         lossy.check_ends()?;
-        lossy.check_loss()
+        match request.header.quality {
+            Some(quality) => lossy.check_blocks(quality),
+            None => lossy.check_near(request.header.near.unwrap_or_default()),
+        }
     })
 }
 
@@ -62,14 +54,6 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
     let rows = samples.chunks_exact(row).rev();
     rows.flat_map(|row| row.iter().skip(plane).step_by(channels))
         .copied()
-        .collect()
-}
-
-/// Returns the positions of records of five bytes (clause 2.9.8/5).
-fn positions(side: &[u8]) -> HashSet<usize> {
-    let records = side.as_chunks::<5>().0.iter();
-    records
-        .map(|&[p3, p2, p1, p0, _]| u32::from_be_bytes([p3, p2, p1, p0]) as usize)
         .collect()
 }
 
@@ -87,20 +71,13 @@ struct LossyPlane<'a> {
 
 impl<'a> LossyPlane<'a> {
     fn new(request: &'a WriteRequest, plane: usize, decoded: &[u8], side: &[u8]) -> LossyPlane<'a> {
+        let records = records(side, 0, usize::MAX).unwrap_or_default();
         LossyPlane {
             request,
             plane,
             wanted: stored_plane(request, &request.samples, plane),
             found: stored_plane(request, decoded, plane),
-            corrected: positions(side),
-        }
-    }
-
-    /// Checks that the loss is within the tolerance of the format.
-    fn check_loss(&self) -> Result<(), WriterFault> {
-        match self.request.header.quality {
-            Some(quality) => self.check_blocks(quality),
-            None => self.check_near(self.request.header.near.unwrap_or_default()),
+            corrected: records.iter().map(|&(place, _)| place as usize).collect(),
         }
     }
 
@@ -142,17 +119,15 @@ impl<'a> LossyPlane<'a> {
             let block = place / width / 8 * columns + place % width / 8;
             lost[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
-        match lost.iter().position(|&lost| lost > allowed) {
-            None => Ok(()),
-            Some(block) => {
-                let place = block / columns * 8 * width + block % columns * 8;
-                let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
-                let why = format!(
-                    "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
-                );
-                Err(self.fault("2.9.1/1", place, &why))
-            }
-        }
+        let Some(block) = lost.iter().position(|&lost| lost > allowed) else {
+            return Ok(());
+        };
+        let place = block / columns * 8 * width + block % columns * 8;
+        let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
+        let why = format!(
+            "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
+        );
+        Err(self.fault("2.9.1/1", place, &why))
     }
 
     /// Returns a fault at a place of the stored raster.

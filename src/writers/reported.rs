@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::diagnose::Causes;
 use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
-use crate::report::html::download;
+use crate::report::html::{download, standard_error};
 use crate::report::reported::Reported;
 use crate::session::observation::Observation;
 use crate::session::run::Run;
@@ -45,10 +45,7 @@ impl Reported for WriterCase {
                 pre.bytes tabindex="0" { (file[..file.len().min(MAX_SHOWN)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
                 (download(&format!("{}.ptm", self.id), file))
             }
-            @if !observation.stderr.is_empty() {
-                p.label { "Its standard error" }
-                pre.stderr tabindex="0" { (observation.stderr) }
-            }
+            @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
         }
     }
 

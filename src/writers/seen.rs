@@ -57,11 +57,8 @@ fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     {
         // The payload is wrong, unless the header ends before the last bias.
         let (fields, _) = fields(file);
-        return fields
-            .iter()
-            .filter(|field| field.clause == "2.4/4")
-            .count()
-            == 6;
+        let biases = fields.iter().filter(|field| field.clause == "2.4/4");
+        return biases.count() == 6;
     }
     // A decoding mistake gives the same values when it is repeated as when it is undone.
     mistake.at.stage() != Stage::Decoding
@@ -158,26 +155,17 @@ impl SeenFile {
 
     /// Returns the values of a request, as a reader without mistakes has them.
     pub fn wanted(request: &WriteRequest) -> SeenFile {
-        let WriteRequest {
-            header,
-            format,
-            samples,
-        } = request;
+        let (header, size) = (&request.header, request.size());
         let scale_bias = ScaleBias {
             scale: header.scale,
             bias: header.bias.map(|bias| bias as f64),
         };
+        let samples = request.samples.clone();
         SeenFile {
             reading: Reading::SPEC,
             edits: Vec::new(),
             stage: Stage::File,
-            ptm: map_of(
-                *format,
-                request.size(),
-                scale_bias,
-                header.matrix,
-                samples.clone(),
-            ),
+            ptm: map_of(request.format, size, scale_bias, header.matrix, samples),
         }
     }
 

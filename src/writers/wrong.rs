@@ -51,8 +51,7 @@ fn misread(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
 
 /// Returns the request with the numbers and the samples of `map`.
 fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
-    let values = WriteRequest::from_ptm(map);
-    let mut other = request.clone();
+    let (values, mut other) = (WriteRequest::from_ptm(map), request.clone());
     other.samples = values.samples;
     (other.header.width, other.header.height) = (values.header.width, values.header.height);
     (other.header.scale, other.header.bias) = (values.header.scale, values.header.bias);

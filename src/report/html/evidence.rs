@@ -82,7 +82,7 @@ pub(in crate::report) fn of_question(
 }
 
 /// Returns the end of the decoder's standard error.
-pub(super) fn standard_error(stderr: &str) -> Markup {
+pub(crate) fn standard_error(stderr: &str) -> Markup {
     const SHOWN: usize = 700;
     let skipped = stderr.chars().count().saturating_sub(SHOWN);
     let end: String = stderr.chars().skip(skipped).collect();

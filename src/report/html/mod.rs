@@ -16,7 +16,7 @@ mod scene;
 mod shell;
 
 #[cfg(feature = "cli")]
-pub(crate) use evidence::{download, number};
+pub(crate) use evidence::{download, number, standard_error};
 pub use matrix::matrix;
 pub use page::page;
 pub use shell::STYLE;

@@ -5,23 +5,23 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::kit::yaml::from_yaml;
+use crate::kit::{embedded, yaml::from_yaml};
 use crate::suite::cases::Suite;
 use crate::suite::clauses::{Clause, Ruling};
 use crate::suite::dialect::Axis;
-use crate::suite::load::spec_file;
 use crate::suite::texture::fixtures;
 use crate::suite::texture::question::{Question, Refusal};
 
-const FILES: &[(&str, &str)] = &[
-    spec_file!("texture/cases/", "table.yaml"),
-    spec_file!("texture/cases/", "parameterization.yaml"),
-    spec_file!("texture/cases/", "orientation.yaml"),
-    spec_file!("texture/cases/", "sampling.yaml"),
-    spec_file!("texture/cases/", "boundary.yaml"),
-    spec_file!("texture/cases/", "composition.yaml"),
-    spec_file!("texture/cases/", "stage.yaml"),
-    spec_file!("texture/cases/", "ptm.yaml"),
+const FILES: &[(&str, &str)] = embedded![
+    "spec-cases/texture/cases",
+    "table.yaml",
+    "parameterization.yaml",
+    "orientation.yaml",
+    "sampling.yaml",
+    "boundary.yaml",
+    "composition.yaml",
+    "stage.yaml",
+    "ptm.yaml",
 ];
 
 /// A question with its expected answer.

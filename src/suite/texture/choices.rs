@@ -3,57 +3,110 @@
 //! Each choice is a ruling of kind `choice`; see [`Choices`].
 
 use crate::suite::dialect::{Choice, Choices};
-use crate::texture::Rules;
+use crate::texture::map::texel_color;
+use crate::texture::{Rules, Shade, parameterize, sample};
 
 /// All open questions.
 pub const CHOICES: Choices<Rules> = Choices(&[
     Choice {
         ruling: "texel-grid",
-        readings: &[("cells", |r| r), ("points", Rules::with_points)],
+        readings: &[
+            ("cells", |r| r),
+            ("points", |r| Rules {
+                closest: sample::point,
+                neighbors: sample::points_around,
+                ..r
+            }),
+        ],
     },
     Choice {
         ruling: "gamma",
-        readings: &[("scalar", |r| r), ("vector", Rules::with_vector_gamma)],
+        readings: &[
+            ("scalar", |r| r),
+            ("vector", |r| Rules {
+                gamma: |_, texel| texel_color(texel),
+                ..r
+            }),
+        ],
     },
     Choice {
         ruling: "clamp-color",
-        readings: &[("texel", |r| r), ("result", Rules::with_clamp_color_alone)],
+        readings: &[
+            ("texel", |r| r),
+            ("result", |r| Rules {
+                clamp_color: |_, color, input, _, rules| Shade {
+                    color: (rules.texel_color)(color),
+                    ..input
+                },
+                ..r
+            }),
+        ],
     },
     Choice {
         ruling: "vrc-azimuth",
         readings: &[
             ("rightward", |r| r),
-            ("leftward", Rules::with_leftward_azimuth),
-            ("cosine", Rules::with_cosine_azimuth),
-            ("rear half mirrored", Rules::with_rear_mirrored),
+            ("leftward", |r| Rules {
+                vrc_azimuth: |s| (1.0 - parameterize::half_turns(s)).fract(),
+                ..r
+            }),
+            ("cosine", |r| Rules {
+                vrc_azimuth: parameterize::along_x,
+                ..r
+            }),
+            ("rear half mirrored", |r| Rules {
+                vrc_azimuth: |[x, y, z]| parameterize::half_turns([x, y, z.abs()]),
+                ..r
+            }),
         ],
     },
     Choice {
         ruling: "vrc-height",
         readings: &[
             ("angle", |r| r),
-            ("linear", Rules::with_vrc_height_by_y),
-            ("downward", Rules::with_vrc_downward),
+            ("linear", |r| Rules {
+                vrc_height: parameterize::by_y,
+                ..r
+            }),
+            ("downward", |r| Rules {
+                vrc_height: parameterize::downward,
+                ..r
+            }),
         ],
     },
     Choice {
         ruling: "wc-azimuth",
         readings: &[
             ("counter-clockwise", |r| r),
-            ("clockwise", Rules::with_clockwise),
+            ("clockwise", |r| Rules {
+                wc_azimuth: |s| (1.0 - parameterize::whole_turn(s)).fract(),
+                ..r
+            }),
         ],
     },
     Choice {
         ruling: "wc-height",
         readings: &[
             ("angle", |r| r),
-            ("linear", Rules::with_wc_height_by_y),
-            ("downward", Rules::with_wc_downward),
+            ("linear", |r| Rules {
+                wc_height: parameterize::by_y,
+                ..r
+            }),
+            ("downward", |r| Rules {
+                wc_height: parameterize::downward,
+                ..r
+            }),
         ],
     },
     Choice {
         ruling: "ptm-texels",
-        readings: &[("rounded", |r| r), ("kept", Rules::with_real_texels)],
+        readings: &[
+            ("rounded", |r| r),
+            ("kept", |r| Rules {
+                to_eight_bits: |value| value,
+                ..r
+            }),
+        ],
     },
 ]);
 
@@ -61,17 +114,30 @@ pub const CHOICES: Choices<Rules> = Choices(&[
 /// implementation.
 #[must_use]
 pub fn find(reading: &str) -> Option<fn(Rules) -> Rules> {
+    let listed = |ruling: &str, reading: usize| {
+        let choice = CHOICES.iter().find(|choice| choice.ruling == ruling);
+        choice.map(|choice| choice.readings[reading].1)
+    };
     Some(match reading {
         "cells" | "scalar" => |r| r,
-        "points" => Rules::with_points,
-        "vector" => Rules::with_vector_gamma,
-        "clamp-color-alone" | "clamp-color-final" | "final" => Rules::with_clamp_color_alone,
-        "leftward" => Rules::with_leftward_azimuth,
-        "cosine-azimuth" => Rules::with_cosine_azimuth,
-        "rear-half-mirrored" => Rules::with_rear_mirrored,
-        "t1-linear-in-height" => |r| r.with_vrc_height_by_y().with_wc_height_by_y(),
-        "t1-downward" => |r| r.with_vrc_downward().with_wc_downward(),
-        "clockwise" => Rules::with_clockwise,
+        "points" => return listed("texel-grid", 1),
+        "vector" => return listed("gamma", 1),
+        "clamp-color-alone" | "clamp-color-final" | "final" => return listed("clamp-color", 1),
+        "leftward" => return listed("vrc-azimuth", 1),
+        "cosine-azimuth" => return listed("vrc-azimuth", 2),
+        "rear-half-mirrored" => return listed("vrc-azimuth", 3),
+        "clockwise" => return listed("wc-azimuth", 1),
+        "float-texels" => return listed("ptm-texels", 1),
+        "t1-linear-in-height" => |r| Rules {
+            vrc_height: parameterize::by_y,
+            wc_height: parameterize::by_y,
+            ..r
+        },
+        "t1-downward" => |r| Rules {
+            vrc_height: parameterize::downward,
+            wc_height: parameterize::downward,
+            ..r
+        },
         "half-goes-up" => |r| Rules {
             closest_level: |depth, top| ((depth + 0.5).floor().max(0.0) as usize).min(top),
             ..r
@@ -86,7 +152,6 @@ pub fn find(reading: &str) -> Option<fn(Rules) -> Rules> {
             },
             ..r
         },
-        "float-texels" => Rules::with_real_texels,
         _ => return None,
     })
 }

@@ -235,7 +235,7 @@ enum TextureStep {
 impl TextureStep {
     fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
         Ok(match self {
-            TextureStep::Defaults {} => entry_json(&rules.fallback_entry()),
+            TextureStep::Defaults {} => entry_json(&(rules.fallback_values)()),
             TextureStep::Select(surface) => match texture::select(surface, rules) {
                 Selection::Untextured => json!({ "entries": "untextured" }),
                 Selection::Default => json!({ "entries": ["default"] }),
@@ -256,7 +256,7 @@ impl TextureStep {
                 let t = texture::parameterize(&entry, point, *dim, rules)?;
                 json!({ "t": numbers(&t) })
             }
-            TextureStep::Reflect { i, n } => json!({ "s": numbers(&rules.reflected(*i, *n)) }),
+            TextureStep::Reflect { i, n } => json!({ "s": numbers(&(rules.reflect)(*i, *n)) }),
             TextureStep::Orient { matrix, t } => {
                 json!({ "t": numbers(&texture::orient(matrix, *t, rules)) })
             }
@@ -286,8 +286,8 @@ impl TextureStep {
                 let (dt_dx, dt_dy) = (padded(dtdx, 0.0), padded(dtdy, 0.0));
                 let footprint = Footprint { dt_dx, dt_dy };
                 let hints = padded(freq, 1.0);
-                let depth = texture::sample_depth(size, &footprint, *bias, hints, rules);
-                let mode = match texture::magnifies(size, &footprint, rules) {
+                let depth = texture::sample_depth(size, &footprint, *bias, hints);
+                let mode = match texture::magnifies(size, &footprint) {
                     true => "mag",
                     false => "min",
                 };
@@ -422,7 +422,7 @@ impl EntryGiven {
     /// Never: every field was read as a field of an entry.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
-        let fallback = rules.fallback_entry();
+        let fallback = (rules.fallback_values)();
         if fallback == Entry::default() {
             return self.entry.clone();
         }

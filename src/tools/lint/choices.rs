@@ -9,7 +9,6 @@ use crate::evaluate;
 use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
-use crate::suite::dialect::Choice;
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::place_in_words;
 
@@ -24,12 +23,13 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let Ok(ptm) = &dissection.outcome else {
         return;
     };
-    // Planes of LUM are equal under all readings; their colors are not.
-    if let Shape::Lum(_) = ptm.planes.shape {
-        return colors(findings, ptm);
-    }
     tables(findings, ptm);
-    for (choice, problem, place) in open_choices(dissection) {
+    for choice in CHOICES.iter() {
+        let mut codes = codes::ALL.iter();
+        let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling));
+        let Some((code, place)) = code.zip(subject(dissection, choice.ruling)) else {
+            continue;
+        };
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
             let difference = difference(dissection, ptm, streams, &change(Reading::SPEC))?;
             Some(format!(
@@ -37,33 +37,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
             ))
         });
         if let Some(found) = differing {
-            findings.add(problem, place, found);
-        }
-    }
-}
-
-/// Returns the choices whose subject the file has, each with its problem and the role of the subject.
-fn open_choices(
-    dissection: &Dissection,
-) -> impl Iterator<Item = (&'static Choice<Reading>, Problem, Role)> {
-    CHOICES.0.iter().filter_map(|choice| {
-        let mut codes = codes::ALL.iter();
-        let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling))?;
-        let place = subject(dissection, choice.ruling)?;
-        Some((choice, code.problem, place))
-    })
-}
-
-/// Reports the choices of a LUM file; each has one other reading.
-fn colors(findings: &mut Findings, ptm: &Ptm) {
-    let choices: Vec<_> = open_choices(findings.dissection).collect();
-    let other = |(choice, ..): &(&Choice<Reading>, _, _)| choice.readings[1].1(Reading::SPEC);
-    let others: Vec<Reading> = choices.iter().map(other).collect();
-    for ((choice, problem, place), differing) in choices.iter().zip(colors_differ(ptm, &others)) {
-        if let Some(difference) = describe_texels(ptm, &differing) {
-            let words = choice.readings[1].0;
-            let found = format!("for a reader that assumes that {words}, {difference}");
-            findings.add(*problem, *place, found);
+            findings.add(code.problem, place, found);
         }
     }
 }
@@ -120,6 +94,10 @@ fn difference(
     streams: Option<&Streams>,
     reading: &Reading,
 ) -> Option<String> {
+    // Planes of LUM are equal under all readings; their colors are not.
+    if let Shape::Lum(_) = ptm.planes.shape {
+        return describe_texels(ptm, &colors_differ(ptm, reading));
+    }
     let other = match streams {
         Some(streams) => streams.stored(reading),
         None => open_as(dissection.file, reading, &Limits::default()),
@@ -154,11 +132,11 @@ fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     differing
 }
 
-/// Returns true for each texel with another color under some light, for each reading. Works piece by piece, because colors need
-/// far more memory than stored values.
-fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
+/// Returns true for each texel with another color under some light. Works piece by piece, because colors need far more memory
+/// than stored values.
+fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
-    let mut all = vec![Vec::new(); readings.len()];
+    let mut all = Vec::new();
     for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
         let size = Size {
             width: (samples.len() / shape.channels()) as u32,
@@ -171,21 +149,16 @@ fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
         };
         // Readings of LUM differ in their use of coefficients, not in the coefficients.
         let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
-        for differing in &mut all {
-            differing.resize(differing.len() + size.texels(), false);
-        }
+        let mut differing = vec![false; size.texels()];
         for (lu, lv) in LIGHTS {
             let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();
-            let ours = colors(&Reading::SPEC);
-            for (differing, reading) in all.iter_mut().zip(readings) {
-                let theirs = colors(reading);
-                let pairs = ours.chunks(3).zip(theirs.chunks(3));
-                let from = differing.len() - size.texels();
-                for (differs, (ours, theirs)) in differing[from..].iter_mut().zip(pairs) {
-                    *differs |= ours != theirs;
-                }
+            let (ours, theirs) = (colors(&Reading::SPEC), colors(reading));
+            let pairs = ours.chunks(3).zip(theirs.chunks(3));
+            for (differs, (ours, theirs)) in differing.iter_mut().zip(pairs) {
+                *differs |= ours != theirs;
             }
         }
+        all.extend(differing);
     }
     all
 }

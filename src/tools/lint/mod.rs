@@ -3,31 +3,19 @@
 //! Errors are those of the reference, classified into stable [`codes`], and those of every plane if a plane is wrong. Warnings
 //! and infos come from the file's spelling, its values, its streams, and from all readings of the open points.
 
-pub mod codes;
-
-pub mod diagnostic;
-
-pub mod status;
-
-pub mod names;
-
-pub mod settings;
-
-pub mod totals;
-
-pub mod csv;
-
-pub mod sarif;
-
-mod errors;
-
-mod header;
-
-mod values;
-
-mod planes;
-
 mod choices;
+pub mod codes;
+pub mod csv;
+pub mod diagnostic;
+mod errors;
+mod header;
+pub mod names;
+mod planes;
+pub mod sarif;
+pub mod settings;
+pub mod status;
+pub mod totals;
+mod values;
 
 use std::fmt::Write as _;
 
@@ -104,15 +92,6 @@ impl Lint {
         };
         lint.sort_and_count();
         lint
-    }
-
-    /// Returns the result for a file of which only the beginning was read, because it is not a PTM.
-    #[must_use]
-    pub fn of_other(name: &str, beginning: &[u8], bytes: u64) -> Lint {
-        Lint {
-            bytes: Some(bytes),
-            ..Lint::new(name, beginning)
-        }
     }
 
     /// Returns the result for a file that was not read, with the reason.

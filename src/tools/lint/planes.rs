@@ -1,5 +1,7 @@
 //! The planes of a compressed file: errors in each, and unusual properties of their lists and streams.
 
+use std::fmt::Write as _;
+
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
 use crate::codec;
@@ -77,15 +79,14 @@ fn stream_problem(
     if !stream.starts_with(&[0xff, 0xd8]) {
         return Problem::NotAStream;
     }
-    match frame(&segments(stream)) {
-        Some((code, ..)) if (code == 0xf7) == (coding == Coding::Jpeg) => Problem::NotAStream,
-        Some((_, _, height, width, components))
-            if (u32::from(width), u32::from(height), components)
-                != (size.width, size.height, 1) =>
-        {
-            Problem::OtherPicture
-        }
-        _ => Problem::StreamDamaged,
+    let Some((code, _, height, width, components)) = frame(&segments(stream)) else {
+        return Problem::StreamDamaged;
+    };
+    let found = (u32::from(width), u32::from(height), components);
+    match found == (size.width, size.height, 1) {
+        _ if (code == 0xf7) == (coding == Coding::Jpeg) => Problem::NotAStream,
+        true => Problem::StreamDamaged,
+        false => Problem::OtherPicture,
     }
 }
 
@@ -147,11 +148,10 @@ fn stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
         if let Some(problem) = odd_segment(coding, segment) {
-            let says = match segment.says.as_str() {
-                "" => String::new(),
-                says => format!(" ({says})"),
-            };
-            let found = format!("plane {plane}: {}{says}", segment.kind.label().0);
+            let mut found = format!("plane {plane}: {}", segment.kind.label().0);
+            if !segment.says.is_empty() {
+                let _ = write!(found, " ({})", segment.says);
+            }
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
@@ -222,7 +222,9 @@ fn other_transforms(findings: &mut Findings, streams: &Streams) {
     }
     let mut slack = vec![0u8; channels];
     for (plane, residuals) in streams.residuals() {
-        let exact = in_blocks_of_one_value(residuals, size.width as usize);
+        let width = size.width as usize;
+        let first_of_block = |at: usize| residuals[at / width / 8 * 8 * width + at % width / 8 * 8];
+        let exact = (0..residuals.len()).all(|at| residuals[at] == first_of_block(at));
         let reference = reference(plane);
         slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
         if reference.is_none() || slack[plane] == 0 {
@@ -256,11 +258,6 @@ fn near_an_end(
     Some(format!(
         "{count} texels within {slack} of 0 or 255, the first at {place}"
     ))
-}
-
-fn in_blocks_of_one_value(samples: &[u8], width: usize) -> bool {
-    let first_of_block = |at: usize| samples[at / width / 8 * 8 * width + at % width / 8 * 8];
-    (0..samples.len()).all(|at| samples[at] == first_of_block(at))
 }
 
 /// Keeps one finding of each code, with the number of the others: usually all planes have the same property.

@@ -40,9 +40,15 @@ pub fn head() -> String {
     )
 }
 
-/// Returns the results of a file, each a line that ends without a comma.
+/// Returns the results of a file, each a line that ends without a comma; `failed` is true if it could not be read.
 #[must_use]
-pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
+pub fn results(path: &OsStr, lint: &Lint, failed: bool) -> Vec<String> {
+    // A result that is not a failure has the level `none`.
+    let (kind, level_of_unread) = if failed {
+        ("fail", "error")
+    } else {
+        ("open", "none")
+    };
     let artifact = json!({ "uri": as_uri(path) });
     let of_finding = |finding: &super::diagnostic::Diagnostic| {
         json!({
@@ -58,8 +64,8 @@ pub fn results(path: &OsStr, lint: &Lint) -> Vec<String> {
     };
     let unread = lint.reason.iter().map(|why| {
         json!({
-            "kind": "open",
-            "level": "none",
+            "kind": kind,
+            "level": level_of_unread,
             "message": { "text": format!("not judged: {why}") },
             "locations": [{ "physicalLocation": { "artifactLocation": artifact } }],
         })

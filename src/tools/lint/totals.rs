@@ -1,6 +1,6 @@
 //! Totals of a collection: files of each status and format, and the frequency of each code.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::Lint;
@@ -26,10 +26,8 @@ impl Totals {
         if let Some(format) = lint.format {
             *self.formats.entry(format).or_default() += 1;
         }
-        let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
-        codes.sort_unstable();
-        codes.dedup();
-        for code in codes {
+        let codes = lint.findings.iter().map(|finding| finding.code);
+        for code in codes.collect::<BTreeSet<&str>>() {
             *self.codes.entry(code).or_default() += 1;
         }
     }

@@ -21,6 +21,4 @@ mod mistakes;
 pub mod optimum;
 pub mod pictures;
 pub mod polynomials;
-#[cfg(unix)]
-mod reported;
 pub mod sets;

@@ -72,11 +72,9 @@ impl Fitted {
             bias: [0.0; 6],
         };
         for i in 0..6 {
-            let values = || self.polynomials.iter().map(|a| a[i]);
-            let (low, high) = (
-                values().fold(f64::INFINITY, f64::min),
-                values().fold(f64::NEG_INFINITY, f64::max),
-            );
+            let values = self.polynomials.iter().map(|a| a[i]);
+            let low = values.clone().fold(f64::INFINITY, f64::min);
+            let high = values.fold(f64::NEG_INFINITY, f64::max);
             // A bias is an integer, so the range may be off by half a step; and it should not be huge.
             let scale = ((high - low) / 254.0).max(low.abs() / 1e6).max(1e-6);
             // The value as it is written in the file.
@@ -104,15 +102,13 @@ impl Fitted {
 /// Returns one polynomial and one color for three polynomials, the best under `lights`.
 fn in_one_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
-    let product = |i: usize, j: usize| {
+    let product = |i: usize, j: usize| -> f64 {
         let products = lights
             .iter()
             .map(|&light| shown(i, light) * shown(j, light));
-        products.sum::<f64>()
+        products.sum()
     };
-    let (values, vectors) = eigen::<3>(std::array::from_fn(|i| {
-        std::array::from_fn(|j| product(i, j))
-    }));
+    let (values, vectors) = eigen([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
     let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));
     let best = best.expect("three of them");
     let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();

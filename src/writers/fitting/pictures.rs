@@ -7,7 +7,7 @@ use image::ImageFormat;
 use serde::{Deserialize, Serialize};
 
 use crate::ptm::{Format, Size};
-use crate::tools::render::Image;
+use crate::tools::render::{rgb, to_file};
 
 /// The formats that fitters are asked for.
 pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
@@ -73,8 +73,8 @@ impl Photograph {
     /// Never for photographs of a set.
     #[must_use]
     pub fn png(&self, size: Size) -> Vec<u8> {
-        let image = Image::rgb(size, self.pixels.clone());
-        image.to_file(ImageFormat::Png).expect("a small picture")
+        let image = rgb(size, self.pixels.clone());
+        to_file(image, ImageFormat::Png).expect("a small picture")
     }
 }
 

@@ -151,10 +151,9 @@ impl SetPlan {
         // Multiples of the golden angle never coincide; the heights are spread evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
         let around = GOLDEN_ANGLE * k as f64;
-        let angle = if self.is_one_sided {
-            around.sin()
-        } else {
-            around
+        let angle = match self.is_one_sided {
+            true => around.sin(),
+            false => around,
         };
         let z = 0.2 + 0.75 * (k as f64 + 0.5) / self.lights as f64;
         let away = (1.0 - z * z).sqrt();

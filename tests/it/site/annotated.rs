@@ -20,10 +20,8 @@ fn with(from: &str, to: &str) -> Annotated {
         texts.push((*name, text.replacen(from, to, 1)));
     }
     assert!(found, "{from:?} occurs");
-    let chapters: Vec<(&str, &str)> = texts
-        .iter()
-        .map(|(name, text)| (*name, text.as_str()))
-        .collect();
+    let chapters = texts.iter().map(|(name, text)| (*name, text.as_str()));
+    let chapters: Vec<(&str, &str)> = chapters.collect();
     Annotated::read(&chapters, FILES).expect("the chapters are read")
 }
 

@@ -67,10 +67,10 @@ fn every_link_and_anchor_exists() {
     let paths: HashSet<&str> = SITE.iter().map(|file| file.path.as_str()).collect();
     let pages = SITE.iter().filter(|file| is_page(file));
     let pages: HashMap<&str, &str> = pages.map(|file| (&*file.path, text(file))).collect();
-    let ids: HashMap<&str, HashSet<&str>> = pages
+    let ids = pages
         .iter()
-        .map(|(path, page)| (*path, values(page, "id").into_iter().collect()))
-        .collect();
+        .map(|(path, page)| (*path, values(page, "id").into_iter().collect()));
+    let ids: HashMap<&str, HashSet<&str>> = ids.collect();
     let mut links = 0;
     for (path, page) in &pages {
         let count = values(page, "id").len();

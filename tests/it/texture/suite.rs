@@ -67,42 +67,23 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
     println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
     assert!(rows.len() >= 40);
     // A requirement is tested if a case about it catches somebody.
-    let caught: HashSet<&str> = rows
-        .iter()
-        .flat_map(|row| &row.killed_by)
-        .flat_map(|&i| suite.cases[i].clauses.iter().map(String::as_str))
-        .collect();
-    let mut weak: Vec<String> = cases::clauses()
-        .expect("the requirements load")
-        .iter()
-        .filter(|clause| {
-            let about = suite
-                .cases
-                .iter()
-                .filter(|case| case.clauses.contains(&clause.id));
-            let mut judged = about.filter(|case| case.basis != Basis::Impl);
-            judged.next().is_some() && !caught.contains(clause.id.as_str())
-        })
-        .map(|clause| format!("no case about {} catches anybody", clause.id))
-        .collect();
+    let killers = rows.iter().flat_map(|row| &row.killed_by);
+    let caught: HashSet<&String> = killers.flat_map(|&i| &suite.cases[i].clauses).collect();
+    let mut weak = Vec::new();
+    for clause in cases::clauses().expect("the requirements load") {
+        let mut judged = suite.cases.iter().filter(|case| case.basis != Basis::Impl);
+        if judged.any(|case| case.clauses.contains(&clause.id)) && !caught.contains(&clause.id) {
+            weak.push(format!("no case about {} catches anybody", clause.id));
+        }
+    }
     let mut known: HashMap<&[u64], &str> = HashMap::new();
     let mut alike = Vec::new();
     for row in &rows {
         let clause = row.misreading.clause;
-        let own = row
-            .killed_by
-            .iter()
-            .any(|&i| suite.cases[i].clauses.iter().any(|id| id == clause));
-        if !own {
-            let killers: Vec<&str> = row
-                .killed_by
-                .iter()
-                .map(|&i| suite.cases[i].id.as_str())
-                .collect();
-            weak.push(format!(
-                "{} is caught by no case about {clause}, but by {killers:?}",
-                row.misreading.slug
-            ));
+        let mut killers = row.killed_by.iter().map(|&i| &suite.cases[i]);
+        if !killers.any(|case| case.clauses.iter().any(|id| id == clause)) {
+            let slug = row.misreading.slug;
+            weak.push(format!("{slug} is caught by no case about {clause}"));
         }
         if let Some(other) = known.insert(&row.answers, row.misreading.slug) {
             alike.push((other, row.misreading.slug));

@@ -270,7 +270,8 @@ fn exit_status_is_that_of_the_worst_file() {
 0 | lint SOUND |
 4 | lint --limit 10 SOUND |
 3 | lint --limit 10 SOUND other.ppm |
-3 | lint SOUND other.ppm |
+3 | lint other.ppm | other.ppm: not a PTM: expected PTM_1.2
+3 | lint SOUND other.ppm | other.ppm: not a PTM: expected PTM_1.2
 1 | lint SOUND other.ppm DAMAGED |
 2 | lint SOUND other.ppm DAMAGED no-such-file |
 0 | lint --allow PTM-E001 SOUND other.ppm |
@@ -313,7 +314,7 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     here.write("files/a b%.ptm", b"PTM_1.2\n");
     symlink(".", here.path("files/link")).expect("a link");
     here.corpus("lum/first-lum.ptm");
-    let paths = ["files", "first-lum.ptm"].map(|name| here.path(name));
+    let paths = ["files", "first-lum.ptm", "none.ptm"].map(|name| here.path(name));
     let output = here.command("lint --format sarif").args(paths).output();
     let printed = output.expect("the program starts").stdout;
     let log: Value = serde_json::from_slice(&printed).expect("JSON");
@@ -321,7 +322,7 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     let run = &log["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
     let results = run["results"].as_array().expect("results");
-    assert_eq!(results.len(), 4);
+    assert_eq!(results.len(), 5);
     let place = |result: &Value| result["locations"][0]["physicalLocation"].clone();
     let uri = |result: &Value| {
         let uri = place(result)["artifactLocation"]["uri"].clone();
@@ -330,17 +331,17 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     for result in results {
         assert!(uri(result).starts_with("file:///"), "{result}");
         assert!(result["message"]["text"].is_string());
-        match result["ruleIndex"].as_u64() {
-            Some(index) => {
-                assert_eq!(rules[index as usize]["id"], result["ruleId"]);
-                assert!(place(result)["region"]["byteOffset"].is_u64());
-            }
-            // SARIF requires the level `none` for a result that is not a failure.
-            None => assert_eq!(
-                (&result["kind"], &result["level"]),
-                (&"open".into(), &"none".into())
-            ),
+        if let Some(index) = result["ruleIndex"].as_u64() {
+            assert_eq!(rules[index as usize]["id"], result["ruleId"]);
+            assert!(place(result)["region"]["byteOffset"].is_u64());
+            continue;
         }
+        // SARIF requires the level `none` for a result that is not a failure.
+        let expected = match uri(result).ends_with("none.ptm") {
+            true => ["fail", "error"],
+            false => ["open", "none"],
+        };
+        assert_eq!([&result["kind"], &result["level"]], expected);
     }
     assert!(uri(&results[0]).ends_with("/a%20b%25.ptm"), "{log}");
     assert_eq!(results[0]["level"], "error");

@@ -24,9 +24,8 @@ fn ask_everything(file: &[u8]) {
         inspection.to_text("x", true),
     );
     to_yaml(&inspection).expect("any file has its YAML");
-    let errors = lint(file)
-        .iter()
-        .any(|observation| observation.severity == Severity::Error);
+    let findings = lint(file);
+    let errors = findings.iter().any(|one| one.severity == Severity::Error);
     assert_eq!(errors, decoded.is_err());
     if let Ok(ptm) = decoded {
         export::exr(&ptm).expect("a small map fits");

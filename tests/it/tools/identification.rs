@@ -38,10 +38,8 @@ fn beginnings() -> Vec<(&'static str, Vec<Vec<u8>>)> {
 /// Writes the beginnings of the legal files of the suite; returns their paths.
 fn write_legal(here: &Workspace) -> Vec<PathBuf> {
     let suite = Suite::load().expect("the suite loads");
-    let legal = suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Decode);
+    let cases = suite.cases.iter();
+    let legal = cases.filter(|case| case.expect == Expect::Decode);
     let write = |case: &Case| {
         let file = &case.build(TableSpelling::default()).file;
         here.write(&case.id, &file[..file.len().min(4096)])
@@ -56,11 +54,7 @@ fn signatures_match_exactly_the_legal_files() {
     assert!(files.len() > 1000);
     for (name, beginnings) in beginnings() {
         assert_eq!(beginnings.len(), 2, "{name}");
-        let knows = |file: &[u8]| {
-            beginnings
-                .iter()
-                .any(|beginning| file.starts_with(beginning))
-        };
+        let knows = |file: &[u8]| beginnings.iter().any(|known| file.starts_with(known));
         for path in &files {
             let is_known = knows(&fs::read(path).expect("a file"));
             assert!(is_known, "{name}: {}", path.display());

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::common::Workspace;
 use ptm_conform::decode;
-use ptm_conform::suite::cases::{Expect, Suite, TableSpelling};
+use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::repair::repair;
 
@@ -19,10 +19,8 @@ fn repaired_file_equals_its_twin_and_lints_clean() {
         };
         let lint = Lint::new(&case.id, &result.bytes);
         let left = |code: &str| lint.findings.iter().any(|finding| finding.code == code);
-        assert!(
-            lint.errors == 0 && !left("PTM-W110") && !left("PTM-W123"),
-            "{lint:?}"
-        );
+        let is_clean = lint.errors == 0 && !left("PTM-W110") && !left("PTM-W123");
+        assert!(is_clean, "{lint:?}");
         assert!(!result.changes.is_empty(), "{}", case.id);
         assert!(repair(&result.bytes).is_err(), "{}", case.id);
         let after = decode(&result.bytes).expect("it lints clean");
@@ -32,9 +30,8 @@ fn repaired_file_equals_its_twin_and_lints_clean() {
             None => decode(file),
         };
         assert_eq!(Ok(after), before, "{}", case.id);
-        *repaired
-            .entry(case.damage().map_or(&*case.id, |damage| &*damage.name))
-            .or_default() += 1;
+        let name = case.damage().map_or(&*case.id, |damage| &*damage.name);
+        *repaired.entry(name).or_default() += 1;
     }
     println!("{repaired:?}");
     let names = "cr-lf tabs empty-line leading-blank two-spaces-before-newline compressed-size-one-less \
@@ -48,22 +45,14 @@ fn repaired_file_equals_its_twin_and_lints_clean() {
 fn a_file_copied_in_text_mode_is_not_repaired() {
     let suite = Suite::load().expect("the suite loads");
     let mut asked = 0;
-    for case in suite
-        .cases
-        .iter()
-        .filter(|case| case.expect == Expect::Decode)
-    {
+    let is_legal = |case: &&Case| case.expect == Expect::Decode;
+    for case in suite.cases.iter().filter(is_legal) {
         let file = &case.build(TableSpelling::default()).file;
         if case.format().coding().is_some() || file.len() > 4096 {
             continue;
         }
-        let copied: Vec<u8> = file
-            .iter()
-            .flat_map(|&byte| match byte {
-                b'\n' => vec![b'\r', b'\n'],
-                byte => vec![byte],
-            })
-            .collect();
+        let lines: Vec<&[u8]> = file.split(|&byte| byte == b'\n').collect();
+        let copied = lines.join(&b"\r\n"[..]);
         if let Ok(result) = repair(&copied) {
             assert_eq!(decode(&result.bytes), decode(file), "{}", case.id);
         }

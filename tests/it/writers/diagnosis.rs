@@ -31,10 +31,9 @@ impl Requests {
         let mut suite = Suite::load_writer_requests().expect("the requests load");
         let large = |case: &WriterCase| {
             let request = case.request();
-            let limit = if request.format.coding().is_some() {
-                1300
-            } else {
-                3200
+            let limit = match request.format.coding().is_some() {
+                true => 1300,
+                false => 3200,
             };
             request.samples.len() > limit || case.expect != Expect::Decode
         };
@@ -60,10 +59,8 @@ impl Requests {
         let plan = RunPlan::new(&self.suite, 2);
         let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
         let failing = run.judgement.with_outcome(Outcome::Fail).count();
-        match diagnose(&self.suite, &run, 2)
-            .first()
-            .map(|first| &first.cause)
-        {
+        let causes = diagnose(&self.suite, &run, 2);
+        match causes.first().map(|first| &first.cause) {
             Some(Cause::Misreading {
                 misreading, alike, ..
             }) => {
@@ -109,10 +106,7 @@ fn every_section_has_writer_mistakes() {
 fn wrong_writers_are_named() {
     let requests = Requests::small();
     let slugs = ["rgb-blocks-bgr", "rows-top-down", "height-before-width"];
-    let some: Vec<_> = slugs
-        .iter()
-        .filter_map(|slug| writing::find(slug))
-        .collect();
+    let some: Vec<_> = slugs.into_iter().filter_map(writing::find).collect();
     let (caught, _, noted) = requests.named(&some);
     assert_eq!((caught, noted), (some.len(), some.len()));
 }
