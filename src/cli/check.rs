@@ -245,7 +245,7 @@ fn plan(
 /// Returns the difference in a locale with a decimal comma, if the system has one.
 fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
     let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
-    let locale = locale::with_comma().filter(|_| whole)?;
+    let locale = locale::comma_locale().filter(|_| whole)?;
     let differs = locale::difference(suite, run, subject.program()?, &locale, scratch);
     differs.map(Remark::failure)
 }

@@ -1,10 +1,10 @@
-//! Repeats failures, and a sample of the other cases, with a new process for each request.
+//! Repetition of failures and of a sample of the other cases, with a new process for each request.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
-use crate::session::asking::{Counting, Session, after_request};
+use crate::session::asking::{Counting, Session, previous_request_text};
 use crate::session::judge::Judgement;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
@@ -12,10 +12,10 @@ use crate::session::plan::{Repeat, SAMPLE};
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::test_case::TestCase;
 
-/// The most failures of one kind that are repeated at first.
+/// Maximum number of failures of one kind that are repeated at first.
 const MAX_REPEATED_PER_KIND: usize = 8;
 
-/// A run with fewer requests may be repeated as a whole.
+/// Number of repetitions that is always allowed, even if it exceeds a tenth of the run.
 const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {
@@ -37,7 +37,7 @@ impl<C: TestCase> Session<'_, C> {
             let (Some(observation), Some(judged)) = (&observations[i], &judgement.cases[i]) else {
                 return false;
             };
-            // A timeout would take its time again; if two responses differ already, the case is settled.
+            // Repeating a timeout would take too long. If two responses already differ, the case is decided.
             let is_settled = observation.nondeterminism.is_some()
                 || matches!(observation.response, Response::Violation(Answer::Hung(_)));
             // A sample, and the first legal case of each kind that counts as unsupported.
@@ -54,16 +54,16 @@ impl<C: TestCase> Session<'_, C> {
             !is_settled && (judged.outcome == Outcome::Fail || sampled)
         };
         let wanted = (0..observations.len()).filter(is_wanted).collect();
-        let (some, rest) = self.some_of_each_kind(observations, wanted);
-        let differs = self.repeat_alone(table, observations, &some, progress);
+        let (some, rest) = self.sample_each_kind(observations, wanted);
+        let differs = self.repeat_in_new_processes(table, observations, &some, progress);
         if differs {
-            self.repeat_alone(table, observations, &rest, progress);
+            self.repeat_in_new_processes(table, observations, &rest, progress);
         }
         differs
     }
 
-    /// Splits `wanted` into a few cases of each kind, spread over the suite, and the others.
-    fn some_of_each_kind(
+    /// Splits `wanted` into a few cases of each kind, spread over the suite, and all others.
+    fn sample_each_kind(
         &self,
         observations: &[Option<Observation<C>>],
         wanted: Vec<usize>,
@@ -85,7 +85,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Asks a new process for each of these cases, and another one if the first two responses are of different kinds. Records
     /// the differences; returns true if there is one.
-    fn repeat_alone(
+    fn repeat_in_new_processes(
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
@@ -95,14 +95,14 @@ impl<C: TestCase> Session<'_, C> {
         let served = self.plan.repeat == Repeat::FailuresAndSample;
         let state = Mutex::new((observations, 0, false));
         let lock = || state.lock().expect("no worker panics");
-        self.side_by_side(places.len(), |at, worker| {
+        self.run_in_parallel(places.len(), |at, worker| {
             let place = places[at];
             let first = lock().0[place].clone();
             let mut first = first.expect("only observations are repeated");
             let case = &self.suite.cases[place];
             let ask = || self.request(case, &first.view, table, worker, None).0;
             let alone = ask();
-            // A crash, a timeout or truncated output may be an accident of that one process.
+            // A crash, a timeout or truncated output may have happened only to that process.
             let is_no_answer =
                 |seen: &Observation<C>| matches!(seen.response, Response::Violation(_));
             let once_more = (is_no_answer(&alone) != is_no_answer(&first)).then(ask);
@@ -137,7 +137,7 @@ fn difference<C: TestCase>(
     once_more: Option<&Observation<C>>,
 ) -> String {
     let (one, other) = (first.response.describe(), alone.response.describe());
-    let after = after_request(first.after.as_ref());
+    let after = previous_request_text(first.after.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
             "answers with {one}; one repetition in a new process ended with {other}, and the next as before"

@@ -1,6 +1,6 @@
 //! Requests for a case in a view, and their results.
 //!
-//! The decoder is a closure from request to reply, so that misreadings inside this program and external programs are asked,
+//! The decoder is a closure from request to reply, so misreadings inside this program and external programs are requested,
 //! compared and judged in the same way.
 
 use std::borrow::Cow;
@@ -24,18 +24,18 @@ pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 pub type Ask<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
-/// A callback for progress: the number of finished items and of all items.
+/// A progress callback. It receives the number of finished items and the number of all items.
 pub type Counting<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
-/// Undoes a change of all images: maps a received output, and that of the reference if any, to the output before the change.
+/// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
 pub type Undoing<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 
-/// A change of all images of a view that has been reported and is undone before they are compared.
+/// A common transform of a view, which has been reported and is undone before images are compared.
 #[derive(Clone)]
 pub struct Undo<C: TestCase> {
-    /// The view.
+    /// The affected view.
     pub view: &'static str,
-    /// Maps a received output to the output before the change.
+    /// Maps a received output to the output before the transform.
     pub undo: Arc<Undoing<C::Output>>,
 }
 
@@ -45,12 +45,12 @@ pub struct Session<'a, C: TestCase> {
     pub(super) plan: &'a RunPlan,
     pub(super) tally: Tally,
     ask: &'a Ask<'a, C>,
-    /// The changes that are undone in every image before it is compared.
+    /// Common transforms that are undone before images are compared.
     pub undo: Vec<Undo<C>>,
 }
 
 impl<'a, C: TestCase> Session<'a, C> {
-    /// Creates a session in which nothing has been asked yet.
+    /// Creates a session without requests.
     #[must_use]
     pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a Ask<'a, C>) -> Session<'a, C> {
         Session {
@@ -62,14 +62,14 @@ impl<'a, C: TestCase> Session<'a, C> {
         }
     }
 
-    /// Returns true if nothing more is to be asked.
+    /// Returns true if no more requests will be sent.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.why_over().is_some()
+        self.end_reason().is_some()
     }
 
     /// Returns the reason to end the run, if there is one.
-    pub(super) fn why_over(&self) -> Option<&'static str> {
+    pub(super) fn end_reason(&self) -> Option<&'static str> {
         let (stop, hung) = (&self.plan.stop, &self.tally.hung);
         match (stop.load(Ordering::Relaxed), hung.load(Ordering::Relaxed)) {
             (true, _) => Some("the run was interrupted"),
@@ -104,7 +104,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Sends a request without counting it, to a new process if there is no factor for its timeout.
+    /// Sends a request without counting it. Without a timeout factor, the request goes to a new process.
     pub(super) fn request(
         &self,
         case: &C,
@@ -153,14 +153,14 @@ impl<'a, C: TestCase> Session<'a, C> {
             weak: reply.is_weak(),
             stderr: reply.stderr.clone(),
             after: reply.after.clone(),
-            nondeterminism: trouble_of_serving(&reply),
+            nondeterminism: serve_mode_failure(&reply),
         };
         (observation, reply)
     }
 
     /// Calls `one` with each number below `count`, in as many threads as there are jobs. A worker stops when `one` returns
     /// false.
-    pub(super) fn side_by_side(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
+    pub(super) fn run_in_parallel(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
         let fixed = self.plan.repeat == Repeat::FailuresAndSample;
@@ -176,16 +176,16 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 }
 
-/// Returns true if a call timed out, whether or not a new process answered then.
+/// Returns true if a call timed out, even if a new process answered afterward.
 pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
     let mut answers = reply.served.iter().chain([&reply.answer]);
     answers.any(|answer| matches!(answer, Answer::Hung(_)))
 }
 
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
-pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
+pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
-    let (after, alone) = (after_request(reply.after.as_ref()), &reply.answer);
+    let (after, alone) = (previous_request_text(reply.after.as_ref()), &reply.answer);
     let says = || {
         let (trouble, alone) = (served.describe(), alone.name());
         format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})")
@@ -197,7 +197,7 @@ pub(super) fn trouble_of_serving<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
 }
 
 /// Describes the request that the process answered previously.
-pub(super) fn after_request(before: Option<&String>) -> String {
+pub(super) fn previous_request_text(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),
         None => ", as the first request".to_owned(),

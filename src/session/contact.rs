@@ -1,11 +1,11 @@
-//! First contact: the first files in every view, and the features that the decoder offers.
+//! First contact: requests for the first files in every view, and the features that the decoder offers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::runner::run::Reply;
-use crate::session::asking::{ReplyTo, Session, is_hang, trouble_of_serving};
+use crate::session::asking::{ReplyTo, Session, is_hang, serve_mode_failure};
 use crate::session::observation::Response;
 use crate::session::offer::Offer;
 use crate::session::plan::Repeat;
@@ -19,7 +19,7 @@ use crate::suite::test_case::TestCase;
 /// The reply of the decoder to a first file.
 #[derive(Clone, Debug)]
 pub struct First<C: TestCase = Case> {
-    /// Its index in the suite.
+    /// Index of the first file in the suite.
     pub case: usize,
     /// The view in which it was requested.
     pub view: C::View,
@@ -61,7 +61,7 @@ impl FirstReply<'_> {
 }
 
 impl Contact {
-    /// Returns the replies to the first files whose right answers are known.
+    /// Returns the replies to the first files with known correct answers.
     pub(super) fn replies<'a>(&'a self, suite: &'a Suite) -> Vec<FirstReply<'a>> {
         let reply = |first: &'a First| {
             let case = &suite.cases[first.case];
@@ -81,22 +81,22 @@ impl Contact {
 /// Knowledge about a decoder before any case is judged.
 #[derive(Clone, Debug)]
 pub struct Contact<C: TestCase = Case> {
-    /// Its replies to the first files.
+    /// Replies to the first files.
     pub first: Vec<First<C>>,
-    /// The views and formats that it offers.
+    /// Views and formats that the decoder offers.
     pub offer: Offer<C>,
-    /// The spelling of tables for it.
+    /// Spelling in which tables are sent.
     pub table: TableSpelling,
-    /// Remarks on it.
+    /// Remarks on the decoder.
     pub remarks: Vec<Remark>,
     /// The reason why the program is not a decoder, if it is not.
     pub not_a_decoder: Option<String>,
-    /// The reason why no case is requested, if something must be fixed before.
+    /// Reason why no case is requested, if something must be fixed first.
     pub ends: Option<&'static str>,
 }
 
 impl<C: TestCase> Contact<C> {
-    /// Returns true if cases are to be requested.
+    /// Returns true if cases can be requested.
     #[must_use]
     pub fn is_ready(&self) -> bool {
         self.not_a_decoder.is_none() && self.ends.is_none()
@@ -104,7 +104,7 @@ impl<C: TestCase> Contact<C> {
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Requests the first files, to find whether the program is a decoder, its offer, and its spelling of tables.
+    /// Requests the first files to determine if the program is a decoder, its offer, and its spelling of tables.
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
@@ -112,7 +112,7 @@ impl<C: TestCase> Session<'_, C> {
         let trouble = first.iter().find_map(|First { case, view, reply }| {
             let (id, says) = (
                 self.suite.cases[*case].id(),
-                trouble_of_serving(reply)?.says,
+                serve_mode_failure(reply)?.says,
             );
             Some(Remark::failure(format!("{id} in {view}, {says}")))
         });
@@ -131,7 +131,7 @@ impl<C: TestCase> Session<'_, C> {
             contact.offer.views = C::VIEWS.iter().filter(is_wanted).copied().collect();
         }
         if self.is_over() {
-            contact.not_a_decoder = no_decoder(&contact.first);
+            contact.not_a_decoder = non_decoder_reason(&contact.first);
             return contact;
         }
         // A decoder of tables only may refuse all first files because it expects another spelling of the count.
@@ -144,7 +144,7 @@ impl<C: TestCase> Session<'_, C> {
         };
         match spelling {
             Some(table) => contact.table = table,
-            None => contact.not_a_decoder = no_decoder(&contact.first),
+            None => contact.not_a_decoder = non_decoder_reason(&contact.first),
         }
         contact
     }
@@ -187,7 +187,7 @@ impl<C: TestCase> Session<'_, C> {
             }
         }
         let others = Mutex::new(BTreeMap::new());
-        self.side_by_side(left.len(), |place, worker| {
+        self.run_in_parallel(left.len(), |place, worker| {
             let first = ask(left[place], worker);
             let mut others = others.lock().expect("no worker panics");
             others.insert(place, first);
@@ -236,7 +236,7 @@ impl<C: TestCase> Session<'_, C> {
                 continue;
             }
             for view in offer.views.clone() {
-                if has(&view) || self.shows_others(view, &kind) {
+                if has(&view) || self.decodes_another(view, &kind) {
                     continue;
                 }
                 if declares(view) && offer.declared.contains(&kind.to_string()) {
@@ -250,8 +250,8 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder shows another case of this kind in this view, so that the view is not missing as a whole.
-    fn shows_others(&self, view: &str, kind: &C::Feature) -> bool {
+    /// Returns true if the decoder decodes another case of this kind in this view, so the view is not missing altogether.
+    fn decodes_another(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
         let others = self.suite.cases.iter().filter(is_other).filter_map(|case| {
@@ -264,7 +264,7 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the first spelling of a table that the decoder reads correctly.
+    /// Returns the first table spelling that the decoder reads correctly.
     pub(super) fn table_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         let cases = self.suite.cases.iter().enumerate();
         let mut asked = cases.filter(|&(i, _)| self.plan.asks(i));
@@ -288,7 +288,7 @@ impl<C: TestCase> Session<'_, C> {
         let mut probes: Vec<&C> = cases
             .filter(|case| case.expect() == Expect::Decode && case.has_table())
             .collect();
-        // Each file is made once.
+        // Each file is generated once.
         probes.sort_by_cached_key(|case| C::file(&case.make(TableSpelling::default())).len());
         probes.truncate(PROBES);
         let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
@@ -324,7 +324,7 @@ impl<C: TestCase> Session<'_, C> {
 }
 
 /// Returns the reason why the program that sent these replies is not a decoder, if it is not.
-fn no_decoder<C: TestCase>(first: &[First<C>]) -> Option<String> {
+fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
     let decoded = first.iter().any(First::is_decoded);
     let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);
     let refused = first.iter().filter(is_refused).count();

@@ -6,13 +6,13 @@ use crate::suite::compare::Expected;
 /// A curve over bytes, or a factor for real numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
-    /// The image of each right byte.
+    /// Result of the curve for each correct byte.
     table: Vec<f64>,
-    /// Tolerance of a right byte against the reference: colors may be rounded in any way.
+    /// Tolerance of a byte relative to the reference, because colors may be rounded in any way.
     slack: u8,
 }
 
-/// A curve, its effect on all images, and the suggested fix.
+/// A curve with a description of its effect and the suggested fix.
 type Candidate = ((String, String), Curve);
 
 /// Curves by name, as functions from 0 … 1.
@@ -53,7 +53,7 @@ fn candidate(says: &str, next: &str, slack: u8, curve: impl Fn(f64) -> f64) -> C
     ((says.to_owned(), next.to_owned()), Curve { table, slack })
 }
 
-/// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted one.
+/// Returns the possible curves of these images: a factor, and for colors the named curves and the fit_monotonic_curve one.
 pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Candidate> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (expected, frame) in pairs {
@@ -68,17 +68,17 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
             candidate(says, NO_CURVE, 1, |v| 255.0 * curve(v / 255.0))
         };
         curves.extend(CURVES.map(named));
-        curves.extend(fitted(points));
+        curves.extend(fit_monotonic_curve(points));
     }
     curves
 }
 
 impl Curve {
-    /// Returns the frame before the curve, with the right values if they explain the received ones.
+    /// Returns the frame before the curve, with the correct values if they explain the received ones.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
-                // Real values are only ever multiplied, so the factor is the image of 1.
+                // Real values are only multiplied, so the factor is the result for 1.
                 let divided = values
                     .iter()
                     .map(|&v| (f64::from(v) / self.table[1]) as f32);
@@ -103,7 +103,7 @@ impl Curve {
         }
     }
 
-    /// Returns true if a right value, or one within tolerance, is mapped to this one.
+    /// Returns true if the curve maps the correct value, or one within its tolerance, to the received one.
     fn explains(&self, right: u8, received: u8) -> bool {
         let near = right.saturating_sub(self.slack)..=right.saturating_add(self.slack);
         let values = near.map(|v| self.table[usize::from(v)].clamp(0.0, 255.0));
@@ -111,7 +111,7 @@ impl Curve {
         apart.iter().any(|apart| *apart >= -1.0) && apart.iter().any(|apart| *apart <= 1.0)
     }
 
-    /// Returns the value whose image is nearest to this one.
+    /// Returns the value that the curve maps closest to the received one.
     fn source_value(&self, received: u8) -> u8 {
         let off = |v: &u8| (self.table[usize::from(*v)] - f64::from(received)).abs();
         let nearest = (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)));
@@ -145,11 +145,11 @@ fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     Some(candidate(&says, next, slack, |v| v * factor))
 }
 
-/// Returns the monotone curve that all colors follow; `None` if they follow none, or the evidence is weak.
-fn fitted(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
+/// Returns the monotonic curve that all colors follow, or `None` if there is none or the evidence is weak.
+fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     const MIN_INNER_STEPS: usize = 24;
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let steps = rising_steps(&points);
+    let steps = isotonic_regression(&points);
     let inner = steps.iter().filter(|step| step.1 > 1.0 && step.1 < 254.0);
     let off = points.iter().filter(|(e, r)| (e - r).abs() > 4.0).count();
     if inner.count() < MIN_INNER_STEPS || 4 * off < points.len() {
@@ -160,9 +160,9 @@ fn fitted(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotone steps that are nearest to points in order of their first number: decreasing neighbors are merged at
+/// Returns the monotonic steps that are closest to points sorted by their first number. Decreasing neighbors are merged at
 /// their mean.
-fn rising_steps(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // Sums of both numbers, and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();
     for &(at, value) in points {

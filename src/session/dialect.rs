@@ -1,4 +1,4 @@
-//! From observations to the dialect: the decoder's readings of open questions.
+//! The decoder's dialect, its readings of open questions, from observations.
 
 use crate::session::observation::{Observation, Response};
 use crate::suite::dialect::{Axis, Dialect, Right};
@@ -7,11 +7,11 @@ use crate::suite::test_case::TestCase;
 /// The certainty of the decoder's reading of an open question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Certainty {
-    /// The answers do not distinguish its reading from every other.
+    /// The answers do not distinguish the reading from every other reading.
     Open,
-    /// They do, but several are wrong under it, so a mistake may be the reason.
+    /// The answers distinguish the reading, but several are wrong under it, so a mistake may be the reason.
     Likely,
-    /// They distinguish it.
+    /// The answers distinguish the reading.
     Settled,
 }
 
@@ -19,7 +19,7 @@ pub enum Certainty {
 /// answers of a mistaken decoder are right in another reading by chance.
 const MIN_ANSWERS_TO_ONE: usize = 8;
 
-/// The choices that an answer shows, and whether it is right in each combination of their readings.
+/// The choices that affect an answer, and for each combination of their readings true if the answer is right.
 type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
 
 /// Returns the dialect in which most answers are right, among equals the one nearest to the reference's, and for each choice
@@ -63,7 +63,7 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
     let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();
     let most = counts.iter().max().copied().unwrap_or_default();
-    // The nearest to the reference first.
+    // The first is the closest to the reference.
     let best: Vec<&Dialect> = (all.iter().zip(counts))
         .filter_map(|(dialect, count)| (count == most).then_some(dialect))
         .collect();
@@ -87,7 +87,7 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
     axes.iter().map(certainty).collect()
 }
 
-/// Groups choices, so that all choices in one of `together` are in the same group.
+/// Groups choices so that all choices of one item of `together` are in the same group.
 fn grouped_axes<'a>(choices: usize, together: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
     let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
     for axes in together {
@@ -111,7 +111,7 @@ mod tests {
     type Image = (Vec<Axis>, Vec<bool>);
 
     /// Returns an image that is right in the combinations of `rulings` that `right` accepts, by its readings of them.
-    fn image_right_in(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
+    fn image_from_readings(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
         let axes = CHOICES.axes(rulings);
         let is_right = |dialect: &Dialect| {
             let readings: Vec<usize> = axes.iter().map(|&axis| dialect.0[axis]).collect();
@@ -138,8 +138,8 @@ mod tests {
     #[test]
     fn unrelated_groups_are_decided_independently() {
         let (dialect, settled) = settled(&[
-            image_right_in(&["motion-sign", "motion-border"], |of| of == [1, 2]),
-            image_right_in(&["side-lossless"], |of| of == [1]),
+            image_from_readings(&["motion-sign", "motion-border"], |of| of == [1, 2]),
+            image_from_readings(&["side-lossless"], |of| of == [1]),
         ]);
         let readings = [
             ("motion-sign", 1),
@@ -154,8 +154,8 @@ mod tests {
     fn shared_choices_join_groups() {
         // The first shows that one of both is read differently from the reference; the second shows which.
         let images = [
-            image_right_in(&["motion-sign", "jpeg-ls-offset"], |of| of[0] + of[1] == 1),
-            image_right_in(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
+            image_from_readings(&["motion-sign", "jpeg-ls-offset"], |of| of[0] + of[1] == 1),
+            image_from_readings(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
         ];
         assert_eq!(settled(&images[..1]).1, []);
         let readings = [("motion-sign", 1), ("jpeg-ls-offset", 0)];
@@ -164,7 +164,8 @@ mod tests {
 
     #[test]
     fn majority_decides_and_ties_go_to_the_reference() {
-        let image = |reading: usize| image_right_in(&["motion-half"], move |of| of == [reading]);
+        let image =
+            |reading: usize| image_from_readings(&["motion-half"], move |of| of == [reading]);
         let mut all = vec![image(1); 8];
         all.push(image(0));
         assert_eq!(settled(&all).1, [("motion-half", 1)]);

@@ -21,32 +21,32 @@ use crate::suite::compare::Expected;
 use crate::suite::dialect::Dialect;
 use crate::suite::values::Values;
 
-/// The results for a directory of files.
+/// Results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
     /// `pass`, `fail`, or `not run` if no file fails and one cannot be read.
     pub verdict: Outcome,
-    /// The result for each file.
+    /// Results, one per file.
     pub files: Vec<FileResult>,
 }
 
 /// The result for one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FileResult {
-    /// Its name, without directories.
+    /// File name without directories.
     pub file: String,
-    /// The view in which it was requested.
+    /// View in which the file was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<String>,
-    /// Comparison with the reference: pass, fail, unsupported.
+    /// Result of the comparison with the reference.
     pub outcome: Outcome,
     /// The reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
-    /// Other encodings of the same values that give another image, or none.
+    /// Descriptions of other encodings of the same values for which the decoder gives another image or no image.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
-    /// The number of other encodings that were tried.
+    /// Number of other encodings that were tried.
     pub encodings: usize,
 }
 
@@ -65,7 +65,7 @@ impl FileResult {
     }
 }
 
-/// Checks one file with the decoder that `ask` calls, in the first of `views` that it offers.
+/// Checks one file with the decoder `ask`, in the first of `views` that the decoder supports.
 pub fn check_file(
     name: &str,
     file: &[u8],
@@ -91,7 +91,7 @@ pub fn check_file(
         return result;
     };
     result.view = Some(view.to_string());
-    let compared = held_against_reference(file, view, &shown);
+    let compared = compare_with_reference(file, view, &shown);
     if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
         let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
         let first = Expected {
@@ -117,8 +117,8 @@ pub fn check_file(
     result
 }
 
-/// Returns the same values in other formats and in other spellings of the header: the difference of each in words, and the file.
-/// No correct decoder shows another image, and that needs no expected output.
+/// Encodes the same values in other formats and header spellings, each with a description. A correct decoder outputs the same
+/// image for all of them, so no expected output is needed.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     type Spell = fn(&mut Spelling);
     let mut formats = Format::ALL.to_vec();
@@ -173,7 +173,7 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     Some(write(&recipe, &model).bytes)
 }
 
-/// Returns numbers in a spelling that is read as the same value.
+/// Formats numbers so that they are read as the same values.
 fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     let texts: Vec<String> = values.iter().map(f64::to_string).collect();
     texts.join(" ").parse().ok()
@@ -189,7 +189,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let model = Model {
         format,
         size: planes.size,
-        slack: transforms_in_a_row(file).repeat(planes.size.texels()),
+        slack: inverse_dct_counts(file).repeat(planes.size.texels()),
         samples: planes.samples,
         table: Vec::new(),
         indices: Vec::new(),
@@ -202,7 +202,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
 }
 
 /// Returns the number of inverse DCTs that affect each plane: its own, and those of the planes it is predicted from.
-fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
+fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
     let (fields, _) = fields(file);
     let reference_of = |field: &Field| {
         let text = std::str::from_utf8(&file[field.range.clone()]).ok()?;
@@ -218,8 +218,8 @@ fn transforms_in_a_row(file: &[u8]) -> Vec<u8> {
     (0..references.len()).map(count).collect()
 }
 
-/// Returns the fault of an answer, or a remark on a right one.
-fn held_against_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
+/// Compares an answer with the reference: returns the fault as an error, or a remark on a correct answer.
+fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
     match (shown, crate::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
             let right = |reading: &Reading| expected(file, view, reading);
@@ -270,7 +270,7 @@ impl FilesReport {
         FilesReport { verdict, files }
     }
 
-    /// Returns 0, 1, or 3 if no file was read at all.
+    /// Returns the exit status: 0, 1, or 3 if no file was decoded.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let mut files = self.files.iter();

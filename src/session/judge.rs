@@ -1,4 +1,4 @@
-//! From observations to verdicts.
+//! Verdicts from observations.
 //!
 //! [`outcome`] is the table. Some of its rows depend on other observations: whether the accepted twin of a malformed file was
 //! decoded, whether a feature is supported, how the decoder reads an open question. Those facts are derived here, from
@@ -17,15 +17,15 @@ use crate::suite::test_case::TestCase;
 /// The judgement of a decoder.
 #[derive(Clone, Debug)]
 pub struct Judgement<C: TestCase = Case> {
-    /// One for each case of the suite; None for those that were not selected.
+    /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Judged>>,
-    /// Its reading of the open questions; that of the reference if no case shows it.
+    /// Reading of each open question; the reference's if no case shows the decoder's.
     pub dialect: Dialect,
-    /// For each open question, how well the cases distinguish the reading from every other.
+    /// Certainty of each reading.
     pub certain: Vec<Certainty>,
-    /// Features for which every file was answered 69.
+    /// Features that the decoder does not support.
     pub unsupported: BTreeSet<C::Feature>,
-    /// Features for which a file was decoded.
+    /// Features with at least one decoded file.
     pub decoded: BTreeSet<C::Feature>,
 }
 
@@ -87,7 +87,7 @@ pub fn judge<C: TestCase>(
 struct CaseFacts<'a, C: TestCase> {
     case: &'a C,
     observation: &'a Observation<C>,
-    /// The accepted files that it depends on, by their ids.
+    /// Valid twins of the case, by id.
     twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
@@ -105,7 +105,7 @@ fn fail(says: impl Into<String>) -> Judged {
 }
 
 impl<C: TestCase> CaseFacts<'_, C> {
-    /// Returns the outcome and the reason: those of the table, with the exceptions that docs/protocol.md lists below it.
+    /// Returns the outcome and the reason, according to the table and the exceptions in docs/protocol.md.
     fn verdict(&self, offer: &Offer<C>) -> Judged {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
@@ -122,13 +122,13 @@ impl<C: TestCase> CaseFacts<'_, C> {
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
-        if let Some(says) = self.stands_on_nothing() {
+        if let Some(says) = self.undecoded_twin_reason() {
             return verdict(Outcome::Inconclusive, says);
         }
         match &observation.response {
             _ if outcome == Outcome::Pass => verdict(outcome, ""),
             Response::Violation(answer) => fail(answer.describe()),
-            Response::Rejected => verdict(outcome, self.refusal_in_words()),
+            Response::Rejected => verdict(outcome, self.refusal_text()),
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
@@ -142,7 +142,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 let own = self.difference_in_own_dialect(frame.as_ref());
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
-                self.wrong_picture(right, differs)
+                self.wrong_image_verdict(right, differs)
             }
         }
     }
@@ -166,7 +166,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns the difference of a wrong image from the right one in the decoder's dialect, if that is not the reference's.
+    /// Returns the difference of a wrong image from the correct one in the decoder's dialect, if that is not the reference's.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;
@@ -177,8 +177,8 @@ impl<C: TestCase> CaseFacts<'_, C> {
         self.case.difference_in(view, &output, self.dialect)
     }
 
-    /// Returns a reason if none of the accepted twins of a negative case was decoded.
-    fn stands_on_nothing(&self) -> Option<String> {
+    /// Returns the reason why a refusal proves nothing, if no twin of a negative case was decoded.
+    fn undecoded_twin_reason(&self) -> Option<String> {
         let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| matches!(twin.response, Response::Image { .. }))
         };
@@ -193,7 +193,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
     }
 
     /// Describes the expected result of a case that was refused.
-    fn refusal_in_words(&self) -> String {
+    fn refusal_text(&self) -> String {
         match (self.case.expect(), self.case.expected_text()) {
             (Expect::ImplementationDefined, expected) => format!(
                 "the reference answers {}; received a refusal",
@@ -205,7 +205,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
     }
 
     /// Returns the verdict on a wrong image, or any image of a file that must be refused.
-    fn wrong_picture(&self, right: &Right, differs: String) -> Judged {
+    fn wrong_image_verdict(&self, right: &Right, differs: String) -> Judged {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
@@ -226,7 +226,10 @@ impl<C: TestCase> CaseFacts<'_, C> {
             (_, Right::In { axes, combinations }) => {
                 let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
                 match dialects.find(|(_, right)| **right) {
-                    Some((other, _)) => fail(format!("{}: {differs}", self.mixed(axes, &other))),
+                    Some((other, _)) => fail(format!(
+                        "{}: {differs}",
+                        self.mixed_readings_text(axes, &other)
+                    )),
                     None => fail(differs),
                 }
             }
@@ -235,7 +238,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
     }
 
     /// Describes the readings that the decoder mixes if the answer is right in another dialect.
-    fn mixed(&self, axes: &[usize], other: &Dialect) -> String {
+    fn mixed_readings_text(&self, axes: &[usize], other: &Dialect) -> String {
         let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
         let readings = axes.iter().filter(differs).map(|&axis| {
             let choice = &C::CHOICES[axis];
@@ -279,7 +282,7 @@ fn features<C: TestCase>(
         }
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
-            // A missing view of this kind is no evidence against the kind.
+            // A missing view proves nothing about the kind.
             if unsupported && feature == kind && offer.lacks(&observation.view, &kind) {
                 continue;
             }

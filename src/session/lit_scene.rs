@@ -1,4 +1,4 @@
-//! A recognizable map as the decoder shows it: a striped ball, lit from the upper left, with a red corner at the top left and
+//! A recognizable map as the decoder displays it: a striped ball, lit from the upper left, with a red corner at the top left and
 //! other colors in the other corners. It is requested for the HTML report and never judged.
 
 use std::collections::BTreeSet;
@@ -15,34 +15,34 @@ use crate::session::asking::Ask;
 use crate::session::offer::Offer;
 use crate::suite::features::Feature;
 
-/// Number of columns and of rows.
+/// Width and height in texels.
 pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
 
-/// The scene under its light: red, green and blue of every texel, the top row first.
+/// Images of the scene under its light: red, green and blue of every texel, the top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LitScene {
     /// The format of the requested file.
     pub format: Format,
     /// The view in which it was requested.
     pub view: ViewKind,
-    /// The right image.
+    /// Correct image.
     pub right: Vec<u8>,
-    /// The image that the decoder shows.
+    /// Received image.
     pub received: Vec<u8>,
 }
 
 impl LitScene {
-    /// Returns the right scene under another light.
+    /// Renders the correct scene under another light.
     #[must_use]
-    pub fn lit(&self, lu: f64, lv: f64) -> Vec<u8> {
+    pub fn render(&self, lu: f64, lv: f64) -> Vec<u8> {
         let ptm = decode(&file(self.format, Count::default())).expect("the scene is a legal file");
         ptm.coefficients().evaluate(lu, lv).to_bytes()
     }
 }
 
-/// Requests the scene in a format and a view that the decoder has; `None` if it has none, or shows no image.
+/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or no image.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
@@ -87,17 +87,17 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
         Some(LitScene {
             format,
             view,
-            right: lit(&decode(&file).ok()?.coefficients()),
+            right: render_scene(&decode(&file).ok()?.coefficients()),
             received: picture(&file, &frame)?,
         })
     })
 }
 
-fn lit(coefficients: &Coefficients) -> Vec<u8> {
+fn render_scene(coefficients: &Coefficients) -> Vec<u8> {
     coefficients.evaluate(LIGHT.0, LIGHT.1).to_bytes()
 }
 
-/// Returns the image of a frame of the scene's `file` under the light; None if it has another shape.
+/// Converts a frame of the scene's `file` to an image under the light, or returns `None` if the frame has another shape.
 #[must_use]
 pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     let Ptm { header, mut planes } = decode(file).ok()?;
@@ -109,9 +109,9 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
         Samples::U8(bytes) if frame.view == ViewKind::Rgb => Some(bytes.clone()),
         Samples::U8(bytes) => {
             planes.samples.clone_from(bytes);
-            Some(lit(&Ptm { header, planes }.coefficients()))
+            Some(render_scene(&Ptm { header, planes }.coefficients()))
         }
-        Samples::F32(values) => Some(lit(&Coefficients {
+        Samples::F32(values) => Some(render_scene(&Coefficients {
             size: planes.size,
             shape: planes.shape,
             values: values.iter().map(|&value| f64::from(value)).collect(),
@@ -119,7 +119,7 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     }
 }
 
-/// Returns the scene as a file, with the count of its table, if any, in this spelling.
+/// Writes the scene as a file; `count` is the spelling of the number of table entries.
 #[must_use]
 pub fn file(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn scene_is_equal_in_every_format_and_view() {
-        let wanted = lit(&ball(SIDE));
+        let wanted = render_scene(&ball(SIDE));
         let reference = |request: &Request<'_>, _: usize| {
             Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
         };

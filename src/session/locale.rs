@@ -1,4 +1,4 @@
-//! The first files again, in a locale that writes numbers with a decimal comma.
+//! Repetition of the first files in a locale with a decimal comma.
 //!
 //! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 there. Numbers of PTM files have a decimal point
 //! in every country.
@@ -18,9 +18,9 @@ const COMMA_LANGUAGES: [&str; 12] = [
     "fi_FI", "cs_CZ",
 ];
 
-/// Returns a locale of this machine that writes a decimal comma, as `locale -a` lists it.
+/// Returns an installed locale with a decimal comma, as listed by `locale -a`.
 #[must_use]
-pub fn with_comma() -> Option<String> {
+pub fn comma_locale() -> Option<String> {
     let mut list = Command::new("locale");
     let list = list.arg("-a").stdin(Stdio::null()).stderr(Stdio::null());
     choose(&String::from_utf8_lossy(&list.output().ok()?.stdout))
@@ -47,7 +47,7 @@ pub fn difference(
 ) -> Option<String> {
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
-    // Stored values need no numbers except the size, so they are requested only if there is nothing else.
+    // Stored values depend on no numbers except the size, so other views are preferred.
     let preference = |view: &View| {
         (
             view.kind() == ViewKind::Raw,

@@ -12,13 +12,13 @@ pub struct Observation<C: TestCase = Case> {
     pub view: C::View,
     /// The response of the decoder.
     pub response: Response<C>,
-    /// True if it is a refusal by an exit status that also has another meaning.
+    /// True for a refusal whose exit status also has another meaning.
     pub weak: bool,
-    /// The beginning of its standard error.
+    /// Beginning of standard error.
     pub stderr: String,
-    /// The previous case of the same process, in serve mode.
+    /// In serve mode, the previous case of the same process.
     pub after: Option<String>,
-    /// The difference between two answers to this request, if it was repeated and they differ.
+    /// Difference between two answers to this request, if it was repeated and the answers differ.
     pub nondeterminism: Option<Nondeterminism>,
 }
 
@@ -28,7 +28,7 @@ impl<C: TestCase> Observation<C> {
         matches!(self.response, Response::Violation(_)) || self.nondeterminism.is_some()
     }
 
-    /// Returns true if it will fail regardless of other observations, except for a difference between answers.
+    /// Returns true if the case fails regardless of other observations. Nondeterminism is not considered.
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
@@ -44,9 +44,9 @@ impl<C: TestCase> Observation<C> {
 /// Two different answers to one request.
 #[derive(Clone, Debug)]
 pub struct Nondeterminism {
-    /// True if one of them is from a serving process.
+    /// True if one of the answers is from a serving process.
     pub served: bool,
-    /// The difference.
+    /// Description of the difference.
     pub says: String,
 }
 
@@ -61,7 +61,7 @@ pub enum Response<C: TestCase = Case> {
         difference: Option<C::Difference>,
         /// The tolerance that was applied.
         allowance: Allowance,
-        /// The image itself if it differs.
+        /// The image, if it differs.
         frame: Option<C::Output>,
     },
     /// Exit status 65.
@@ -73,7 +73,7 @@ pub enum Response<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Response<C> {
-    /// Returns true if both agree in all that a decoder controls.
+    /// Returns true if both responses agree in everything that the decoder controls.
     #[must_use]
     pub fn is_equivalent(&self, other: &Response<C>) -> bool {
         match (self, other) {
@@ -96,7 +96,7 @@ impl<C: TestCase> Response<C> {
         }
     }
 
-    /// Describes it in words.
+    /// Describes the response.
     #[must_use]
     pub fn describe(&self) -> String {
         match self {
@@ -111,7 +111,7 @@ impl<C: TestCase> Response<C> {
         }
     }
 
-    /// Returns one or two words for a report.
+    /// Returns a short name for reports.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {

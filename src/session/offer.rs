@@ -1,4 +1,4 @@
-//! The offer of a decoder: views, and formats in them.
+//! The offer of a decoder: its views, and the kinds of cases in each.
 
 use std::collections::BTreeSet;
 
@@ -9,13 +9,13 @@ use crate::suite::test_case::TestCase;
 /// The offer of a decoder.
 #[derive(Clone, Debug)]
 pub struct Offer<C: TestCase = Case> {
-    /// The views, best first.
+    /// Views, in order of preference.
     pub views: Vec<&'static str>,
-    /// Views that it does not have for a kind of case, although it shows that kind in other views.
+    /// Views that are missing for a kind of case that the decoder decodes in other views.
     pub lacking: Vec<(&'static str, C::Feature)>,
-    /// The kinds of case for which it answered 69 to every first file in every view.
+    /// Kinds of cases whose first files all gave exit status 69 in every view.
     pub unsupported: Vec<C::Feature>,
-    /// The names of the kinds of case that it declares to read.
+    /// Names of the kinds of cases that the decoder declares.
     pub declared: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ impl<C: TestCase> Default for Offer<C> {
 }
 
 impl<C: TestCase> Offer<C> {
-    /// Returns true if it shows cases of this kind in other views only.
+    /// Returns true if the decoder decodes this kind of case only in other views.
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
         let view = C::view_name(view);
@@ -40,7 +40,7 @@ impl<C: TestCase> Offer<C> {
             .any(|(lacking, of)| *lacking == view && of == kind)
     }
 
-    /// Returns the first view of the case that is offered, preferably for files of its kind.
+    /// Returns the first offered view of the case, preferably one that is offered for its kind.
     #[must_use]
     pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));

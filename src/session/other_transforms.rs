@@ -29,7 +29,7 @@ static BY_JPEG_DECODER: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
 static BY_ZUNE: Counts = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// Returns the samples of `decode` if both the reference and `decode` return some.
-fn with_samples_of(
+fn decode_with(
     stream: &PlaneStream,
     decode: fn(&[u8]) -> Option<Vec<u8>>,
     counts: &Counts,
@@ -43,20 +43,20 @@ fn with_samples_of(
     Ok(other.unwrap_or(own))
 }
 
-fn by_jpeg_decoder(stream: &[u8]) -> Option<Vec<u8>> {
+fn decode_with_jpeg_decoder(stream: &[u8]) -> Option<Vec<u8>> {
     jpeg_decoder::Decoder::new(stream).decode().ok()
 }
 
-fn by_zune(stream: &[u8]) -> Option<Vec<u8>> {
+fn decode_with_zune(stream: &[u8]) -> Option<Vec<u8>> {
     let gray = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::Luma);
     zune_jpeg::JpegDecoder::new_with_options(std::io::Cursor::new(stream), gray)
         .decode()
         .ok()
 }
 
-/// Checks the report on the reference with such samples.
+/// Checks that the reference passes with these samples.
 #[track_caller]
-fn passes(reading: Reading, counts: &Counts) {
+fn assert_passes(reading: Reading, counts: &Counts) {
     let suite = Suite::load().expect("the suite loads");
     let is_jpeg = |case: &Case| case.format().coding() == Some(Coding::Jpeg);
     let plan = RunPlan {
@@ -92,17 +92,17 @@ fn passes(reading: Reading, counts: &Counts) {
 #[test]
 fn samples_of_jpeg_decoder_pass() {
     let reading = Reading {
-        stream: |stream| with_samples_of(stream, by_jpeg_decoder, &BY_JPEG_DECODER),
+        stream: |stream| decode_with(stream, decode_with_jpeg_decoder, &BY_JPEG_DECODER),
         ..Reading::SPEC
     };
-    passes(reading, &BY_JPEG_DECODER);
+    assert_passes(reading, &BY_JPEG_DECODER);
 }
 
 #[test]
 fn samples_of_zune_jpeg_pass() {
     let reading = Reading {
-        stream: |stream| with_samples_of(stream, by_zune, &BY_ZUNE),
+        stream: |stream| decode_with(stream, decode_with_zune, &BY_ZUNE),
         ..Reading::SPEC
     };
-    passes(reading, &BY_ZUNE);
+    assert_passes(reading, &BY_ZUNE);
 }

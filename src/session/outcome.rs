@@ -27,15 +27,15 @@ pub enum Outcome {
     ImplementationDefined,
     /// The decoder consistently does not support a feature that the case needs.
     Unsupported,
-    /// The accepted twin was not decoded, so there is no conclusion.
+    /// The valid twin was not decoded, so nothing can be concluded.
     Inconclusive,
-    /// A legal spelling or reading that this decoder does not use; it uses another.
+    /// A legal spelling or reading other than the decoder's.
     #[serde(rename = "other dialect")]
     OtherDialect,
     /// The response follows from an assumed mistake.
     #[serde(rename = "as assumed")]
     Assumed,
-    /// None of the case's views is offered.
+    /// The decoder offers none of the case's views.
     #[serde(rename = "not judged")]
     NotJudged,
     /// The run ended earlier.
@@ -80,10 +80,10 @@ impl Outcome {
     }
 }
 
-/// The response to a file, in the detail that the outcome depends on.
+/// The properties of a response that decide the outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResponseKind {
-    /// The expected image, or any image where every image is right.
+    /// The expected image, or any image if every image is correct.
     Expected,
     /// Another image.
     Different,

@@ -1,4 +1,4 @@
-//! Answers made elsewhere: by hand in a viewer, in a browser, on another system.
+//! Answers that were produced elsewhere: by hand in a viewer, in a browser, on another system.
 //!
 //! [`export`] writes every file that can be requested in one view, and a list of instructions. [`Outputs`] reads the results:
 //! for each file an image, a frame or an array under the name of the case, with any suffix; or the information that it was
@@ -26,29 +26,29 @@ const TABLE_NAME: &str = "requests.tsv";
 /// The directory for the answers.
 const ANSWERS_DIR: &str = "outputs";
 
-/// The output to be made for one file.
+/// A request: the output to produce for one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Listed {
-    /// The case.
+struct ListedRequest {
+    /// Id of the case.
     id: String,
-    /// Its file, below the directory of the list.
+    /// Path of the PTM file, relative to the list.
     file: String,
-    /// The file's digest.
+    /// Digest of the PTM file.
     sha256: String,
     /// The view: `raw`, `coef` or `rgb:LU,LV`.
     view: String,
-    /// The file to write, below the directory of the list; any suffix will do.
+    /// Path of the output, relative to the list, with any suffix.
     output: String,
 }
 
-impl Listed {
-    fn new(case: &Case, view: &View, file: &[u8]) -> Listed {
+impl ListedRequest {
+    fn new(case: &Case, view: &View, file: &[u8]) -> ListedRequest {
         let suffix = match view.kind() {
             ViewKind::Rgb => "png",
             _ => "npy",
         };
-        Listed {
+        ListedRequest {
             id: case.id.clone(),
             file: format!("files/{}.ptm", case.id),
             sha256: sha256(file),
@@ -76,7 +76,7 @@ pub fn export(
     for (done, case) in suite.cases.iter().enumerate() {
         if let Some(view) = case.views.iter().find(|offered| offered.name() == view) {
             let built = case.build(TableSpelling::default());
-            let listed = Listed::new(case, view, &built.file);
+            let listed = ListedRequest::new(case, view, &built.file);
             put(&directory.join(&listed.file), &built.file)?;
             list.push(listed);
         }
@@ -95,22 +95,22 @@ pub fn export(
     Ok(list.len())
 }
 
-/// The answer that was given for a case: a file, or a refusal.
-type Given = Result<PathBuf, Answer>;
+/// Answer for a case: a file, or a refusal.
+type OfflineAnswer = Result<PathBuf, Answer>;
 
-/// Lists of refused and of unsupported files, and the suffix of a file that stands for one.
+/// Names of the lists of refused and unsupported files, and the suffixes of files that stand for one such file.
 const REFUSALS: [(&str, &str, Answer); 2] = [
     ("rejected.txt", "reject", Answer::Rejected),
     ("unsupported.txt", "unsupported", Answer::Unsupported),
 ];
 
-/// Answers made elsewhere.
+/// Answers that were produced elsewhere.
 #[derive(Clone, Debug)]
 pub struct Outputs {
-    given: BTreeMap<String, Given>,
+    given: BTreeMap<String, OfflineAnswer>,
     /// The view of all requests.
     pub view: &'static str,
-    /// Files among the answers that belong to no request.
+    /// Files that do not belong to a request.
     pub strangers: Vec<String>,
 }
 
@@ -126,7 +126,7 @@ impl Outputs {
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
         let named = |error: String| format!("{}: {error}", path.display());
-        let list: Vec<Listed> = from_yaml(&text_of(&path)?).map_err(named)?;
+        let list: Vec<ListedRequest> = from_yaml(&text_of(&path)?).map_err(named)?;
         let view = view_of(&list, suite).map_err(named)?;
         let directory = directory.join(ANSWERS_DIR);
         let (mut given, strangers) = answers(&directory, &list)
@@ -147,7 +147,7 @@ impl Outputs {
         })
     }
 
-    /// Returns the reason why a case cannot be requested, one slot per case of `suite`.
+    /// Returns the reasons why cases cannot be requested, one slot per case of `suite`.
     #[must_use]
     pub fn withheld(&self, suite: &Suite) -> Vec<Option<String>> {
         let missing = |case: &Case| {
@@ -156,7 +156,7 @@ impl Outputs {
         suite.cases.iter().map(missing).collect()
     }
 
-    /// Answers like a decoder.
+    /// Answers a request like a decoder.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let answer = match self.given.get(request.name) {
@@ -176,7 +176,7 @@ impl Outputs {
 /// Returns the ids that the patterns of a list match; none if there is no such list.
 fn listed_ids(
     path: &Path,
-    list: &[Listed],
+    list: &[ListedRequest],
     matches: impl Fn(&str, &str) -> Result<bool, String>,
 ) -> Result<Vec<String>, String> {
     let text = match path.exists() {
@@ -191,7 +191,7 @@ fn listed_ids(
             continue;
         }
         let known = ids.len();
-        for Listed { id, .. } in list {
+        for ListedRequest { id, .. } in list {
             if matches(pattern, id).map_err(|error| fault(&error))? {
                 ids.push(id.clone());
             }
@@ -204,7 +204,7 @@ fn listed_ids(
 }
 
 /// Returns the view of all requests, whose files are those of `suite`.
-fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
+fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String> {
     let other = "these requests are from another version of this program; export them again";
     let mut view = None;
     for listed in list {
@@ -212,7 +212,7 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
         let mut views = case.views.iter();
         let asked = views.find(|view| view.to_string() == listed.view);
         let asked = asked.ok_or(other)?;
-        if *listed != Listed::new(case, asked, &case.build(TableSpelling::default()).file) {
+        if *listed != ListedRequest::new(case, asked, &case.build(TableSpelling::default()).file) {
             return Err(other.to_owned());
         }
         if *view.get_or_insert(asked.name()) != asked.name() {
@@ -225,8 +225,8 @@ fn view_of(list: &[Listed], suite: &Suite) -> Result<&'static str, String> {
 /// Returns the answers that are separate files, and the names of other files.
 fn answers(
     directory: &Path,
-    list: &[Listed],
-) -> io::Result<(BTreeMap<String, Given>, Vec<String>)> {
+    list: &[ListedRequest],
+) -> io::Result<(BTreeMap<String, OfflineAnswer>, Vec<String>)> {
     let ids: HashSet<&str> = list.iter().map(|listed| &*listed.id).collect();
     let mut given = BTreeMap::new();
     let mut strangers = Vec::new();

@@ -17,7 +17,7 @@ pub struct RunPlan {
     /// Number of parallel requests, at least 1.
     #[serde(skip)]
     pub jobs: usize,
-    /// The requested views; all that the decoder offers if empty.
+    /// Requested views; if empty, all views that the decoder offers.
     pub views: Vec<String>,
     /// The views that the decoder declares; empty if it declares none.
     pub declared_views: Vec<String>,
@@ -25,7 +25,7 @@ pub struct RunPlan {
     pub declared_kinds: Vec<String>,
     /// The requests to repeat.
     pub repeat: Repeat,
-    /// The cases that are requested before the others, one slot per case of the suite; empty if there are none.
+    /// True for cases that are requested before the others, one slot per case of the suite; empty if there are none.
     #[serde(skip)]
     pub soonest: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
@@ -37,15 +37,15 @@ pub struct RunPlan {
     pub stop: Arc<AtomicBool>,
 }
 
-/// The cases that are repeated with a new process, to find answers that differ.
+/// Selection of cases that are repeated with a new process to find nondeterminism.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Repeat {
-    /// None: the decoder is a function.
+    /// No cases, because the decoder is a function.
     #[default]
     Nothing,
-    /// Failures: the decoder may be nondeterministic.
+    /// Failures, because the decoder may be nondeterministic.
     Failures,
-    /// Failures, and one in [`SAMPLE`] of the others: a serving process may leak state from file to file.
+    /// Failures and one in [`SAMPLE`] other cases, because a serving process may leak state between files.
     FailuresAndSample,
 }
 
@@ -53,7 +53,7 @@ pub enum Repeat {
 pub const SAMPLE: usize = 100;
 
 impl RunPlan {
-    /// Makes a plan that requests everything once, from a decoder without declared capabilities.
+    /// Creates a plan that requests everything once from a decoder without capabilities.
     #[must_use]
     pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {
@@ -63,7 +63,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns the mode of the decoder, as in a report.
+    /// Returns the mode of the decoder for reports.
     #[must_use]
     pub fn mode(&self) -> &'static str {
         match self.repeat {
@@ -73,7 +73,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns true if a view may be requested: if the user wants it and the decoder does not declare others only.
+    /// Returns true if the user allows a view and the decoder does not declare only other views.
     pub(super) fn may_ask(&self, view: &str) -> bool {
         let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
         allows(&self.views) && allows(&self.declared_views)

@@ -22,7 +22,7 @@ use crate::suite::test_case::TestCase;
 /// The results of a run.
 #[derive(Clone, Debug)]
 pub struct Run<C: TestCase = Case> {
-    /// The observations, one slot per case of the suite.
+    /// Observations, one slot per case of the suite.
     pub observations: Vec<Option<Observation<C>>>,
     /// The verdicts.
     pub judgement: Judgement<C>,
@@ -67,7 +67,7 @@ pub fn check<C: TestCase>(
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Returns the cases to request: every selected case and its twins, in the first of its views that is offered; none if the
+    /// Returns the indices of the cases to request: every selected case and its twins that the decoder offers a view of; none if the
     /// program is not a decoder. The prioritized cases, and the others.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
@@ -110,7 +110,7 @@ impl<C: TestCase> Session<'_, C> {
         let is_legal = |&place: &usize| cases[places[place]].expect() == Expect::Decode;
         let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
         let made = Mutex::new((observations, 0));
-        self.side_by_side(places.len(), |place, worker| {
+        self.run_in_parallel(places.len(), |place, worker| {
             let i = places[place];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
@@ -180,10 +180,10 @@ impl<C: TestCase> Session<'_, C> {
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
-        let why_over = self.why_over();
+        let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
-            Some(_) => (&nothing, why_over),
-            None => (&self.plan.selected, contact.ends.or(why_over)),
+            Some(_) => (&nothing, end_reason),
+            None => (&self.plan.selected, contact.ends.or(end_reason)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, again) {

@@ -79,7 +79,7 @@ fn fault(scene: &LitScene) -> &'static str {
         (says, changed)
     });
     let lights = LIGHTS.iter();
-    let lights = lights.map(|&(says, u, v)| (says, scene.lit(u * LIGHT.0, v * LIGHT.1)));
+    let lights = lights.map(|&(says, u, v)| (says, scene.render(u * LIGHT.0, v * LIGHT.1)));
     let is_alike = |(_, image): &(&str, Vec<u8>)| {
         let pairs = image.iter().zip(received);
         let sum: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
@@ -118,7 +118,7 @@ mod tests {
                 let texels = scene.right.chunks(3);
                 texels.flat_map(|rgb| [rgb[2], rgb[1], rgb[0]]).collect()
             }),
-            ("lit from below", |scene| scene.lit(LIGHT.0, -LIGHT.1)),
+            ("lit from below", |scene| scene.render(LIGHT.0, -LIGHT.1)),
             ("too dark", |scene| times(scene, 0.5)),
             ("too bright", |scene| times(scene, 2.0)),
         ];
@@ -130,7 +130,7 @@ mod tests {
                     right: Vec::new(),
                     received: Vec::new(),
                 };
-                scene.right = scene.lit(LIGHT.0, LIGHT.1);
+                scene.right = scene.render(LIGHT.0, LIGHT.1);
                 scene.received = change(&scene);
                 let said = fault(&scene);
                 assert!(said.contains(says), "{format}: {says}: {said}");

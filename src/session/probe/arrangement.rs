@@ -1,4 +1,4 @@
-//! Wrong orders of samples that are known from wrappers.
+//! Common wrong orders of samples.
 
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
@@ -8,7 +8,7 @@ use super::message::{ProbeFault, fault};
 /// A function from (x, y, channel) and (width, height, channels) to the index of the sample in a raster.
 type Position = fn((usize, usize, usize), (usize, usize, usize)) -> usize;
 
-/// Orders of samples: the name of each but the right one, and the position of a sample.
+/// Orders of samples, with the name of each wrong one and the position of a sample.
 const LAYOUTS: [(Option<&str>, Position); 4] = [
     (None, |(x, y, c), (w, _, n)| (y * w + x) * n + c),
     (Some("planar"), |(x, y, c), (w, h, _)| (c * h + y) * w + x),
@@ -20,7 +20,7 @@ const LAYOUTS: [(Option<&str>, Position); 4] = [
     }),
 ];
 
-/// Orders of channels: the name of each but the right one.
+/// Names of the wrong orders of channels; `None` is the right order.
 const ORDERS: [Option<&str>; 7] = [
     None,
     Some("bgr"),
@@ -31,7 +31,7 @@ const ORDERS: [Option<&str>; 7] = [
     Some("by-coefficient"),
 ];
 
-/// An order of samples, for images of every number of channels.
+/// An order of samples for images with any number of channels.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::session) struct Arrangement {
     layout: (Option<&'static str>, Position),
@@ -88,7 +88,7 @@ impl Arrangement {
         }
     }
 
-    /// Returns its mistakes; none for the right one.
+    /// Returns the mistakes of this arrangement; empty for the right one.
     pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
         let upside_down = self.upside_down.then_some("upside-down");
         let mirrored = self.mirrored.then_some("mirrored");

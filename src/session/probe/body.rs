@@ -1,4 +1,4 @@
-//! The first line of a frame and its samples, in all possible interpretations.
+//! All possible interpretations of a malformed frame.
 
 use crate::protocol::forms;
 use crate::protocol::frame::{Samples, View, ViewKind};
@@ -10,7 +10,7 @@ use super::message::{ProbeFault, Slots, fault};
 pub(super) type Interpretation = (Vec<f64>, Vec<ProbeFault>);
 
 /// Returns the mistakes in the first line, and the samples in all possible interpretations.
-pub(super) fn body(
+pub(super) fn interpret_frame(
     bytes: &[u8],
     expected: &Expected,
     view: &View,
@@ -83,7 +83,7 @@ fn line_mistakes(
     made.map(|(_, name, slots)| fault(name, slots)).collect()
 }
 
-/// Returns the numbers that the bytes of the samples may represent.
+/// Returns the numbers that the bytes may represent.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;

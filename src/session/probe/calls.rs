@@ -1,4 +1,4 @@
-//! Calls of the probed decoder, by the protocol and by other command lines.
+//! Calls of the probed decoder by the protocol and in other ways.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -13,16 +13,16 @@ use crate::suite::compare::Expected;
 use super::message::{ProbeFault, fault};
 use super::repair::repair;
 
-/// The probed decoder, and its working directory.
+/// The probed decoder and its working directory.
 pub(super) struct Calls<'a> {
-    /// Its command as it was given; empty if it is not a command to which the file can be appended.
+    /// Command of the decoder, or empty if arguments cannot be appended to it.
     pub(super) command: &'a [OsString],
     pub(super) decoder: &'a Decoder,
     pub(super) scratch: &'a Scratch,
 }
 
 impl Calls<'_> {
-    /// Checks the command before it is run.
+    /// Checks the command before it runs.
     pub(super) fn check_command(&self) -> Result<(), ProbeFault> {
         let Some((program, words)) = self.command.split_first() else {
             return Err(fault("no-command", &[]));
@@ -40,16 +40,16 @@ impl Calls<'_> {
 
     /// Sends a request as the protocol defines.
     pub(super) fn ask(&self, view: &View, file: &[u8]) -> Reply {
-        self.ask_by(None, view, file)
+        self.call_with_template(None, view, file)
     }
 
-    /// Sends a request with a word that is not a view.
-    pub(super) fn ask_for(&self, word: &str, after: &[&str], file: &[u8]) -> Reply {
+    /// Calls the decoder with a word that is not a view.
+    pub(super) fn call_with_word(&self, word: &str, after: &[&str], file: &[u8]) -> Reply {
         let words = self.template_around(&[], &[&[word][..], after].concat());
-        self.ask_by(Some(words), &View::Raw, file)
+        self.call_with_template(Some(words), &View::Raw, file)
     }
 
-    fn ask_by(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
+    fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
         let request = Request {
             name: "probe",
             view,
@@ -91,15 +91,15 @@ impl Calls<'_> {
         let not_run = not_run.filter(|_| !self.command.is_empty());
         let known = repair(&reply.stdout, expected, view)
             .or_else(|| not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)])));
-        // A decoder that times out would time out in every way of being called.
+        // A decoder that times out would time out with any command line.
         if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
             return known;
         }
-        self.other_way(file, expected, view)
+        self.find_other_call(file, expected, view)
     }
 
-    /// Finds a way of calling the decoder that gives a frame, if that of the protocol gives none.
-    fn other_way(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
+    /// Finds another command line for which the decoder prints a frame.
+    fn find_other_call(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");
         let home = ["sh", "-c", "cd \"$0\" && exec \"$@\"", &here];
@@ -113,7 +113,8 @@ impl Calls<'_> {
             (&from_stdin, &[], "stdin-alone"),
         ];
         let (.., name) = ways.into_iter().find(|(before, after, _)| {
-            let reply = self.ask_by(Some(self.template_around(before, after)), view, file);
+            let reply =
+                self.call_with_template(Some(self.template_around(before, after)), view, file);
             matches!(reply.answer, Answer::Decoded(_))
                 || repair(&reply.stdout, expected, view).is_some()
         })?;

@@ -17,10 +17,10 @@ pub enum Mark {
     Absent,
 }
 
-/// One step of the walk.
+/// A step of a probe.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeStep {
-    /// Its result.
+    /// Result of the step.
     pub mark: Mark,
     /// The observation.
     pub says: String,
@@ -51,14 +51,14 @@ pub struct Reproduction {
     pub requests: Vec<ProbeRequest>,
 }
 
-/// A view of a file.
+/// A request for a file in a view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeRequest {
     /// The view, as a word of the command line.
     pub view: String,
     /// A name for the file.
     pub file_name: String,
-    /// Its bytes.
+    /// Bytes of the file.
     pub file: Vec<u8>,
 }
 
@@ -79,7 +79,7 @@ impl Reproduction {
         }
     }
 
-    /// Returns the command line that repeats it, with the files in `directory` and the command `decoder`.
+    /// Returns the command line that reproduces the observation, with files in `directory` and the command `decoder`.
     #[must_use]
     pub fn command(&self, decoder: &str, directory: &Path) -> String {
         let shown = "xxd | head";
@@ -138,7 +138,7 @@ impl Checklist {
         self.add(Mark::Absent, says, None);
     }
 
-    /// Returns 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 otherwise.
+    /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 in all other cases.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match (self.answers, self.faults()) {

@@ -1,4 +1,4 @@
-//! The meaning of an answer that is not a frame, and what to do about it.
+//! Explanations of answers that are not frames.
 
 use crate::kit::last_words::last_words;
 use crate::protocol::frame::Answer;
@@ -34,7 +34,7 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
     fault(name, &[("answer", &answer), ("stderr", &stderr)])
 }
 
-/// Returns the size of a buffer if the output consists of whole buffers of a frame, which is truncated then.
+/// Returns the buffer size if the output is a frame that was truncated after a whole number of buffers.
 pub(super) fn buffer_size(reply: &Reply) -> Option<usize> {
     let is_multiple = |step: &usize| reply.stdout.len().is_multiple_of(*step);
     let begins = reply.stdout.starts_with(b"PTM1 ");

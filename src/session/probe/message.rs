@@ -9,7 +9,7 @@ use crate::kit::yaml::from_yaml;
 /// An observation, and a suggested fix.
 pub(in crate::session) type ProbeFault = (String, String);
 
-/// The values of the names in braces.
+/// Values of the slots of a message.
 pub(super) type Slots<'a> = [(&'static str, &'a dyn Display)];
 
 static TEMPLATES: LazyLock<BTreeMap<String, BTreeMap<String, String>>> = LazyLock::new(|| {

@@ -26,7 +26,7 @@ mod sample;
 mod serve;
 mod wrapper;
 
-/// Takes all steps with `decoder`, which was made from `command`.
+/// Runs all steps with `decoder`, which was created from `command`.
 #[must_use]
 pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Checklist {
     let calls = calls::Calls {
@@ -47,6 +47,6 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
     one_shot::refusals(&calls, &first, &mut list);
     one_shot::unknown_view(&calls, &first.sample, &mut list);
     one_shot::capabilities(&calls, &mut list);
-    serve::look(&calls, &first, &mut list);
+    serve::probe_serve_mode(&calls, &first, &mut list);
     list
 }

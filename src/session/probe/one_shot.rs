@@ -15,7 +15,7 @@ use super::sample::Sample;
 /// The formats that most readers support. The others follow in the order of the text.
 const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];
 
-/// A file, and the replies to it in each view.
+/// A file and the replies to it in each view.
 pub(super) struct FileReplies {
     pub(super) sample: Sample,
     pub(super) replies: Vec<(View, Reply)>,
@@ -35,10 +35,10 @@ impl FileReplies {
         }
     }
 
-    /// Requests a format, in the spelling of its table that the decoder reads, if any.
-    fn in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
+    /// Requests a format in the table spelling that the decoder reads best.
+    fn request_in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
         let mut best: Option<FileReplies> = None;
-        for sample in Sample::in_all_spellings(format) {
+        for sample in Sample::samples_in_all_spellings(format) {
             let asked = FileReplies::new(calls, sample);
             if (best.as_ref()).is_none_or(|best| asked.rank() > best.rank()) {
                 best = Some(asked);
@@ -53,7 +53,7 @@ impl FileReplies {
         best.expect("every format has a spelling")
     }
 
-    /// Returns how well the decoder reads the file: whether it answers with a frame, one of the right size, the right image.
+    /// Rates the replies: true for a frame, for a frame of the right size, and for the correct image.
     fn rank(&self) -> [bool; 3] {
         let one = |(view, reply): &(View, Reply)| match &reply.answer {
             Answer::Decoded(frame) => {
@@ -65,7 +65,7 @@ impl FileReplies {
         self.replies.iter().map(one).max().unwrap_or_default()
     }
 
-    /// Returns true if more files would only take time.
+    /// Returns true if requesting more files is pointless.
     fn is_hopeless(&self) -> bool {
         self.replies.iter().any(|(_, reply)| {
             matches!(
@@ -76,14 +76,14 @@ impl FileReplies {
     }
 }
 
-/// Finds a format that it decodes and judges the images. Returns the replies that are frames.
+/// Finds a format that the decoder reads, and judges the images. Returns the replies that are frames.
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let mut lacking = Vec::new();
     let others = Format::ALL.into_iter();
     let others = others.filter(|format| !COMMON_FORMATS.contains(format));
     for format in COMMON_FORMATS.into_iter().chain(others) {
-        let mut asked = FileReplies::in_best_spelling(calls, format);
+        let mut asked = FileReplies::request_in_best_spelling(calls, format);
         if asked.rank()[0] {
             judge_views(&asked, list);
             if !lacking.is_empty() {
@@ -120,7 +120,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
     None
 }
 
-/// Reports for each view of a file whether it is right, and if not, the repair.
+/// Reports the result of each view of a file, with the repair of a wrong image.
 fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checklist) {
     let name = sample.format.short_name();
     if sample.spelling != TableSpelling::default() {
@@ -162,7 +162,7 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
     let sample = Sample::large(first.sample.format, first.sample.spelling);
     for (view, _) in &first.replies {
         let reply = calls.ask(view, &sample.file);
-        let what = sample.size_in_words(view);
+        let what = sample.size_text(view);
         let fault = match &reply.answer {
             Answer::Decoded(frame) if sample.has_size(frame) => {
                 list.good(format!("{what}: complete"));
@@ -207,7 +207,7 @@ pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3
 /// Requests a view that does not exist.
 pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
     const UNKNOWN_VIEW: &str = "no-such-view";
-    let reply = calls.ask_for(UNKNOWN_VIEW, &["{in}"], &sample.file);
+    let reply = calls.call_with_word(UNKNOWN_VIEW, &["{in}"], &sample.file);
     let fault = match &reply.answer {
         Answer::Unsupported => return list.good("an unknown view: exited with 69"),
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
@@ -218,7 +218,7 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
 
 /// Requests the capabilities.
 pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
-    let reply = calls.ask_for("capabilities", &[], b"");
+    let reply = calls.call_with_word("capabilities", &[], b"");
     let text = String::from_utf8_lossy(&reply.stdout);
     let says_so = text.lines().any(|line| line.trim_end() == "protocol: 1");
     if reply.exit == Some(0) && says_so {

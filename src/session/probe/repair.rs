@@ -1,13 +1,13 @@
-//! Repair of an answer: the mistakes of wrappers, undone until the image is right.
+//! Repair of an answer: known mistakes of wrappers are undone until the image is correct.
 
 use crate::protocol::frame::{Frame, View};
 use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
-use super::body::body;
+use super::body::interpret_frame;
 use super::message::{ProbeFault, fault, joined};
 
-/// The mistakes that must be undone to get the right image.
+/// Mistakes that must be undone to get the correct image.
 pub(super) struct Repair {
     pub(super) mistakes: Vec<ProbeFault>,
     /// True if all samples are right and only their order is wrong.
@@ -32,7 +32,7 @@ pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<P
 pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Repair> {
     let mut repairs = Vec::new();
     for (bytes, mistakes) in streams(bytes) {
-        let Some((shape, values)) = body(&bytes, expected, view) else {
+        let Some((shape, values)) = interpret_frame(&bytes, expected, view) else {
             continue;
         };
         for (values, encoded) in values {
@@ -49,10 +49,10 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
     repairs
 }
 
-/// Bytes, and the mistakes that were undone to get them.
+/// Repaired bytes and the mistakes that were undone.
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
-/// Returns the bytes, also with the effects of text mode, encodings and messages undone.
+/// Returns the bytes, unchanged and with text mode, encodings and messages undone.
 fn streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));

@@ -14,7 +14,7 @@ use super::checklist::Reproduction;
 /// A file, and the result of a correct decoder.
 pub(super) struct Sample {
     pub(super) format: Format,
-    /// The spelling of the count of its table, if it has one.
+    /// Spelling of the table, if the file has one.
     pub(super) spelling: TableSpelling,
     pub(super) file: Vec<u8>,
     pub(super) size: Size,
@@ -56,12 +56,12 @@ impl Sample {
     }
 
     /// Describes a frame by its size.
-    pub(super) fn size_in_words(&self, view: &View) -> String {
+    pub(super) fn size_text(&self, view: &View) -> String {
         format!("a frame of {} texels in {view}", self.size.texels())
     }
 
     /// Returns the same map in every spelling of its format, the default one first.
-    pub(super) fn in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
+    pub(super) fn samples_in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
         let spellings = TableSpelling::all().take(spellings);
         spellings.map(move |spelling| Sample::new(format, "5x3", spelling))

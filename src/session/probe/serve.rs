@@ -21,11 +21,11 @@ use super::one_shot::FileReplies;
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// The reason why the steps end before the last one: a fault after a number of requests, or None if serve mode is not offered.
+/// Reason for an early end: a fault after a number of requests, or `None` if serve mode is not offered.
 type Stop = Option<(usize, ProbeFault)>;
 
-/// Takes the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
-pub(super) fn look(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
+/// Runs the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
+pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.good("serve: it ends when its input ends"),
         Err(None) => {
@@ -117,7 +117,7 @@ fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), Pro
 
 /// The behavior of the process while an answer was expected.
 enum Served {
-    /// The line of an answer, and the bytes that it declares.
+    /// The line of an answer and the announced bytes.
     Answer(String, Vec<u8>),
     /// No complete answer within the timeout.
     Nothing,
@@ -134,7 +134,7 @@ struct Dialog<'a> {
     timeout: Duration,
 }
 
-/// The most bytes of an answer.
+/// Maximum number of bytes of an answer.
 const MAX_ANSWER: usize = 1 << 20;
 
 impl<'a> Dialog<'a> {
@@ -197,7 +197,7 @@ impl<'a> Dialog<'a> {
         }
     }
 
-    /// Takes an answer from the output, if it is complete.
+    /// Removes an answer from the output if it is complete.
     fn whole_answer(&mut self) -> Option<Served> {
         let output = &mut self.call.output;
         let end = output.iter().position(|&byte| byte == b'\n')?;

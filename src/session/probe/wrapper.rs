@@ -47,20 +47,22 @@ pub fn wrapper_faults(
             views.push(reply.view);
         }
     }
-    let of_view = |&view: &&View| fault_of_frames(view, &replies);
+    let of_view = |&view: &&View| common_frame_fault(view, &replies);
     let faults: Vec<ProbeStep> = views.iter().filter_map(of_view).collect();
     if !faults.is_empty() {
-        return each_once(faults);
+        return merge_equal_fixes(faults);
     }
     if contact.not_a_decoder.is_some() {
-        return no_frame(&calls, &replies).into_iter().collect();
+        return explain_missing_frames(&calls, &replies)
+            .into_iter()
+            .collect();
     }
     let decoded = |view: &&View| {
         let mut replies = replies.iter().filter(|reply| reply.view == *view);
         replies.find(|reply| reply.frame().is_some())
     };
     let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
-    let large = |i: usize| cut_frame(&calls, decoded[i], contact.table);
+    let large = |i: usize| check_large_frame(&calls, decoded[i], contact.table);
     let cut = in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
@@ -68,13 +70,13 @@ pub fn wrapper_faults(
     };
     let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
     if let (true, Some(&first)) = (judges_refusals, decoded.first()) {
-        faults.extend(no_refusal(&calls, first, plan.jobs));
+        faults.extend(check_refusals(&calls, first, plan.jobs));
     }
-    each_once(faults)
+    merge_equal_fixes(faults)
 }
 
-/// Keeps the first of several faults with the same fix, with the number of the others.
-fn each_once(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
+/// Keeps one of several faults with the same fix and appends the number of the others.
+fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let mut each: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {
         match each.iter_mut().find(|(first, _)| first.next == fault.next) {
@@ -94,7 +96,7 @@ fn each_once(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
 }
 
 impl FirstReply<'_> {
-    /// Returns the received bytes: as they are, or those of the frame if a serving process answered.
+    /// Returns the received bytes; for a serving process, those of the frame.
     fn bytes(&self) -> Vec<u8> {
         match self.frame() {
             Some(frame) if self.reply.stdout.is_empty() => frame.to_bytes(),
@@ -110,7 +112,7 @@ impl FirstReply<'_> {
 }
 
 /// Returns the smallest set of mistakes that, undone, corrects most frames of a view, one of them a wrapper's.
-fn fault_of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
+fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
         return None;
@@ -140,7 +142,7 @@ fn fault_of_frames(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
 }
 
 /// Returns the reason why no first file gave a frame, from the first reply that shows one.
-fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
+fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let tells = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(tells).or_else(|| replies.first())?;
     let is_plain = matches!(
@@ -160,17 +162,17 @@ fn no_frame(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
 }
 
 /// Checks for a truncated frame that is larger than the buffer of a pipe.
-fn cut_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
+fn check_large_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
     let (sample, view) = (Sample::large(first.case.format(), table), first.view);
     let reply = calls.ask(view, &sample.file);
     buffer_size(&reply)?;
-    let what = sample.size_in_words(view);
+    let what = sample.size_text(view);
     let step = ProbeStep::bad(&what, explain(&reply), sample.repeat(view));
     Some(step)
 }
 
 /// Checks for malformed files that all end in one exit status which is not that of a refusal.
-fn no_refusal(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
+fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);
     let replies = in_parallel(files.len(), jobs, &|_, _| (), &ask);
