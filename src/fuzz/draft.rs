@@ -1,6 +1,6 @@
-//! Random files in the notation of cases.
+//! Randomly generated files, described like cases.
 //!
-//! Files are not drawn as bytes but in the notation of `make` in `spec-cases/`, so that a find is a ready case, and every
+//! Files are generated not as bytes but as the `make` record of a case, so that a find is a complete case, and every
 //! simplification is one word less or a smaller word. A drawn file is legal or not by construction; nothing here depends on a
 //! lenient ruling.
 
@@ -12,7 +12,7 @@ use arbitrary::{Result, Unstructured};
 use crate::ptm::{Coding, Format, Storage};
 use crate::suite::cases::{Case, Expect, Suite};
 
-/// The words of a case that differ from the default file.
+/// A generated file: the parts of a case record that differ from the default file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Draft {
     /// The format.
@@ -27,7 +27,7 @@ pub struct Draft {
     pub compression: DraftWords,
     /// Words of `spelling`.
     pub spelling: DraftWords,
-    /// The views, best first.
+    /// Views, in order of preference.
     pub views: Vec<String>,
     /// The damage of the file, if any.
     pub damage: Option<DraftDamage>,
@@ -36,7 +36,7 @@ pub struct Draft {
 /// A damage of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DraftDamage {
-    /// Its name in `spec-cases/`.
+    /// Name of the damage in `spec-cases/`.
     pub name: &'static str,
     /// [`Expect::Reject`] or [`Expect::Refuse`].
     pub expect: Expect,
@@ -46,7 +46,7 @@ pub struct DraftDamage {
 pub type DraftWords = BTreeMap<&'static str, String>;
 
 impl Draft {
-    /// Draws a legal file.
+    /// Generates a legal file.
     ///
     /// # Errors
     /// If `u` has no bytes left.
@@ -77,7 +77,7 @@ impl Draft {
         self.width * self.height
     }
 
-    /// Draws scale, bias, matrix and scene.
+    /// Generates scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
             set_word(&mut self.make, "scale", draw_list(6, u, draw_scale)?);
@@ -86,7 +86,7 @@ impl Draft {
             set_word(&mut self.make, "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
-            // Column-major; the last row is 0 0 0 1 and there is no translation, because its place is an open question.
+            // Column-major. The last row is 0 0 0 1 without a translation, because the position of the translation is an open question.
             let mut matrix = Vec::new();
             for _ in 0..3 {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
@@ -114,7 +114,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Draws tables, indices, and the byte after the header.
+    /// Generates tables, indices, and the byte after the header.
     fn draw_payload(&mut self, u: &mut Unstructured) -> Result<()> {
         if self.format.has_table() {
             let entries = match u.int_in_range(0..=19)? {
@@ -154,7 +154,7 @@ impl Draft {
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
         let residuals = match u.int_in_range(0..=9)? {
-            // Planes with roundings of inverse DCTs are requested raw, and never displaced.
+            // Planes whose samples depend on the inverse DCT are requested raw, and never displaced.
             0..=2 if !(jpeg && moves) => "natural",
             3 => "wraps",
             4 => "framed",
@@ -166,7 +166,7 @@ impl Draft {
         self.draw_stream(jpeg, u)
     }
 
-    /// Draws references and ranks: a known structure, or any forest.
+    /// Generates references and ranks: a known structure or any forest.
     fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
         const STRUCTURES: [&str; 9] = [
             "intra",
@@ -200,7 +200,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Draws transforms and vectors; returns true if references may be displaced.
+    /// Generates transforms and vectors. Returns true if references may be displaced.
     fn draw_transforms(&mut self, u: &mut Unstructured) -> Result<bool> {
         if u.ratio(1, 3)? {
             return Ok(false);
@@ -217,7 +217,7 @@ impl Draft {
             if with_motion && u.ratio(3, 4)? {
                 let length = u.int_in_range(1..=5)?;
                 let vectors = draw_list(length, u, |u| {
-                    // Also beyond the plane, and beyond a byte.
+                    // Some vectors point outside the plane or exceed a byte.
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
@@ -259,7 +259,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Draws the options of an encoder of streams.
+    /// Generates the options of the stream encoder.
     fn draw_stream(&mut self, jpeg: bool, u: &mut Unstructured) -> Result<()> {
         if u.ratio(1, 2)? {
             return Ok(());
@@ -306,14 +306,14 @@ impl Draft {
 
     /// Returns the same file without its damage.
     #[must_use]
-    pub fn whole(&self) -> Draft {
+    pub fn without_damage(&self) -> Draft {
         Draft {
             damage: None,
             ..self.clone()
         }
     }
 
-    /// Returns the case, or two of them if the file is damaged: its twin `ID-whole`, and itself.
+    /// Returns the case. A damaged file has two cases: its twin `ID-whole`, and itself.
     ///
     /// # Errors
     /// The reason why the file cannot be written.
@@ -322,7 +322,7 @@ impl Draft {
         Ok(suite.cases)
     }
 
-    /// Returns the case in the notation of `spec-cases/`.
+    /// Formats the case as in `spec-cases/`.
     #[must_use]
     pub fn to_yaml(&self, id: &str, because: &str) -> String {
         let clause = section(self.format);
@@ -379,7 +379,7 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Draws a size: mostly small; sometimes long, around 256, or over 65,535 texels. Decoders based on libjpeg are correct, but it
+/// Generates a size: usually small, sometimes long, around 256, or over 65,535 texels. Decoders based on libjpeg are correct, but it
 /// reads no plane wider than 65,500.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
@@ -427,7 +427,7 @@ fn draw_spelling(u: &mut Unstructured) -> Result<DraftWords> {
     Ok(words)
 }
 
-/// Draws a scale: small, of any sign and spelling.
+/// Generates a small scale with any sign and spelling.
 fn draw_scale(u: &mut Unstructured) -> Result<String> {
     let hundredths = u.int_in_range(1..=240)?;
     Ok(match u.int_in_range(0..=9)? {
@@ -454,7 +454,7 @@ fn draw_bias(u: &mut Unstructured) -> Result<String> {
     })
 }
 
-/// Draws a factor of the color matrix.
+/// Generates an element of the color matrix.
 fn draw_factor(u: &mut Unstructured) -> Result<String> {
     let factor = f64::from(u.int_in_range(-150..=150)?) / 128.0;
     Ok(match u.int_in_range(0..=5)? {
@@ -464,7 +464,7 @@ fn draw_factor(u: &mut Unstructured) -> Result<String> {
     })
 }
 
-/// Draws `count` numbers separated by spaces.
+/// Generates `count` numbers separated by spaces.
 fn draw_list(
     count: usize,
     u: &mut Unstructured,

@@ -1,4 +1,4 @@
-//! The source of the files of a run: the same seed draws the same files.
+//! The generator of a run: equal seeds give equal files.
 
 use std::collections::BTreeMap;
 
@@ -8,21 +8,21 @@ use super::draft::{Draft, DraftDamage};
 use crate::ptm::Format;
 use crate::suite::cases::{Expect, Suite};
 
-/// One in this number of files is damaged, and must be refused.
+/// One in this number of files is damaged and must be refused.
 const FILES_PER_DAMAGE: u32 = 6;
 /// Number of random bytes for one file.
 const RANDOM_BYTES: usize = 2048;
 
-/// The source of files.
-pub struct Draws {
-    /// Damages with which a file of a format must be refused, whatever its contents.
+/// The generator of files.
+pub struct DraftGenerator {
+    /// Damages after which a file of a format must be refused, whatever its contents.
     damages: Vec<(Format, DraftDamage)>,
 }
 
-impl Draws {
-    /// Draws legal files, and damages with the same expected result in all cases of the suite.
+impl DraftGenerator {
+    /// DraftGenerator legal files, and damages with the same expected result in all cases of the suite.
     #[must_use]
-    pub fn new(suite: &Suite) -> Draws {
+    pub fn new(suite: &Suite) -> DraftGenerator {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
         for case in &suite.cases {
             if let Some(damage) = case.damage() {
@@ -36,12 +36,12 @@ impl Draws {
                 && expects.iter().all(|&other| other == expect);
             settled.then_some((format, DraftDamage { name, expect }))
         };
-        Draws {
+        DraftGenerator {
             damages: expected.into_iter().filter_map(damage).collect(),
         }
     }
 
-    /// Draws file `number`: a legal one, or one with a damage.
+    /// DraftGenerator file `number`: a legal one, or one with a damage.
     #[must_use]
     pub fn file(&self, seed: u64, number: u64) -> Option<Draft> {
         let bytes = random_bytes(seed, number);
@@ -65,7 +65,7 @@ impl Draws {
     }
 }
 
-/// Returns the bytes that draw file `number`: `SplitMix64` with a separate start.
+/// Returns the random bytes for file `number`, from `SplitMix64` seeded with both numbers.
 pub(super) fn random_bytes(seed: u64, number: u64) -> Vec<u8> {
     let mut state = seed ^ number.wrapping_mul(0xd134_2543_de82_ef95);
     let mut next = || {

@@ -1,4 +1,4 @@
-//! A mistake that fuzzing found, with its cause and the smallest file that shows it.
+//! A mistake found by fuzzing, with its cause and the smallest failing file.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -22,34 +22,34 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Number of files that are drawn to distinguish suspects, and of those that are requested.
+/// Maximum number of files that are generated to distinguish suspects. Fewer are requested.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
 /// A decoder with known properties.
 pub struct KnownDecoder<'a> {
-    /// Asks it.
+    /// Sends a request to the decoder.
     pub ask: &'a Ask<'a>,
-    /// The views it offers.
+    /// Offer of the decoder.
     pub offer: Offer,
-    /// The spelling of tables for it.
+    /// Spelling in which tables are sent.
     pub table: TableSpelling,
-    /// Its reading of the open questions.
+    /// Readings of open questions.
     pub reading: Reading,
 }
 
-/// A request for a drawn file.
+/// A request for a generated file.
 pub(super) struct DraftRequest {
-    /// The case; for a damaged draft the damaged one.
+    /// The case of the draft; for a damaged draft, the damaged case.
     pub case: Case,
-    /// Its file.
+    /// File of the case.
     pub built: Arc<Built>,
     /// The requested view.
     pub view: View,
 }
 
 impl KnownDecoder<'_> {
-    /// Returns the request for a draft; None if it cannot be written or no view of it is offered.
+    /// Returns the request for a draft, or `None` if the file cannot be written or none of its views is offered.
     pub(super) fn question(&self, draft: &Draft) -> Option<DraftRequest> {
         let case = draft.cases("draft").ok()?.pop()?;
         let view = self.offer.chosen_view(&case)?.clone();
@@ -76,7 +76,7 @@ impl KnownDecoder<'_> {
         (self.ask)(&request, 0).answer
     }
 
-    /// Returns the answer of a decoder with these mistakes, and this decoder's reading of open questions.
+    /// Returns the answer of a decoder with these mistakes and this decoder's readings of open questions.
     fn answer_with(&self, mistakes: &[&Misreading], question: &DraftRequest) -> Answer {
         misreadings::answer(mistakes, self.reading, &question.built.file, &question.view)
     }
@@ -103,13 +103,13 @@ impl KnownDecoder<'_> {
     }
 }
 
-/// The reason why a file fails.
+/// Reason why a file fails.
 pub enum Explanation {
     /// Any of these misreadings, the most likely first.
     Misreading(Vec<&'static Misreading>),
-    /// It decodes a file with this damage.
+    /// The decoder accepts a file with this damage.
     Accepts(&'static str),
-    /// Not explained by a misreading: an image, a refusal, or a crash with its message.
+    /// A failure that no misreading explains: an image, a refusal, or a crash with its message.
     Other(String),
 }
 
@@ -123,7 +123,7 @@ impl Explanation {
         if let (Some(damage), Response::Image { .. }) = (draft.damage, &observation.response) {
             return Explanation::Accepts(damage.name);
         }
-        let other = Explanation::Other(symptom_shown(&observation.response));
+        let other = Explanation::Other(response_symptom(&observation.response));
         let Some(question) = decoder.question(draft) else {
             return other;
         };
@@ -150,7 +150,7 @@ impl Explanation {
     }
 
     /// Returns true if another failure has the same cause.
-    pub(super) fn also_of(
+    pub(super) fn is_cause_of(
         &self,
         draft: &Draft,
         observation: &Observation,
@@ -166,12 +166,12 @@ impl Explanation {
                     .iter()
                     .any(|suspect| explains(suspect, &question, observation, decoder))
             }),
-            Explanation::Other(known) => *known == symptom_shown(&observation.response),
+            Explanation::Other(known) => *known == response_symptom(&observation.response),
         }
     }
 
     /// Removes the suspects that do not explain this failure.
-    pub(super) fn narrow(
+    pub(super) fn drop_refuted_suspects(
         &mut self,
         draft: &Draft,
         observation: &Observation,
@@ -183,7 +183,7 @@ impl Explanation {
         }
     }
 
-    /// Returns a word or a sentence.
+    /// Returns a short description.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -194,7 +194,7 @@ impl Explanation {
     }
 }
 
-/// Describes an unexplained behavior in words that are the same for every file.
+/// Describes an unexplained behavior independently of the file.
 fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
         "decoded" => "a wrong image".to_owned(),
@@ -205,7 +205,7 @@ fn symptom(name: &str, words: Option<&str>) -> String {
     }
 }
 
-fn symptom_shown(shown: &Response) -> String {
+fn response_symptom(shown: &Response) -> String {
     let words = match shown {
         Response::Violation(answer) => answer.violation(),
         _ => None,
@@ -230,32 +230,32 @@ fn explains(
             },
             Answer::Decoded(made),
         ) => alike(shown, &made),
-        // No image is kept of a file that must be refused, because accepting it is the mistake.
+        // The image of a file that must be refused is not kept, because accepting the file is the mistake.
         (Response::Image { .. }, Answer::Decoded(_)) => is_damaged,
         (Response::Rejected, Answer::Rejected) => true,
         _ => false,
     }
 }
 
-/// A mistake, and the smallest file that shows it.
+/// A mistake and the smallest failing file.
 pub struct Find {
     /// The cause of the failure.
     pub cause: Explanation,
     /// The cause that the diagnosis finds, if the failure is not explained otherwise.
     pub diagnosis: Option<LikelyCause>,
-    /// The message of the verdict on the first file.
+    /// Message of the verdict on the first failing file.
     pub says: String,
-    /// The file as it was drawn.
+    /// The original file.
     pub drawn: Draft,
     /// The minimized file.
     pub small: Draft,
     /// The view in which the minimized file was requested.
     pub view: Option<View>,
-    /// The decoder's answer, in a word or two.
+    /// Name of the decoder's answer.
     pub answer: String,
     /// The received frame, if any.
     pub received: Option<Frame>,
-    /// The number of drawn files with the same failure.
+    /// Number of generated files with the same failure.
     pub seen: usize,
 }
 
@@ -267,9 +267,9 @@ impl Find {
         decoder: &KnownDecoder,
         stop: &AtomicBool,
     ) -> Find {
-        tell_apart(draft, &mut cause, decoder);
+        distinguish_suspects(draft, &mut cause, decoder);
         let small = minimise(draft, decoder.table, stop, &|smaller| {
-            fails_alike(smaller, &cause, decoder)
+            fails_for_same_reason(smaller, &cause, decoder)
         });
         let question = decoder.question(&small);
         let answer = question.as_ref().map(|question| decoder.answer(question));
@@ -291,7 +291,7 @@ impl Find {
 }
 
 /// Requests files for which the suspects differ, until one suspect is left or no such file is found.
-fn tell_apart(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
+fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
     let Explanation::Misreading(suspects) = cause else {
         return;
     };
@@ -336,11 +336,15 @@ fn are_equal(a: &Answer, b: &Answer) -> bool {
 }
 
 /// Returns true if the decoder fails on a draft for the same reason.
-pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDecoder) -> bool {
+pub(super) fn fails_for_same_reason(
+    draft: &Draft,
+    cause: &Explanation,
+    decoder: &KnownDecoder,
+) -> bool {
     let Some(question) = decoder.question(draft) else {
         return false;
     };
-    // Most smaller files show nothing any more, which is known without a request.
+    // Most smaller files no longer fail, which the suspect predicts without a request.
     let made = match cause {
         Explanation::Misreading(suspects) => {
             let made = decoder.answer_with(&suspects[..1], &question);
@@ -355,7 +359,7 @@ pub(super) fn fails_alike(draft: &Draft, cause: &Explanation, decoder: &KnownDec
     match (cause, &answer) {
         (Explanation::Misreading(_), answer) => made.is_some_and(|made| are_equal(&made, answer)),
         (Explanation::Accepts(_), Answer::Decoded(_)) => decoder
-            .question(&draft.whole())
+            .question(&draft.without_damage())
             .is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_))),
         (Explanation::Accepts(_), _) => false,
         (Explanation::Other(known), answer) => {

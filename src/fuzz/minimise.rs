@@ -1,4 +1,4 @@
-//! Minimizes a drawn file that fails in the same way: every step removes a word or makes one smaller.
+//! Minimization of a generated file: every step removes or simplifies a word of its description.
 
 use std::sync::atomic::AtomicBool;
 
@@ -7,7 +7,7 @@ use super::shrink::{shrink, smaller_sizes};
 use crate::ptm::Size;
 use crate::suite::cases::TableSpelling;
 
-/// Returns the smallest draft reached from `draft` by steps after each of which it still `fails`.
+/// Returns the smallest draft that steps from `draft` reach while it still `fails`.
 pub fn minimise(
     draft: &Draft,
     table: TableSpelling,
@@ -16,21 +16,21 @@ pub fn minimise(
 ) -> Draft {
     shrink(
         draft.clone(),
-        |draft| weigh(draft, table),
+        |draft| weight(draft, table),
         steps,
         stop,
         fails,
     )
 }
 
-/// Returns the number of bytes of the file, and of the words that make it.
-fn weigh(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
+/// Returns the number of bytes of the file and of its description.
+fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
     let case = draft.cases("weighed").ok()?.pop()?;
     let words = draft.to_yaml("", "").len();
     Some((case.build(table).file.len(), words))
 }
 
-/// Some of the words of a draft.
+/// Selects some of the words of a draft.
 type DraftPart = fn(&mut Draft) -> &mut DraftWords;
 const MAKE: DraftPart = |draft| &mut draft.make;
 const COMPRESSION: DraftPart = |draft| &mut draft.compression;
@@ -84,7 +84,7 @@ fn sizes(draft: &Draft) -> Vec<Draft> {
     sizes.map(resized).collect()
 }
 
-/// Returns numbers nearer to zero, or lists with one word less or one word simpler.
+/// Returns numbers closer to zero, or lists with one word removed or simplified.
 fn simpler_words(key: &str, word: &str) -> Vec<String> {
     let list: Vec<&str> = word.split(' ').collect();
     let mut all = Vec::new();

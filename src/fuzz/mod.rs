@@ -1,8 +1,8 @@
-//! Differential fuzzing of a decoder: random files of all formats, judged like cases, grouped by cause, minimized.
+//! Differential fuzzing of a decoder: random files of all formats are judged like cases, grouped by cause, and minimized.
 //!
-//! Files are drawn in batches, and a batch is run like the suite: the same verdicts, the same dialect, the same tolerance.
+//! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances.
 //! Failures are grouped by the misreadings that explain them, not by their bytes, and the first of each group is minimized
-//! while it fails in the same way. The same seed draws the same files.
+//! while it fails in the same way. Equal seeds give equal files.
 
 pub mod draft;
 pub mod draws;
@@ -28,10 +28,10 @@ use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, check};
 use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
-use draws::Draws;
+use draws::DraftGenerator;
 use find::{Explanation, Find, KnownDecoder, MAX_WITNESSES};
 
-/// Number of files that are drawn and judged together.
+/// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;
 
 /// The plan of a run.
@@ -43,11 +43,11 @@ pub struct FuzzPlan {
     pub executions: usize,
     /// Number of parallel requests, at least 1.
     pub jobs: usize,
-    /// Requested views; all that the decoder offers if empty.
+    /// Requested views; if empty, all views that the decoder offers.
     pub views: Vec<String>,
     /// The declared capabilities of the decoder.
     pub declared: Capabilities,
-    /// Only these formats; all if empty.
+    /// Formats to generate; if empty, all formats.
     pub formats: Vec<Format>,
     /// Set when the run is to end.
     pub stop: Arc<AtomicBool>,
@@ -58,7 +58,7 @@ pub struct FuzzPlan {
 pub struct FuzzResult {
     /// Number of requests.
     pub executions: usize,
-    /// Number of drawn files.
+    /// Number of generated files.
     pub files: usize,
     /// Mistakes, in the order in which they were found.
     pub finds: Vec<Find>,
@@ -76,7 +76,7 @@ pub enum FuzzProgress<'a> {
     Found(&'a Find),
 }
 
-/// Fuzzes a decoder. `tell` is called for every find as soon as it is minimized.
+/// Fuzzes a decoder. Calls `tell` for every find as soon as it is minimized.
 pub fn fuzz(
     suite: &Suite,
     plan: &FuzzPlan,
@@ -90,12 +90,12 @@ pub fn fuzz(
         ));
         ask(request, worker)
     };
-    let opening = opening(suite);
-    let draws = Draws::new(suite);
+    let opening_cases = opening_cases(suite);
+    let draws = DraftGenerator::new(suite);
     let mut outcomes = FuzzResult::default();
     let mut number = 0;
     while counted.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
-        let batch = Batch::draw(plan, &opening, &draws, number);
+        let batch = Batch::draw(plan, &opening_cases, &draws, number);
         number += 1;
         outcomes.files += batch.drafts.len();
         let run = run(&batch.suite, plan, &ask);
@@ -134,20 +134,20 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
 }
 
 /// Returns the cases at the beginning of every batch: first files and the spellings of a table.
-fn opening(suite: &Suite) -> Vec<Case> {
+fn opening_cases(suite: &Suite) -> Vec<Case> {
     let opens = |case: &&Case| case.first || case.expect == Expect::Spelling;
     suite.cases.iter().filter(opens).cloned().collect()
 }
 
-/// Files that are drawn and judged together.
+/// Files that are generated and judged together.
 struct Batch {
     suite: Suite,
     drafts: Vec<Draft>,
 }
 
 impl Batch {
-    fn draw(plan: &FuzzPlan, opening: &[Case], draws: &Draws, number: u64) -> Batch {
-        let mut cases = opening.to_vec();
+    fn draw(plan: &FuzzPlan, opening_cases: &[Case], draws: &DraftGenerator, number: u64) -> Batch {
+        let mut cases = opening_cases.to_vec();
         let mut drafts = Vec::new();
         for place in 0..BATCH_SIZE as u64 {
             let Some(draft) = draws.file(plan.seed, number * BATCH_SIZE as u64 + place) else {
@@ -191,9 +191,11 @@ impl Batch {
             };
             if let Some(known) = finds
                 .iter_mut()
-                .find(|find| find.cause.also_of(draft, observation, decoder))
+                .find(|find| find.cause.is_cause_of(draft, observation, decoder))
             {
-                known.cause.narrow(draft, observation, decoder);
+                known
+                    .cause
+                    .drop_refuted_suspects(draft, observation, decoder);
                 known.seen += 1;
                 continue;
             }
@@ -219,7 +221,7 @@ impl Batch {
         decoder: &KnownDecoder,
         plan: &FuzzPlan,
     ) -> Option<LikelyCause> {
-        let mut cases = opening(&self.suite);
+        let mut cases = opening_cases(&self.suite);
         let passed = self.with_outcome(run, Outcome::Pass);
         let legal = passed.filter(|(draft, _)| draft.damage.is_none());
         let legal = legal.take(MAX_WITNESSES);

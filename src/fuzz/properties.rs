@@ -1,4 +1,4 @@
-//! Properties that hold for every input: one function for each, called by fuzz targets and proptest.
+//! Properties that hold for every input, one function each, called by fuzz targets and proptest.
 //!
 //! Each takes untrusted bytes and panics if its property does not hold. Properties of structured input derive it from the
 //! bytes; if these are too few, the function returns without a test.
@@ -34,7 +34,7 @@ use crate::suite::compare::Expected;
 use crate::suite::dialect::{Choice, Dialect};
 use crate::suite::values::Values;
 
-/// Maximum number of texels of a drawn file, so that a target runs thousands of files per second.
+/// Maximum number of texels of a generated file, so that a target runs thousands of files per second.
 const MAX_TEXELS: u32 = 3000;
 /// Limit on the bytes of planes of arbitrary files.
 const MAX_MEMORY: usize = 1 << 24;
@@ -72,7 +72,7 @@ pub fn file(bytes: &[u8]) {
     assert!(fields.iter().all(|field| field.range.end <= bytes.len()));
 }
 
-/// Checks that a drawn file decodes to what was painted.
+/// Checks that a generated file decodes to the painted values.
 ///
 /// # Panics
 /// If it does not.
@@ -122,7 +122,7 @@ pub fn spelling(bytes: &[u8]) {
     assert_eq!(drawn, with(lenient));
 }
 
-/// Checks that painted planes are the same as plain texels and as lossless JPEG-LS, with any prediction.
+/// Checks that planes decode to the same values from plain texels and from lossless JPEG-LS with any prediction.
 ///
 /// # Panics
 /// If they are not.
@@ -192,7 +192,7 @@ type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
 pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     let u = &mut Unstructured::new(bytes);
     let (width, height, options) = jpeg_options(u).ok()?;
-    let samples = picture(width, height, u);
+    let samples = samples_from_bytes(width, height, u);
     let encoded = jpeg::encode(&samples, width, height, &options);
     let decoded = jpeg::decode(&encoded.stream, width, height).expect("our own stream");
     assert_eq!(decoded, encoded.samples);
@@ -204,7 +204,7 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
 /// Blocks with a sample at either end of the range are skipped. Their values may be far beyond it, where a transform in 16 bits
 /// overflows.
 #[must_use]
-pub fn nearly(ours: &[u8], theirs: &[u8], width: u32) -> bool {
+pub fn nearly_equal(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
     let at_an_end = ours
         .iter()
@@ -224,7 +224,7 @@ pub fn jpeg_ls_round_trip(bytes: &[u8]) {
     let Ok((width, height, options)) = jpeg_ls_options(u) else {
         return;
     };
-    let samples = picture(width, height, u);
+    let samples = samples_from_bytes(width, height, u);
     let encoded = jpeg_ls::encode(&samples, width, height, &options);
     let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("our own stream");
     assert_eq!(decoded, encoded.samples);
@@ -280,8 +280,8 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
 
-/// Returns samples from the remaining bytes, repeated: runs if they are few, noise if they are many.
-fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
+/// Fills samples with the remaining bytes, repeated: runs if there are few bytes, noise if there are many.
+fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
     let rest = u.bytes(u.len()).unwrap_or_default();
     let rest = if rest.is_empty() { &[128][..] } else { rest };
     rest.iter()
@@ -291,7 +291,7 @@ fn picture(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
         .collect()
 }
 
-/// Checks that any output of a decoder is refused with a message, or is one frame that is written as it was read.
+/// Checks that any decoder output is refused with a message, or is one frame that is written as it was read.
 ///
 /// # Panics
 /// If it is not.
@@ -307,7 +307,7 @@ pub fn frame(bytes: &[u8]) {
     }
 }
 
-/// Checks that any text as a case file is a suite or refused with a message.
+/// Checks that any text is either a valid case file or refused with a message.
 ///
 /// # Panics
 /// If it is neither.
@@ -385,13 +385,13 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// One in this number of cases of the suite with small files is used.
+/// One in this number of cases with small files is used.
 #[cfg(unix)]
 const CASE_STRIDE: usize = 40;
 #[cfg(unix)]
 const SMALL: usize = 2000;
 
-/// Returns a wrong answer selected by `choice`, or the right one.
+/// Returns a wrong answer selected by `choice`, or the correct one.
 #[cfg(unix)]
 fn wrong(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {

@@ -1,4 +1,4 @@
-//! Minimizes an existing file while a decoder fails on it in the same way.
+//! Minimization of an existing file while a decoder fails on it in the same way.
 //!
 //! The file is converted to the input of a writer, and written again after every step, so that sizes and lists are always
 //! consistent. If the default spelling of the header hides the failure, the file is not changed.
@@ -31,7 +31,7 @@ pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) ->
     Some(smallest.0)
 }
 
-/// The input of a writer.
+/// Input of a writer.
 #[derive(Clone)]
 struct Parts {
     recipe: Recipe,
@@ -107,7 +107,7 @@ impl Parts {
             parts
         };
         let sizes = smaller_sizes(self.recipe.size).into_iter();
-        let mut all: Vec<Parts> = sizes.filter_map(|size| self.cropped(size)).collect();
+        let mut all: Vec<Parts> = sizes.filter_map(|size| self.crop_to(size)).collect();
         all.extend(NUMBER_SIMPLIFICATIONS.map(|change| simpler(&change)));
         if self.recipe.format.has_table() {
             all.extend([1, 2, 4].map(|share| self.with_fewer_entries(share)));
@@ -126,8 +126,8 @@ impl Parts {
         self.model.compressed.as_mut().expect("a compressed format")
     }
 
-    /// Returns the top left corner.
-    fn cropped(&self, size: Size) -> Option<Parts> {
+    /// Crops the map to its top left corner.
+    fn crop_to(&self, size: Size) -> Option<Parts> {
         let (old, Size { width, height }) = (self.recipe.size, size);
         let mut parts = self.clone();
         (parts.recipe.size, parts.model.size) = (size, size);
@@ -138,14 +138,14 @@ impl Parts {
         }
         if let Some(Compressed { planes, .. }) = &self.model.compressed {
             for (plane, new) in planes.iter().zip(&mut parts.compressed().planes) {
-                *new = self.cropped_plane(plane, width, height)?;
+                *new = self.crop_plane(plane, width, height)?;
             }
         }
         Some(parts)
     }
 
     /// A plane is stored bottom row first, so its top left corner is at the end of the raster.
-    fn cropped_plane(&self, plane: &StoredPlane, width: u32, height: u32) -> Option<StoredPlane> {
+    fn crop_plane(&self, plane: &StoredPlane, width: u32, height: u32) -> Option<StoredPlane> {
         let old = self.recipe.size;
         let coding = self.recipe.compression.coding;
         let residual = (coding.decode(&plane.stream, old.width, old.height)).ok()?;
@@ -155,14 +155,14 @@ impl Parts {
             width: old.width,
             height,
         };
-        let cropped = crop(kept, 1, rest, width, height);
+        let crop_to = crop(kept, 1, rest, width, height);
         let parameter = self.recipe.compression.parameter;
         let moved = |&(position, value): &(u32, u8)| {
             let (x, y) = (position % old.width, position / old.width);
             (x < width && y >= gone).then(|| ((y - gone) * width + x, value))
         };
         Some(StoredPlane {
-            stream: coding.encode(&cropped, (width, height), parameter),
+            stream: coding.encode(&crop_to, (width, height), parameter),
             records: plane.records.iter().filter_map(moved).collect(),
         })
     }
@@ -176,7 +176,7 @@ impl Parts {
         self.compressed().planes[plane].stream = stream;
     }
 
-    /// Returns only the first `1 / share` of the entries in use, with each index reduced below their number.
+    /// Keeps the first `1 / share` of the entries in use and reduces each index modulo their number.
     fn with_fewer_entries(&self, share: u32) -> Parts {
         let mut parts = self.clone();
         let in_use = self.model.indices.iter().max().map_or(1, |&last| last + 1);
@@ -195,7 +195,7 @@ impl Parts {
     }
 }
 
-/// Returns the top left corner of a raster with `channels` values per texel.
+/// Crops a raster with `channels` values per texel to its top left corner.
 fn crop<T: Copy>(values: &[T], channels: usize, old: Size, width: u32, height: u32) -> Vec<T> {
     values
         .chunks_exact(old.width as usize * channels)
@@ -220,14 +220,14 @@ fn indices(stored: &[u8], entries: usize, size: Size) -> Vec<u32> {
         .collect()
 }
 
-/// The fields of a file that was decoded.
+/// Fields of a decoded file.
 struct Fields<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
 }
 
 impl<'a> Fields<'a> {
-    fn of_clause(&self, clause: &'static str) -> impl Iterator<Item = &'a [u8]> {
+    fn fields_of_clause(&self, clause: &'static str) -> impl Iterator<Item = &'a [u8]> {
         let fields = self
             .fields
             .iter()
@@ -236,13 +236,13 @@ impl<'a> Fields<'a> {
     }
 
     fn bytes(&self, clause: &'static str, n: usize) -> Option<&'a [u8]> {
-        self.of_clause(clause).nth(n)
+        self.fields_of_clause(clause).nth(n)
     }
 
-    /// Returns some of the fields of a clause, separated by spaces.
+    /// Joins some of the fields of a clause with spaces.
     fn text(&self, clause: &'static str, range: Range<usize>) -> String {
         let words: Vec<_> = self
-            .of_clause(clause)
+            .fields_of_clause(clause)
             .skip(range.start)
             .take(range.len())
             .map(String::from_utf8_lossy)
@@ -252,7 +252,7 @@ impl<'a> Fields<'a> {
 
     fn numbers<T: std::str::FromStr>(&self, clause: &'static str) -> Option<Vec<T>> {
         let number = |word: &[u8]| std::str::from_utf8(word).ok()?.parse().ok();
-        self.of_clause(clause).map(number).collect()
+        self.fields_of_clause(clause).map(number).collect()
     }
 
     /// Reads 2.9.1–2.9.5.

@@ -1,4 +1,4 @@
-//! Minimizes something step by step while a decoder still fails on it in the same way.
+//! Step-by-step minimization while a decoder still fails in the same way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -7,7 +7,7 @@ use crate::ptm::Size;
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;
 
-/// Returns the lightest candidate reached from `best` by steps after each of which it still `fails`.
+/// Returns the lightest candidate that steps from `best` reach while it still `fails`.
 ///
 /// The lightest step is tried first, so that one that halves the image precedes one that simplifies a number. A candidate
 /// without a weight cannot be written and is skipped.

@@ -1,4 +1,4 @@
-//! A find on disk: a ready case, its file, expected and received output, and an explanation.
+//! A find on disk: a complete case, its file, expected and received output, and an explanation.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -43,7 +43,7 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
     Ok(name)
 }
 
-/// Returns the cause in a sentence.
+/// Describes the cause in a sentence.
 #[must_use]
 pub fn because(find: &Find) -> String {
     match &find.cause {
@@ -99,7 +99,7 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     out + &annotated(built)
 }
 
-/// Returns the file, field by field, or its first bytes if it has no fields.
+/// Formats the file field by field, or its first bytes if it has no fields.
 fn annotated(built: &Built) -> String {
     let mut out = format!("\nThe file, {} bytes:\n", built.file.len());
     for field in &built.fields {

@@ -46,13 +46,13 @@ fn write_list(line: Line, name: &'static str, numbers: &[impl ToString], out: &m
     let ends = match out.spelling.lists {
         Lists::Lines | Lists::NumberPerLine => true,
         Lists::MotionOnOneLine => line != Line::MotionX,
-        // The header must end in a line feed, whatever precedes it.
+        // The header must end in a line feed in every layout.
         Lists::OneLine => line == Line::SideSizes,
     };
     out.line_end_or_gap(ends, line);
 }
 
-/// Writes 2.9.8: in plane order, whatever the order of decoding (ruling `planes-stored`).
+/// Writes 2.9.8 in plane order, whatever the order of decoding (ruling `planes-stored`).
 fn write_planes(compressed: &Compressed, out: &mut Output) {
     for plane in &compressed.planes {
         out.take("2.9.8/1", "plane", &plane.stream);

@@ -21,14 +21,14 @@ use crate::ptm::{Coding, Format, Size};
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Damage {
-    /// A slug that cases use.
+    /// Slug that cases use.
     #[serde(rename = "slug")]
     pub name: String,
-    /// The clause that it breaks or goes beyond.
+    /// Clause that the damage violates or exceeds.
     pub clause: String,
-    /// The resulting fault of the file, as a clause without a full stop.
+    /// The resulting fault of the file, without a period.
     pub effect: String,
-    /// The only files that it applies to.
+    /// Restrictions on the files that the damage applies to.
     needs: Needs,
     replace: BTreeMap<DamagePlace, String>,
     overwrite: BTreeMap<DamagePlace, String>,
@@ -52,7 +52,7 @@ pub struct Damage {
     reads_as: Option<DamageChange>,
 }
 
-/// The only files that a damage applies to.
+/// Restrictions on the files that a damage applies to.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Needs {
@@ -79,7 +79,7 @@ enum Index {
     AllOnes,
 }
 
-/// The resulting values, for a reader that reads on regardless.
+/// The resulting values, for a reader that ignores the damage.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum DamageChange {
@@ -92,14 +92,14 @@ enum DamageChange {
 /// A part of the undamaged file and its replacement.
 type Splice = (Spot, Vec<u8>);
 
-/// The number of bytes that an edit removes at its place, and the bytes that it inserts.
+/// Number of bytes that an edit removes, and the bytes that it inserts.
 type Edited = (usize, Vec<u8>);
 
 impl Damage {
     /// Returns the edited file.
     ///
     /// # Errors
-    /// A sentence, if the file has no such place.
+    /// The reason, if the file lacks what the edit changes.
     pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = Named { written, model };
@@ -188,12 +188,12 @@ impl Damage {
         Ok(gone.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
-    /// Returns the values for a reader that reads on regardless.
+    /// Returns the values for a reader that ignores the damage.
     #[must_use]
     pub fn values(&self, model: &Model) -> Model {
         match self.reads_as {
             Some(DamageChange::InterleavedTexels) if model.format == Format::Lrgb => {
-                interleave(model)
+                interleave_texels(model)
             }
             Some(DamageChange::PlaneOneIs128) => {
                 let mut model = model.clone();
@@ -275,7 +275,7 @@ fn add_to_number(file: &Named, place: &DamagePlace, more: &str) -> Result<Splice
     Ok((spot, sum.to_string().into_bytes()))
 }
 
-/// Sets an index to a value that no entry has.
+/// Sets an index to a value that refers to no entry.
 fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, String> {
     let entries = file.model.entries();
     let width = if entries > 256 { 2 } else { 1 };
@@ -300,7 +300,7 @@ fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, St
     Ok((Spot { range, ..spot }, bytes))
 }
 
-/// Returns the sizes of planes and of their side information after these splices.
+/// Adjusts the sizes of planes and of their side information to these splices.
 fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
     let size = |(list, part): (Spot, Spot)| {
         let mine = splices.iter().filter(|(spot, _)| spot.field == part.field);
@@ -337,7 +337,7 @@ fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Stri
 }
 
 /// Returns each texel as the nine adjacent bytes that version 1.1 finds in the payload of an LRGB file.
-fn interleave(model: &Model) -> Model {
+fn interleave_texels(model: &Model) -> Model {
     let row = model.size.width as usize * 9;
     let rows = model.samples.chunks(row).rev();
     let bottom_up: Vec<&[u8]> = rows.flat_map(|row| row.chunks(9)).collect();

@@ -1,4 +1,4 @@
-//! Rewriting of the headers of a stream: another order, another component id.
+//! Rewriting of the headers of a stream with another order or component id.
 
 use super::plan::Stream;
 use crate::codec::segments::{MarkerSegment, join_segments, split_segments};
@@ -8,7 +8,7 @@ const JFIF: u8 = 0xe0;
 const COMPONENT_OF_FRAME: usize = 6;
 const COMPONENT_OF_SCAN: usize = 1;
 
-/// Returns the stream with the headers that `style` requests.
+/// Rewrites the headers of a stream as `style` requests.
 pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
     let (mut segments, data) = split_segments(stream).expect("a stream of our encoders");
     if !style.jfif {

@@ -39,7 +39,7 @@ mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
 
-/// Rewriting of the headers of a stream: another order, another component id.
+/// Rewriting of the headers of a stream with another order or component id.
 mod headers;
 
 /// Recipes for files: format, size, scene, numbers, spelling.
@@ -68,7 +68,7 @@ pub mod damage;
 #[cfg(feature = "harness")]
 mod place;
 
-/// Streams with the wrong properties, to replace one of a file.
+/// Streams with wrong properties, which replace streams of a file.
 #[cfg(feature = "harness")]
 mod stand_in;
 
@@ -84,7 +84,7 @@ pub use spelling::Spelling;
 use crate::ptm::{Shape, Storage};
 use output::Output;
 
-/// Writes the file of `recipe`, whose values `model` holds.
+/// Writes the file of `recipe` with the values of `model`.
 #[must_use]
 pub fn write(recipe: &Recipe, model: &Model) -> Written {
     let mut out = Output::new(&recipe.spelling);

@@ -1,6 +1,6 @@
 //! Painted maps whose planes, coefficients and colors are known by construction.
 //!
-//! The meaning of a file is computed here from what was painted, not by decoding the file.
+//! The values of a file are computed from the painted scene, not by decoding the file.
 
 use std::collections::HashMap;
 
@@ -70,7 +70,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Returns the values, with neither table nor streams yet.
+    /// Returns a model without table and streams.
     pub(crate) fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
         Model {
             format: recipe.format,
@@ -148,11 +148,11 @@ impl Model {
     /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
-        self.finals(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])
+        self.final_values(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])
     }
 
     /// Returns the final values of `samples`, of which coefficient a*i* becomes `coefficient(raw, i)`.
-    fn finals(&self, samples: &[u8], coefficient: impl Fn(f64, usize) -> f64) -> Vec<f64> {
+    fn final_values(&self, samples: &[u8], coefficient: impl Fn(f64, usize) -> f64) -> Vec<f64> {
         let channels = self.format.channels();
         let polynomials = if channels == 18 { 18 } else { 6 };
         let value = |(i, &byte): (usize, &u8)| match i % channels {
@@ -164,7 +164,7 @@ impl Model {
 
     /// Returns `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
     #[must_use]
-    pub fn picture(&self, u: f64, v: f64) -> Vec<f64> {
+    pub fn colors(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
         let polynomial = |a: &[f64]| -> f64 { (0..6).map(|i| a[i] * powers[i]).sum() };
         let color = |texel: &[f64]| match texel.len() {
@@ -185,12 +185,12 @@ impl Model {
     /// Returns the maximum deviation of each final value between inverse DCTs; empty if all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
-        self.finals(&self.slack, |slack, i| slack * self.scale[i].abs())
+        self.final_values(&self.slack, |slack, i| slack * self.scale[i].abs())
     }
 
     /// Returns the maximum deviation of each color between inverse DCTs; empty if all agree.
     #[must_use]
-    pub fn picture_slack(&self, u: f64, v: f64) -> Vec<f64> {
+    pub fn color_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];
         let sum = |a: &[f64], weigh: fn(f64) -> f64| -> f64 {
             (0..6).map(|i| weigh(a[i] * powers[i])).sum()

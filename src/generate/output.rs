@@ -1,14 +1,14 @@
-//! Writing methods that record the map of what they wrote: the mirror of the reader's methods.
+//! Writing methods that record the written fields, mirroring the reader's methods.
 
 use super::spelling::{Line, Spelling};
 use crate::ptm::Field;
 
-/// A file and the meaning of its bytes.
+/// A written file and its fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
     /// The file.
     pub bytes: Vec<u8>,
-    /// Its fields in file order, which map each byte to its meaning.
+    /// Fields in file order, which give the meaning of each byte.
     pub fields: Vec<Field>,
     /// The position of the first byte that is not header text.
     pub payload: usize,

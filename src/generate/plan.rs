@@ -272,7 +272,7 @@ impl Compression {
     }
 
     /// Returns the texels of a plane for which the recipe requests a record.
-    pub(super) fn asked_records(&self, plane: usize, size: Size) -> Vec<usize> {
+    pub(super) fn requested_records(&self, plane: usize, size: Size) -> Vec<usize> {
         let (width, texels) = (size.width as usize, size.texels());
         let edge = |place: &usize| {
             place.is_multiple_of(width)
@@ -392,7 +392,7 @@ impl Compression {
                 }
                 _ => {}
             }
-            let mut places = self.asked_records(plane, size).into_iter();
+            let mut places = self.requested_records(plane, size).into_iter();
             if places.any(|place| place >= size.texels()) {
                 return Err("a record refers to a texel that does not exist".to_owned());
             }

@@ -49,7 +49,7 @@ impl StoredPlane {
     }
 }
 
-/// One decoded plane, in the stored raster.
+/// A decoded plane in the stored raster.
 #[derive(Clone)]
 struct Finished {
     samples: Vec<u8>,
@@ -58,7 +58,7 @@ struct Finished {
     stored: StoredPlane,
 }
 
-/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds the values to encode, texel after
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds the values to encode, texel by
 /// texel, top row first.
 ///
 /// Returns the streams; the values as an exact decoder returns them; and the maximum deviation of each value between inverse
@@ -74,7 +74,7 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec
     }
     let finished: Vec<Finished> = finished.into_iter().flatten().collect();
 
-    let texel = |i: usize| (i % count, stored_place(recipe.size, i / count));
+    let texel = |i: usize| (i % count, stored_position(recipe.size, i / count));
     let places = || (0..recipe.size.texels() * count).map(texel);
     let sample = |(channel, place): (usize, usize)| finished[channel].samples[place];
     let samples = places().map(sample).collect();
@@ -82,7 +82,7 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec
     if finished.iter().any(|plane| plane.slack > 0) {
         let planes = finished.iter().map(|plane| {
             let mut slack = vec![plane.slack; plane.samples.len()];
-            // A corrected texel has its value from the file and no deviation.
+            // The value of a corrected texel is in the file, so it has no deviation.
             for &(place, _) in &plane.stored.records {
                 slack[place as usize] = 0;
             }
@@ -98,8 +98,8 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec
     (compressed, samples, slack)
 }
 
-/// Returns the stored position of texel `place`, counted from the top; the first stored row is the bottom one (ruling `rows`).
-fn stored_place(size: Size, place: usize) -> usize {
+/// Converts the index of a texel, counted from the top, to its stored position. The bottom row is stored first (ruling `rows`).
+fn stored_position(size: Size, place: usize) -> usize {
     let width = size.width as usize;
     (size.height as usize - 1 - place / width) * width + place % width
 }
@@ -118,10 +118,10 @@ fn encode_plane(
     let encoded = run_codec(recipe, plane, &residual);
     let (stream, received) = (encoded.stream, encoded.samples);
     let own_slack = match recipe.compression.coding {
-        Coding::Jpeg => u8::from(!any_transform_is_exact(&residual, &received, recipe)),
+        Coding::Jpeg => u8::from(!is_exact_in_every_transform(&residual, &received, recipe)),
         Coding::JpegLs => 0,
     };
-    let mut samples = plane_of_residual(&received, predictor.as_deref());
+    let mut samples = reconstruct_plane(&received, predictor.as_deref());
     let records = records(plan, plane, &original, &samples, recipe.size);
     for &(place, value) in &records {
         samples[place as usize] = value; // 2.9.8/8
@@ -143,7 +143,7 @@ fn paint(
 ) -> (Vec<u8>, Vec<u8>) {
     let size = recipe.size;
     let channels = recipe.format.channels();
-    let scene = |place: usize| scene[stored_place(size, place) * channels + plane];
+    let scene = |place: usize| scene[stored_position(size, place) * channels + plane];
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
         let mut residual = original.clone();
@@ -154,16 +154,16 @@ fn paint(
         return (original, residual);
     }
     let residual = painted_residual(recipe, plane, predictor);
-    let mut original = plane_of_residual(&residual, predictor);
-    // At requested records the original is that of the scene, so that a record has an effect.
-    for place in recipe.compression.asked_records(plane, size) {
+    let mut original = reconstruct_plane(&residual, predictor);
+    // At requested records the original value is that of the scene, so that the record has an effect.
+    for place in recipe.compression.requested_records(plane, size) {
         original[place] = scene(place);
     }
     (original, residual)
 }
 
-/// Returns the plane of a residual: residual + predictor − 128 modulo 256, or the residual itself (ruling `prediction`).
-fn plane_of_residual(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
+/// Reconstructs a plane: residual + predictor − 128 modulo 256, or the residual itself without a predictor (ruling `prediction`).
+fn reconstruct_plane(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
     let mut plane = residual.to_vec();
     for (sample, predictor) in plane.iter_mut().zip(predictor.unwrap_or_default()) {
         *sample = sample.wrapping_add(*predictor).wrapping_sub(128);
@@ -227,7 +227,7 @@ fn exact_step(recipe: &Recipe) -> u32 {
 }
 
 /// Returns true if every block has one value and was restored unchanged.
-fn any_transform_is_exact(residual: &[u8], received: &[u8], recipe: &Recipe) -> bool {
+fn is_exact_in_every_transform(residual: &[u8], received: &[u8], recipe: &Recipe) -> bool {
     let width = recipe.size.width as usize;
     let first_of_block =
         |place: usize| residual[place / width / 8 * 8 * width + place % width / 8 * 8];
@@ -277,7 +277,7 @@ fn records(
     restored: &[u8],
     size: Size,
 ) -> Vec<(u32, u8)> {
-    let mut places = plan.asked_records(plane, size);
+    let mut places = plan.requested_records(plane, size);
     let asked: HashSet<usize> = places.iter().copied().collect();
     let overflows = |place: &usize| original[*place].abs_diff(restored[*place]) > 128;
     places.extend((0..original.len()).filter(|place| overflows(place) && !asked.contains(place)));

@@ -17,7 +17,7 @@ pub(super) const INVERSION: u32 = 1;
 /// The bit of a transform that displaces the reference (clause 2.9.2/4).
 pub(super) const MOTION: u32 = 2;
 
-/// Returns the predictor of a plane: its reference, transformed.
+/// Returns the predictor of a plane, which is its transformed reference.
 pub(super) fn predictor(
     reference: &[u8],
     size: Size,
@@ -60,7 +60,7 @@ fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     ((sum + 2) >> 2) as u8
 }
 
-/// Returns the nearest sample of the edge outside the plane (motion-border).
+/// Returns a sample; outside the plane, the nearest sample of the edge (motion-border).
 fn sample_at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]

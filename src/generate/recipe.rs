@@ -10,7 +10,7 @@ use crate::ptm::{Format, Size};
 /// `N` numbers, each with its spelling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<const N: usize> {
-    /// All spellings in one string, because a suite may hold a hundred thousand recipes.
+    /// All spellings in one string, because a suite may have a hundred thousand recipes.
     text: Box<str>,
     /// The values of the numbers.
     pub values: [f64; N],
@@ -50,11 +50,11 @@ pub enum Indices {
     Below(u32),
     /// Only entries whose two bytes differ.
     BytesDiffer,
-    /// These, top row first, repeated.
+    /// The given entries, top row first, repeated.
     These(Vec<u32>),
 }
 
-/// One file to write.
+/// The description of a file to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
     /// The format.
@@ -77,14 +77,14 @@ pub struct Recipe {
     pub indices: Indices,
     /// The compression of the planes (2.9); unused in other formats.
     pub compression: Compression,
-    /// The first byte of the payload, if it matters.
+    /// The first byte of the payload, if it is fixed.
     pub first: Option<u8>,
     /// The spelling of the header.
     pub spelling: Spelling,
 }
 
 impl Recipe {
-    /// A default file: noise, with scales and biases that keep most colors between 0 and 255.
+    /// Returns the recipe of a default file: noise, with scales and biases that keep most colors between 0 and 255.
     ///
     /// # Panics
     /// Never: all its number strings are valid.
@@ -98,7 +98,7 @@ impl Recipe {
             seed: 1,
             scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
             bias: "128 100 140 120 130 3".parse().expect(numbers),
-            // Column-major; all nine factors differ. No translation, because its place is an open question.
+            // Column-major. All nine factors differ; there is no translation, because its position is an open question.
             matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 0 0 0 1"
                 .parse()
                 .expect(numbers),
@@ -113,7 +113,7 @@ impl Recipe {
     /// Checks that this recipe can be written.
     ///
     /// # Errors
-    /// A sentence that says why it cannot be written.
+    /// The reason why it cannot be written.
     pub fn check(&self) -> Result<(), String> {
         if self.format.coding().is_some() {
             self.compression.check(self.size)?;

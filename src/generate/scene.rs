@@ -9,9 +9,9 @@ pub enum Scene {
     Noise,
     /// 0 or 255, pseudo-random.
     Extremes,
-    /// Slopes: to the right, downward and from channel to channel.
+    /// Values that increase to the right, downward and from channel to channel.
     Ramp,
-    /// One value per channel, all texels alike.
+    /// One value per channel, the same for all texels.
     Stripes,
     /// One value for all samples.
     Flat(u8),

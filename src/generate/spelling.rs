@@ -1,4 +1,4 @@
-//! All legal spellings of a header, and two that the text leaves open.
+//! Spellings of a header: all legal ones, and those that the text leaves open.
 
 use std::str::FromStr;
 
@@ -76,10 +76,10 @@ pub enum Count {
 }
 
 impl Count {
-    /// The three spellings, in the order in which they are tried on a decoder.
+    /// The three spellings, in the order in which `check` tries them.
     pub const ALL: [Count; 3] = [Count::NumberWord, Count::Number, Count::WordNumber];
 
-    /// Returns its name in cases and reports.
+    /// Returns the name used in cases and reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Streams with the wrong properties, to replace one of a file: gray planes of another size, codec or number of components.
+//! Streams with wrong properties, which replace streams of a file: gray planes of another size, codec or number of components.
 //! They need an encoder, so `spec-cases/damages.yaml` only names them.
 
 use serde::Deserialize;
@@ -19,7 +19,7 @@ pub(super) enum StandIn {
 }
 
 impl StandIn {
-    /// Returns its bytes, for a file of these values.
+    /// Returns the stream for a file with these values.
     pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
         let (width, height) = (model.size.width, model.size.height);
         let own = model.format.coding().ok_or("the file has no streams")?;
@@ -49,7 +49,7 @@ fn gray(width: u32, height: u32, coding: Coding) -> Vec<u8> {
     coding.encode(&samples, (width, height), parameter)
 }
 
-/// Returns a stream of three components of full size, each equal to that of `one`, with a scan for each, which is legal.
+/// Returns a legal stream of three components of full size, each with its own scan and equal to the component of `one`.
 fn three_components(one: &[u8]) -> Vec<u8> {
     let found = |code| segment(one, code);
     let frame = (found(0xc0).or_else(|| found(0xf7))).expect("an encoder writes a frame header");

@@ -51,7 +51,7 @@ impl Expected {
                     View::Raw => (reals(&model.samples), reals(&model.slack)),
                     View::Coef => (model.coefficients(), model.coefficient_slack()),
                     View::Rgb(Light { lu, lv, .. }) => {
-                        (model.picture(*lu, *lv), model.picture_slack(*lu, *lv))
+                        (model.colors(*lu, *lv), model.color_slack(*lu, *lv))
                     }
                 };
                 let expected = Expected::exact(view.kind(), model.size, values);

@@ -1,9 +1,9 @@
 //! Random numbers that are the same everywhere.
 
 /// A linear congruential generator; each draw is its upper 16 bits.
-pub struct Draws(pub u32);
+pub struct DraftGenerator(pub u32);
 
-impl Draws {
+impl DraftGenerator {
     pub fn next(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0 >> 16

@@ -2,12 +2,12 @@
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
-use crate::draws::Draws;
+use crate::draws::DraftGenerator;
 
 type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
 
 /// Paints an image with flat rows at the top, a slope in the middle, and noise at the bottom.
-fn image(width: u32, height: u32, draws: &mut Draws) -> Vec<u8> {
+fn image(width: u32, height: u32, draws: &mut DraftGenerator) -> Vec<u8> {
     let texel = |x: u32, y: u32, noise: u8| match 3 * y / height {
         0 => 77,
         1 => u8::try_from((3 * x + 5 * y) % 256).expect("a byte"),
@@ -25,7 +25,7 @@ const SIZES: [(u32, u32); 5] = [(1, 1), (8, 8), (17, 9), (40, 30), (3, 50)];
 type Streams = (Decode, Vec<(Vec<u8>, u32, u32)>);
 
 fn jpeg_streams() -> Streams {
-    let (mut draws, mut streams) = (Draws(1), Vec::new());
+    let (mut draws, mut streams) = (DraftGenerator(1), Vec::new());
     for (width, height) in SIZES {
         for (quality, optimized) in [10, 75, 100]
             .map(|quality| [(quality, false), (quality, true)])
@@ -46,7 +46,7 @@ fn jpeg_streams() -> Streams {
 }
 
 fn jpeg_ls_streams() -> Streams {
-    let (mut draws, mut streams) = (Draws(2), Vec::new());
+    let (mut draws, mut streams) = (DraftGenerator(2), Vec::new());
     for (width, height) in SIZES {
         for (near, reset) in [0, 1, 9]
             .map(|near| [(near, None), (near, Some(5))])
@@ -69,7 +69,7 @@ fn jpeg_ls_streams() -> Streams {
 #[test]
 fn damaged_streams_cause_no_panic() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
-        let mut draws = Draws(3);
+        let mut draws = DraftGenerator(3);
         let mut outcomes = [0; 3];
         for (stream, width, height) in streams.iter().cycle().take(5_000) {
             let mut damaged = stream.clone();

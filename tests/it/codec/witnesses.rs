@@ -13,7 +13,7 @@ use ptm_conform::codec::jpeg_ls::PresetParameters;
 use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
 use ptm_conform::kit::digest::sha256;
 
-use crate::draws::Draws;
+use crate::draws::DraftGenerator;
 
 /// One line of the file.
 struct Witness {
@@ -59,7 +59,7 @@ fn paint(witness: &Witness) -> Vec<u8> {
         seed,
         ..
     } = witness;
-    let mut draws = Draws(seed);
+    let mut draws = DraftGenerator(seed);
     let (p, q, s) = (draws.next(), draws.next(), draws.next());
     let mut samples: Vec<u8> = Vec::new();
     for y in 0..height {

@@ -3,7 +3,7 @@
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::{Limits, Reading, decode, decode_as};
 
-use crate::draws::Draws;
+use crate::draws::DraftGenerator;
 
 /// The files of some cases of the suite.
 fn files_of(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
@@ -106,7 +106,7 @@ fn damaged_compressed_files_give_a_result() {
     });
     assert!(files.len() > 100, "{} files", files.len());
     let limits = Limits { memory: 16 << 20 };
-    let mut draws = Draws(1);
+    let mut draws = DraftGenerator(1);
     let (mut decoded, mut slowest) = (0, std::time::Duration::ZERO);
     for i in 0..3_000 {
         let mut file = files[i % files.len()].clone();

@@ -34,7 +34,7 @@ fn second_opinion(bytes: &[u8]) {
     let info = other.info().expect("decoded");
     let size = (u32::from(info.width), u32::from(info.height));
     assert_eq!(size, (width, height));
-    assert!(properties::nearly(&samples, &theirs, width));
+    assert!(properties::nearly_equal(&samples, &theirs, width));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use arbitrary::Unstructured;
 use proptest::prelude::*;
 use ptm_conform::diagnose::applies;
 use ptm_conform::fuzz::draft::Draft;
-use ptm_conform::fuzz::draws::Draws;
+use ptm_conform::fuzz::draws::DraftGenerator;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::capabilities::Capabilities;
@@ -126,7 +126,7 @@ const STAYS_LONG: &str = "side-position-in-16-bits";
 fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
     const DRAWN: usize = 2000;
     let suite = suite();
-    let draws = Draws::new(&suite);
+    let draws = DraftGenerator::new(&suite);
     let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
     let drawn: Vec<Question> = (0..DRAWN as u64)
         .filter_map(|number| Some(Question::of(&last(&draws.file(7, number)?)?)))

@@ -12,7 +12,7 @@ use ptm_conform::misreadings::{self, Misreading, answer};
 use ptm_conform::protocol::frame::View;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-use crate::draws::Draws;
+use crate::draws::DraftGenerator;
 use crate::in_process::jobs;
 
 /// Bytes of a file that is tried: the suite has a kind of everything in smaller ones.
@@ -36,7 +36,7 @@ fn is_small(file: &[u8]) -> bool {
 /// Returns small files, each together with a copy after one to four edits.
 fn damaged_too(
     files: impl Iterator<Item = (String, Vec<u8>)>,
-    draws: &mut Draws,
+    draws: &mut DraftGenerator,
 ) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for (name, file) in files {
@@ -50,7 +50,7 @@ fn damaged_too(
 }
 
 /// The files of the suite, legal and damaged, and bytes of no format.
-fn files_of_the_suite(draws: &mut Draws) -> Vec<(String, Vec<u8>)> {
+fn files_of_the_suite(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
     let suite = Suite::load().expect("the suite loads");
     let files = suite.cases.iter().map(|case| {
         let built = case.build(TableSpelling::default());
@@ -104,7 +104,7 @@ fn views() -> [View; 3] {
 
 #[test]
 fn any_two_misreadings_terminate() {
-    let files = files_of_the_suite(&mut Draws(0x9e37_79b9));
+    let files = files_of_the_suite(&mut DraftGenerator(0x9e37_79b9));
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     // Every ordered pair, each on another file.
@@ -119,7 +119,7 @@ fn any_two_misreadings_terminate() {
 #[ignore = "runs for half an hour"]
 fn any_misreading_after_any_other_returns_on_drawn_files() {
     let suite = Suite::load().expect("the suite loads");
-    let draws = draws::Draws::new(&suite);
+    let draws = draws::DraftGenerator::new(&suite);
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     let tries = AtomicUsize::new(0);
@@ -130,7 +130,7 @@ fn any_misreading_after_any_other_returns_on_drawn_files() {
             let built = case.build(TableSpelling::default());
             (format!("file {number}"), built.file.clone())
         });
-        let mut draw = Draws(number as u32 * 2 + 1);
+        let mut draw = DraftGenerator(number as u32 * 2 + 1);
         let files = damaged_too(built.take(1), &mut draw);
         let mut wrong = None;
         for (name, file) in &files {
