@@ -1,4 +1,4 @@
-//! Runs the properties of the fuzz targets with proptest, and replays every input that a target has failed on.
+//! The properties of the fuzz targets, tested with proptest and with every input on which a target has failed.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use ptm_conform::fuzz::properties;
 
 use crate::repository::files_below;
 
-/// The fast targets by name, as in `fuzz/fuzz_targets/`.
+/// Fast targets by name, as in `fuzz/fuzz_targets/`.
 const TARGETS: [(&str, fn(&[u8])); 10] = [
     ("file", properties::file),
     ("recipe", properties::recipe),
@@ -22,9 +22,9 @@ const TARGETS: [(&str, fn(&[u8])); 10] = [
 ];
 
 /// Targets that take about a second for each call.
-const SLOW: [(&str, fn(&[u8])); 1] = [("diagnosis", properties::diagnosis)];
+const SLOW_TARGETS: [(&str, fn(&[u8])); 1] = [("diagnosis", properties::diagnosis)];
 
-/// Our samples of a JPEG stream are those of another decoder, but for its own rounding.
+/// Compares the samples of a JPEG stream with those of another decoder, within its rounding.
 fn second_opinion(bytes: &[u8]) {
     let Some((stream, width, height, samples)) = properties::jpeg_round_trip(bytes) else {
         return;
@@ -39,7 +39,7 @@ fn second_opinion(bytes: &[u8]) {
 
 #[test]
 fn seeds_and_earlier_finds_pass() {
-    for (target, property) in TARGETS.into_iter().chain(SLOW) {
+    for (target, property) in TARGETS.into_iter().chain(SLOW_TARGETS) {
         for kind in ["seeds", "finds"] {
             let directory = format!("{}/fuzz/{kind}/{target}", env!("CARGO_MANIFEST_DIR"));
             let Ok(entries) = std::fs::read_dir(&directory) else {
@@ -67,7 +67,7 @@ fn every_corpus_file_gives_a_result_in_every_reading() {
 
 #[test]
 fn every_target_calls_its_property() {
-    for (target, _) in TARGETS.into_iter().chain(SLOW) {
+    for (target, _) in TARGETS.into_iter().chain(SLOW_TARGETS) {
         let path = format!(
             "{}/fuzz/fuzz_targets/{target}.rs",
             env!("CARGO_MANIFEST_DIR")
@@ -91,7 +91,7 @@ proptest! {
 
     #[test]
     fn diagnosis_ends_for_any_answers(bytes in proptest::collection::vec(any::<u8>(), 1..80)) {
-        for (_, property) in SLOW {
+        for (_, property) in SLOW_TARGETS {
             property(&bytes);
         }
     }

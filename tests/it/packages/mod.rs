@@ -1,4 +1,4 @@
-//! The packages for other languages, as their users meet them.
+//! The packages for other languages.
 
 #![cfg(all(unix, feature = "cli"))]
 

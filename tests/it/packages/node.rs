@@ -14,7 +14,7 @@ fn module() -> String {
     format!("{DIRECTORY}/{TARGET}/release/ptm_conform_wasm.wasm")
 }
 
-/// Builds the package. Its reference is not optimized as in a release, which would take longer than the test.
+/// Builds the package, without the optimization of a release, which would take too long.
 fn build(package: &Path) {
     stdout(
         Command::new("cargo")

@@ -13,7 +13,7 @@ fn python(arguments: &[&str]) -> Command {
     python
 }
 
-/// Builds the wheel around a file that stands for the program.
+/// Builds the wheel with a stand-in for the program.
 fn wheel(program: &Path, out: &Path) -> PathBuf {
     let script = repository("packages/python/build_wheel.py");
     let platform = "manylinux2014_x86_64.musllinux_1_1_x86_64";

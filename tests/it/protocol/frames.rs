@@ -1,4 +1,4 @@
-//! Answers in other forms than a PTM1 frame, sound and hostile.
+//! Valid and hostile answers in other forms than a PTM1 frame.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ use ptm_conform::suite::compare::{Expected, LOSSY_TOLERANCE};
 
 use crate::table::rows;
 
-const MOST: usize = 1 << 20;
+const MAX_DECOMPRESSED_BYTES: usize = 1 << 20;
 
 fn rgb() -> View {
     View::ORDINARY_LIGHT.parse().expect("a view")
@@ -31,11 +31,11 @@ fn frame(view: ViewKind, size: (u32, u32, u32), samples: Samples) -> Frame {
 
 #[track_caller]
 fn refuses(bytes: &[u8], says: &str) {
-    let error = read(bytes, &rgb(), MOST).expect_err("no answer");
+    let error = read(bytes, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("no answer");
     assert!(error.contains(says), "{error:?} should say {says:?}");
 }
 
-/// A PNG of those samples.
+/// Encodes samples as a PNG.
 fn png(color: png::ColorType, depth: png::BitDepth, size: (u32, u32), samples: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
@@ -51,7 +51,7 @@ fn png(color: png::ColorType, depth: png::BitDepth, size: (u32, u32), samples: &
     bytes
 }
 
-/// An array with that header.
+/// Returns a NumPy file with the given header and data.
 fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY".to_vec();
     bytes.extend([version, 0]);
@@ -71,7 +71,11 @@ fn netpbm_files_are_images() {
         "P6 #by hand\n 2\t1\n# more\n255\n",
     ] {
         let bytes = [header.as_bytes(), b"\n12 56"].concat();
-        assert_eq!(read(&bytes, &rgb(), MOST), Ok(color.clone()), "{header:?}");
+        assert_eq!(
+            read(&bytes, &rgb(), MAX_DECOMPRESSED_BYTES),
+            Ok(color.clone()),
+            "{header:?}"
+        );
     }
     let gray = frame(
         ViewKind::Rgb,
@@ -85,7 +89,11 @@ fn netpbm_files_are_images() {
         b"P4\n2 1\n\x80",
         b"P5\n2 1\n255\n\x00\xff",
     ] {
-        assert_eq!(read(file, &rgb(), MOST), Ok(gray.clone()), "{file:?}");
+        assert_eq!(
+            read(file, &rgb(), MAX_DECOMPRESSED_BYTES),
+            Ok(gray.clone()),
+            "{file:?}"
+        );
     }
 }
 
@@ -109,7 +117,7 @@ fn malformed_netpbm_files_are_refused() {
     }
 }
 
-/// Two columns and two rows, with alpha where there are four samples a texel.
+/// Encodes an image of 2 × 2 texels, with alpha if there are four samples per texel.
 fn small(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
     let samples: Vec<u8> = match color {
         ExtendedColorType::L8 => vec![7, 80, 160, 250],
@@ -123,7 +131,7 @@ fn small(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
     bytes.into_inner()
 }
 
-const LOSSLESS: [(ImageFormat, &str); 5] = [
+const LOSSLESS_FORMS: [(ImageFormat, &str); 5] = [
     (ImageFormat::Png, "a PNG"),
     (ImageFormat::Pnm, "a Netpbm file"),
     (ImageFormat::Tiff, "a TIFF"),
@@ -137,14 +145,14 @@ fn lossless_forms_keep_all_samples() {
     let gray: Vec<u8> = gray.collect();
     let color: Vec<u8> = (1..13).map(|i| i * 20).collect();
     let alpha: Vec<u8> = (1..17).filter(|i| i % 4 != 0).map(|i| i * 15).collect();
-    for (format, name) in LOSSLESS {
+    for (format, name) in LOSSLESS_FORMS {
         for (kind, samples) in [
             (ExtendedColorType::L8, &gray),
             (ExtendedColorType::Rgb8, &color),
             (ExtendedColorType::Rgba8, &alpha),
         ] {
             let expected = frame(ViewKind::Rgb, (2, 2, 3), Samples::U8(samples.clone()));
-            let found = read(&small(kind, format), &rgb(), MOST);
+            let found = read(&small(kind, format), &rgb(), MAX_DECOMPRESSED_BYTES);
             assert_eq!(found, Ok(expected), "{name}, {kind:?}");
         }
     }
@@ -198,7 +206,7 @@ fn huge() -> Vec<(&'static str, Vec<u8>)> {
 #[test]
 fn huge_images_are_refused_before_allocation() {
     for (name, file) in huge() {
-        let error = read(&file, &rgb(), MOST).expect_err("no answer");
+        let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("no answer");
         assert!(error.starts_with(name), "{error}");
         assert!(
             error.contains("texels are more than the requested file has"),
@@ -209,7 +217,7 @@ fn huge_images_are_refused_before_allocation() {
 
 #[test]
 fn truncated_or_damaged_images_cause_no_panic() {
-    let mut forms = LOSSLESS.to_vec();
+    let mut forms = LOSSLESS_FORMS.to_vec();
     forms.push((ImageFormat::Jpeg, "a JPEG"));
     for (format, name) in forms {
         let sound = small(ExtendedColorType::Rgb8, format);
@@ -218,13 +226,13 @@ fn truncated_or_damaged_images_cause_no_panic() {
         for at in 0..sound.len() {
             let mut torn = sound.clone();
             torn[at] ^= 0x55;
-            let _ = read(&torn, &rgb(), MOST);
-            let _ = read(&sound[..at], &rgb(), MOST);
+            let _ = read(&torn, &rgb(), MAX_DECOMPRESSED_BYTES);
+            let _ = read(&sound[..at], &rgb(), MAX_DECOMPRESSED_BYTES);
         }
     }
 }
 
-/// A JPEG of those colors, in this quality.
+/// Encodes colors as a JPEG of the given quality.
 fn jpeg(samples: &[u8], size: (u32, u32), quality: u8) -> Vec<u8> {
     let mut bytes = Vec::new();
     JpegEncoder::new_with_quality(&mut bytes, quality)
@@ -236,9 +244,10 @@ fn jpeg(samples: &[u8], size: (u32, u32), quality: u8) -> Vec<u8> {
 #[test]
 fn coarse_jpegs_are_refused() {
     let samples: Vec<u8> = (0..192).collect();
-    let frame = read(&jpeg(&samples, (8, 8), 95), &rgb(), MOST).expect("an image");
+    let frame =
+        read(&jpeg(&samples, (8, 8), 95), &rgb(), MAX_DECOMPRESSED_BYTES).expect("an image");
     assert!(frame.lossy && (frame.width, frame.height, frame.channels) == (8, 8, 3));
-    // As text and back it is the same.
+    // A frame round-trips through text.
     let text = serde_json::to_string(&frame).expect("text");
     let read_back: Frame = serde_json::from_str(&text).expect("a frame");
     assert_eq!(read_back, frame);
@@ -268,7 +277,7 @@ fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
             continue;
         }
         let file = jpeg(&samples, size, 95);
-        let frame = read(&file, view, samples.len().max(MOST)).expect("an image");
+        let frame = read(&file, view, samples.len().max(MAX_DECOMPRESSED_BYTES)).expect("an image");
         assert_eq!(expected.compare(&frame), None, "{}", case.id);
         let Samples::U8(found) = &frame.samples else {
             unreachable!("an image has bytes")
@@ -307,7 +316,11 @@ fn pngs_of_every_color_type_are_images() {
     ] {
         let bytes = png(color_type, depth, (2, 1), samples);
         let expected = frame(ViewKind::Rgb, (2, 1, 3), Samples::U8(expected.to_vec()));
-        assert_eq!(read(&bytes, &rgb(), MOST), Ok(expected), "{color_type:?}");
+        assert_eq!(
+            read(&bytes, &rgb(), MAX_DECOMPRESSED_BYTES),
+            Ok(expected),
+            "{color_type:?}"
+        );
     }
 }
 
@@ -318,14 +331,14 @@ fn malformed_pngs_are_refused() {
     refuses(&[&sound[..], b"x"].concat(), "1 bytes follow its end");
     refuses(&[&sound[..], &sound[..]].concat(), "bytes follow its end");
     for length in 0..sound.len() {
-        let found = read(&sound[..length], &rgb(), MOST);
+        let found = read(&sound[..length], &rgb(), MAX_DECOMPRESSED_BYTES);
         assert!(found.is_err(), "{length} bytes");
     }
     let deep = png(ColorType::Rgb, BitDepth::Sixteen, (1, 1), b"123456");
     refuses(&deep, "16 bits");
     let clear = png(ColorType::Rgba, BitDepth::Eight, (1, 2), b"123\xff456\x80");
     refuses(&clear, "texel (0, 1) is not opaque");
-    // Two thousand rows of nothing are a few bytes of file.
+    // Two thousand black rows compress to a few bytes.
     let (gray, black) = (ColorType::Grayscale, vec![0; 4_000_000]);
     let large = png(gray, BitDepth::Eight, (2000, 2000), &black);
     assert!(large.len() < 50_000);
@@ -333,7 +346,7 @@ fn malformed_pngs_are_refused() {
     let mut torn = sound;
     let stream = torn.windows(4).position(|name| name == b"IDAT");
     torn[stream.expect("a stream") + 8] ^= 1;
-    assert!(read(&torn, &rgb(), MOST).is_err());
+    assert!(read(&torn, &rgb(), MAX_DECOMPRESSED_BYTES).is_err());
 }
 
 #[test]
@@ -347,12 +360,18 @@ fn arrays_are_frames_of_the_requested_view() {
     for version in 1..=3 {
         let expected = frame(ViewKind::Coef, (2, 1, 3), Samples::F32(values.to_vec()));
         let bytes = npy(version, header, &data);
-        assert_eq!(read(&bytes, &View::Coef, MOST), Ok(expected));
+        assert_eq!(
+            read(&bytes, &View::Coef, MAX_DECOMPRESSED_BYTES),
+            Ok(expected)
+        );
     }
     let header = "{\"shape\":(2,1,3),\"fortran_order\":False,\"descr\":\"|u1\"}\n";
     for view in [View::Raw, rgb()] {
         let expected = frame(view.kind(), (1, 2, 3), Samples::U8(b"123456".to_vec()));
-        assert_eq!(read(&npy(1, header, b"123456"), &view, MOST), Ok(expected));
+        assert_eq!(
+            read(&npy(1, header, b"123456"), &view, MAX_DECOMPRESSED_BYTES),
+            Ok(expected)
+        );
     }
 }
 

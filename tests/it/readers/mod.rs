@@ -1,4 +1,4 @@
-//! Profiles of readers, and what is predicted by them.
+//! Profiles of readers and their predictions.
 
 #![cfg(all(unix, feature = "cli"))]
 

@@ -1,4 +1,4 @@
-//! Predictions about readers, against their recorded responses; and conversions to files that a reader shows correctly.
+//! Predictions about readers compared with their recorded responses, and conversions for readers.
 
 use std::collections::BTreeMap;
 
@@ -49,7 +49,7 @@ reads: [RGB]↵  likes: all | likes",
     }
 }
 
-/// Returns what a reader showed of each legal file.
+/// Returns the recorded result of a reader for each legal file.
 fn answered(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
     let known = recorded(name);
     let shown = |place: usize| {
@@ -79,10 +79,10 @@ fn answered(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
         .collect()
 }
 
-/// Predictions against what was seen.
+/// Counts of predictions and recorded results.
 #[derive(Default)]
 struct Tally {
-    /// The number of files by prediction and by what was seen.
+    /// Number of files by prediction and recorded result.
     pairs: BTreeMap<(Shown, Shown), usize>,
 }
 
@@ -97,7 +97,7 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Precision and recall of predicting what `is` says.
+    /// Returns precision and recall of predicting a result for which `is` returns true.
     fn scores(&self, is: impl Fn(Shown) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| is(predicted) && is(seen)) as f64;
         let of = |all: usize| both / (all.max(1) as f64);
@@ -133,7 +133,7 @@ fn predictions_match_recorded_readers() {
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
-        // Users ask which files are shown right.
+        // Users want to know which files are displayed correctly.
         let of_each = report(name, &tally);
         assert!(of_each[3] >= 0.95, "{name}: {:?}", tally.pairs);
     }
@@ -141,7 +141,7 @@ fn predictions_match_recorded_readers() {
     assert!(of_all.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
 }
 
-/// Prints precision and recall of every kind of prediction; the smaller of the two, of each kind.
+/// Prints precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
 fn report(name: &str, tally: &Tally) -> [f64; 4] {
     let kinds: [(&str, fn(Shown) -> bool); 4] = [
         ("right", |shown| shown == Shown::Right),
@@ -195,7 +195,7 @@ fn files_converted_for_a_reader_keep_the_map() {
     assert!(converted > 90);
 }
 
-/// Final coefficients are equal, or, where one polynomial has become three, the colors of six lights, which decide them.
+/// Checks that final coefficients are equal. If one polynomial became three, compares the colors under six lights instead.
 #[track_caller]
 fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());

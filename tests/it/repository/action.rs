@@ -1,4 +1,4 @@
-//! The GitHub Action, as far as it runs without GitHub: the script of its check.
+//! The scripts of the GitHub Action, as far as they run without GitHub.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -13,7 +13,7 @@ fn action() -> Value {
     from_yaml(&repository_text("action.yml")).expect("YAML")
 }
 
-/// Returns the script of a step, to be run as a runner does.
+/// Returns a command that runs the script of a step like a runner.
 fn step(id: &str, here: &Workspace) -> Command {
     let action = action();
     let steps = action["runs"]["steps"].as_array().expect("steps").clone();
@@ -176,7 +176,7 @@ fn action_needs_no_compiler() {
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
     assert!(here.path("report/report.html").exists());
 
-    // An archive that is not the one whose digest was published is not run.
+    // An archive with another digest than the published one is not run.
     fs::remove_dir_all(here.path("ptm-conform")).expect("it was there");
     let archive = releases.join(format!("ptm-conform-v{version}-{target}.tar.gz"));
     let mut bytes = fs::read(&archive).expect("the archive");
@@ -186,7 +186,7 @@ fn action_needs_no_compiler() {
     assert!(!program.exists());
 }
 
-/// The workflow that other projects copy, in a scratch folder: its own steps, with a decoder that has one mistake.
+/// Runs the steps of the workflow that other projects copy, in a scratch folder with a decoder that has one mistake.
 #[test]
 fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
     let here = Workspace::new();

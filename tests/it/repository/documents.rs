@@ -1,4 +1,4 @@
-//! The documents: their counts are those of the program, and their links lead to files of the packed crate.
+//! Counts in documents equal those of the program, and links lead to files of the packed crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,13 +15,13 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A document with every line break and its indentation as one space.
+/// Reads a document and replaces every line break and its indentation by one space.
 fn document(path: &str) -> String {
     let text = repository_text(path);
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// `2,114`
+/// Formats a number like `2,114`.
 fn thousands(number: usize) -> String {
     match number {
         0..1000 => number.to_string(),

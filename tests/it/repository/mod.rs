@@ -1,4 +1,4 @@
-//! The repository itself: its order, its form, and what it gives to others' CI.
+//! The repository itself: module order, style, documents, and files for the CI of other projects.
 
 #![cfg(all(unix, feature = "cli"))]
 
@@ -37,7 +37,7 @@ pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     files_below(directory).into_iter().map(file).collect()
 }
 
-/// Returns true if the next attribute keeps the item for tests: `cfg(test)`, or `cfg(all(…, test))`.
+/// Returns true if the next attribute restricts the item to tests: `cfg(test)`, or `cfg(all(…, test))`.
 pub fn is_for_tests(tokens: &[TokenTree]) -> bool {
     let [hash, TokenTree::Group(attribute), ..] = tokens else {
         return false;

@@ -1,4 +1,4 @@
-//! The modules of `src` depend on each other in one direction, and no file imports itself through others.
+//! The modules of `src` depend on each other in one direction, and files have no import cycles.
 //!
 //! Every import of every file counts: paths in `use` and in code, also inside macros, except those for tests.
 
@@ -11,11 +11,11 @@ use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use super::{files_below, is_for_tests, is_punct, item_length};
 use crate::table::rows;
 
-/// The modules at the top, each after all that it may import.
+/// Top-level modules, each after all modules that it may import.
 const MODULES: &str = "error codec ptm parts input reading evaluate decode generate texture kit formula protocol suite \
     misreadings readers runner session diagnose strength report fuzz tools writers site cli main";
 
-/// A module path below the crate, `["decode", "planes"]`; the file that holds it.
+/// Files of modules, by path below the crate, such as `["decode", "planes"]`.
 type Modules = BTreeMap<Vec<String>, String>;
 
 #[test]
@@ -38,7 +38,7 @@ fn modules_depend_in_one_direction() {
 #[test]
 fn files_have_no_import_cycles() {
     let imports = imports();
-    // Files that import no file that is left are removed, again and again; the rest lies on circles or above them.
+    // Files that import no remaining file are removed repeatedly. The rest is in cycles or imports files in cycles.
     let mut left: BTreeSet<&String> = imports.keys().collect();
     while let Some(&free) = left
         .iter()
@@ -46,7 +46,7 @@ fn files_have_no_import_cycles() {
     {
         left.remove(free);
     }
-    // Files that no file that is left imports lie above the circles.
+    // Files that no remaining file imports are not in cycles.
     while let Some(&above) = left
         .iter()
         .find(|&&file| left.iter().all(|&other| !imports[other].contains(file)))
@@ -62,7 +62,7 @@ fn files_have_no_import_cycles() {
     assert!(circles.is_empty(), "on circles:\n{}", circles.join("\n"));
 }
 
-/// A test that reads imports must see them: one of each way to write them.
+/// Every way to write an import is recognized.
 #[test]
 fn all_import_forms_are_recognized() {
     let module = |file: &str| {
@@ -94,7 +94,7 @@ mod inner { use super::super::c::X; } | a/c
     }
 }
 
-/// Each file of `src` with the files that it imports from.
+/// Returns each file of `src` with the files that it imports from.
 fn imports() -> BTreeMap<String, BTreeSet<String>> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let modules: Modules = files_below(&source)
@@ -170,7 +170,7 @@ impl File<'_> {
         found
     }
 
-    /// The module that a path starts in, if one starts at this token.
+    /// Returns the first module of the path that starts at this token, if any.
     fn start_of_path(&self, tokens: &[TokenTree], at: usize) -> Option<Vec<String>> {
         if at > 0 && is_punct(&tokens[at - 1], ':') || !leads_on(&tokens[at + 1..]) {
             return None;
@@ -220,7 +220,7 @@ impl File<'_> {
         }
     }
 
-    /// The file that holds the longest part of a path that is a module.
+    /// Adds the file of the longest prefix of a path that is a module.
     fn name(&self, path: &[String], found: &mut BTreeSet<String>) {
         let file = (0..=path.len())
             .rev()

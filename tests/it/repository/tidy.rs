@@ -13,7 +13,7 @@ fn source(path: &str) -> String {
         .expect("a source file")
 }
 
-/// The sections and names of the modules that a `mod.rs` lists.
+/// Returns the sections and names of the modules in a `mod.rs`.
 fn sections(path: &str) -> Vec<(String, String)> {
     let text = source(path);
     let lines: Vec<&str> = text.lines().collect();
@@ -55,8 +55,8 @@ fn files_contain_no_machine_paths() {
     }
 }
 
-/// Functions over 80 lines, each because it walks one table of the format or of the command line.
-const LONG: &[&str] = &[];
+/// Exceptions: functions of over 80 lines.
+const ALLOWED_LONG_FUNCTIONS: &[&str] = &[];
 
 #[test]
 fn functions_are_short() {
@@ -74,9 +74,9 @@ fn functions_are_short() {
         "a tenth of all functions has more than {most} lines"
     );
     let long = |limit: usize| -> Vec<String> {
-        let long = lengths
-            .iter()
-            .filter(|(lines, name)| *lines > limit && !LONG.contains(&name.as_str()));
+        let long = lengths.iter().filter(|(lines, name)| {
+            *lines > limit && !ALLOWED_LONG_FUNCTIONS.contains(&name.as_str())
+        });
         long.map(|(lines, name)| format!("{name}: {lines} lines"))
             .collect()
     };
@@ -146,10 +146,10 @@ pub fn sources() -> impl Iterator<Item = (String, String)> {
     })
 }
 
-/// The functions of a file, those for tests left out: names and lines from the name to the closing brace.
+/// Returns the functions of a file without its tests: names, and numbers of lines from the name to the closing brace.
 fn functions(text: &str) -> Vec<(String, usize)> {
     let mut found = Vec::new();
-    each_item(text.parse().expect("Rust"), &mut |tokens| {
+    visit_tokens(text.parse().expect("Rust"), &mut |tokens| {
         if let [TokenTree::Ident(word), TokenTree::Ident(name), rest @ ..] = tokens
             && word == "fn"
         {
@@ -163,10 +163,10 @@ fn functions(text: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// The types of a file, without those of tests and the associated ones.
+/// Returns the types of a file, without those of tests and associated types.
 fn types(tokens: TokenStream) -> Vec<String> {
     let mut found = Vec::new();
-    each_place(tokens, &mut |tokens| {
+    visit_top_level(tokens, &mut |tokens| {
         if let [TokenTree::Ident(word), TokenTree::Ident(name), ..] = tokens
             && ["struct", "enum", "union", "trait", "type"].contains(&word.to_string().as_str())
         {
@@ -176,18 +176,18 @@ fn types(tokens: TokenStream) -> Vec<String> {
     found
 }
 
-/// Shows the rest of the tokens at each place, in groups too, without attributes and without items for tests.
-pub fn each_item(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
-    each_place(tokens, &mut |tokens| {
+/// Calls `look` with the remaining tokens at each position, also inside groups. Skips attributes and items for tests.
+pub fn visit_tokens(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+    visit_top_level(tokens, &mut |tokens| {
         look(tokens);
         if let TokenTree::Group(group) = &tokens[0] {
-            each_item(group.stream(), look);
+            visit_tokens(group.stream(), look);
         }
     });
 }
 
-/// Shows the rest of the tokens at each place outside groups, without attributes and without items for tests.
-fn each_place(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+/// Calls `look` with the remaining tokens at each position outside groups. Skips attributes and items for tests.
+fn visit_top_level(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut at = 0;
     while at < tokens.len() {

@@ -7,12 +7,12 @@ use std::path::Path;
 use proc_macro2::TokenTree;
 
 use super::files_below;
-use super::tidy::{each_item, sources};
+use super::tidy::{sources, visit_tokens};
 
 /// Openings of comments: a comment starts with a noun phrase or a verb.
 const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
 
-/// Words and phrases; the style guide has better ones.
+/// Words and phrases that the style guide replaces.
 const WORDS: &str = "all the same|as ever|at the least|behaviour|behind|beside|besides|by the clock|catalogue|centre|colour|\
                      comes to|is told|licence|looked at here|neighbour|of its own|of their own|that is none|told apart|\
                      which is none";
@@ -37,7 +37,7 @@ fn prose(is_rust: bool, line: &str) -> Option<&str> {
     }
 }
 
-/// Returns true if a line has the word, not as a part of another word or of a name with hyphens.
+/// Returns true if a line contains the word, except as a part of another word or of a hyphenated name.
 fn has_word(line: &str, word: &str) -> bool {
     let (line, word) = (line.to_lowercase(), word.to_lowercase());
     let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "-_`".contains(c));
@@ -78,7 +78,7 @@ fn comments_and_documents_use_plain_words() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// Returns true if a string literal is text for people: it has three or more words.
+/// Returns true if a string literal is text for people, which has three or more words.
 fn is_message(literal: &str) -> bool {
     let is_word = |word: &&str| word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase());
     literal
@@ -88,7 +88,7 @@ fn is_message(literal: &str) -> bool {
         >= 3
 }
 
-/// `messages.txt` shows all templates with their slots, for review: `UPDATE_MESSAGES=1 cargo test messages` renews it.
+/// `messages.txt` lists all message templates for review. `UPDATE_MESSAGES=1 cargo test messages` updates it.
 #[test]
 fn messages_are_listed_in_one_file() {
     let mut sources: Vec<_> = sources().collect();
@@ -96,7 +96,7 @@ fn messages_are_listed_in_one_file() {
     let mut list = String::new();
     for (file, text) in sources {
         let mut messages = Vec::new();
-        each_item(text.parse().expect("Rust"), &mut |tokens| {
+        visit_tokens(text.parse().expect("Rust"), &mut |tokens| {
             if let TokenTree::Literal(literal) = &tokens[0] {
                 let lines = literal.to_string().replace("\\\n", "\n");
                 let words: Vec<&str> = lines.split_whitespace().collect();

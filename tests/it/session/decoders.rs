@@ -49,7 +49,7 @@ short-payload-padded | raise Malformed("%d bytes needed, %d remain" % (size, len
 version-unchecked | if words != [b"PTM_1.2"]: | if False: | version-1-3-lrgb | header-plain-lrgb
 "#;
 
-/// Copies that misread section 2.9, which needs Pillow.
+/// Copies that misread section 2.9. They need Pillow.
 const COMPRESSED_COPIES: &str = r#"
 no-128 | (r + p - 128) % 256 | (r + p) % 256 | two-planes-predicted-jpeg-lrgb | one-texel-jpeg-lrgb
 wrap-mod-255 | (r + p - 128) % 256 | (r + p - 128) % 255 | sums-around-the-ends-star-jpeg-lrgb | one-texel-jpeg-lrgb
@@ -118,12 +118,12 @@ jpeg-ls-rows-top-down | stored = read_compressed(source, format, width, height)
   | planes-run-upwards-1x20-jpegls-lrgb | planes-run-to-the-right-20x1-jpegls-lrgb
 "#;
 
-/// Returns the decoder in Python, if there is Python.
+/// Returns the Python decoder, if Python is installed.
 fn decoder() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
 }
 
-/// Checks a decoder in Python with this text.
+/// Checks a Python decoder with the given source text.
 fn check_copy(text: &str, options: &str) -> Checked {
     let here = Workspace::new();
     here.write("copy of decoder.py", text);
@@ -161,7 +161,7 @@ fn omitted_format_is_unsupported() {
 
 #[test]
 fn broken_copies_fail_exactly_their_case() {
-    for (name, diagnoses) in each_fails(COPIES, "") {
+    for (name, diagnoses) in assert_each_fails(COPIES, "") {
         let named = diagnoses.contains(&name) || diagnoses.len() == 1;
         assert!(named, "{name}: {diagnoses:?}");
     }
@@ -170,7 +170,7 @@ fn broken_copies_fail_exactly_their_case() {
 #[test]
 fn copies_with_wrong_compressed_planes_fail_exactly_their_case() {
     if have_python(&["PIL", "pillow_jpls"]) {
-        each_fails(COMPRESSED_COPIES, "--view raw");
+        assert_each_fails(COMPRESSED_COPIES, "--view raw");
     }
 }
 
@@ -191,8 +191,8 @@ fn common_transform_is_reported_once_and_undone() {
     assert!(says.starts_with(expected), "{says}");
 }
 
-/// Checks copies, each with its two cases and these options; returns their names and the diagnoses.
-fn each_fails(copies: &str, options: &str) -> Vec<(String, Vec<String>)> {
+/// Checks each copy with its two cases; returns the names and diagnoses of the copies.
+fn assert_each_fails(copies: &str, options: &str) -> Vec<(String, Vec<String>)> {
     let Some(text) = decoder() else {
         return Vec::new();
     };

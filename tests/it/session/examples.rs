@@ -1,12 +1,12 @@
-//! The example decoders in C, shell and JavaScript pass; the features that they lack are listed as unsupported.
+//! The example decoders in C, shell and JavaScript pass, and features that they lack are reported as unsupported.
 
 use std::process::Command;
 
 use crate::common::{Checked, Workspace, have, program, repository, stdout};
 use crate::table::rows;
 
-/// A workspace with `ptm_decoder`, the compiled decoder in C, or `None` without a compiler.
-fn with_c_decoder() -> Option<Workspace> {
+/// Creates a workspace with the compiled C decoder `ptm_decoder`, or returns `None` without a compiler.
+fn workspace_with_c_decoder() -> Option<Workspace> {
     let here = Workspace::new();
     let flags = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -o ptm_decoder";
     have("cc").then(|| {
@@ -20,8 +20,8 @@ fn with_c_decoder() -> Option<Workspace> {
     })
 }
 
-/// The features that the decoder in C lacks.
-const LACKS: [&str; 10] = [
+/// Features that the C decoder lacks.
+const MISSING_FEATURES: [&str; 10] = [
     "LUM",
     "JPEG_RGB",
     "JPEG_LRGB",
@@ -45,20 +45,29 @@ fn assert_passes(checked: &Checked, lacks: &[&str]) {
 
 #[test]
 fn the_c_decoder_passes_in_every_view() {
-    let Some(here) = with_c_decoder() else { return };
-    let without_color_of_lum = LACKS.into_iter().filter(|lack| *lack != "rgb of LUM");
+    let Some(here) = workspace_with_c_decoder() else {
+        return;
+    };
+    let without_color_of_lum = MISSING_FEATURES
+        .into_iter()
+        .filter(|lack| *lack != "rgb of LUM");
     let without_color_of_lum: Vec<&str> = without_color_of_lum.collect();
-    assert_passes(&here.check("-- ./ptm_decoder"), &LACKS);
+    assert_passes(&here.check("-- ./ptm_decoder"), &MISSING_FEATURES);
     assert_passes(
         &here.check("--view coef -- ./ptm_decoder"),
         &without_color_of_lum,
     );
-    assert_passes(&here.check("--view rgb -- ./ptm_decoder"), &LACKS);
+    assert_passes(
+        &here.check("--view rgb -- ./ptm_decoder"),
+        &MISSING_FEATURES,
+    );
 }
 
 #[test]
 fn the_c_decoder_reads_the_other_spellings_of_tables() {
-    let Some(here) = with_c_decoder() else { return };
+    let Some(here) = workspace_with_c_decoder() else {
+        return;
+    };
     for count in ["1 N_LUT_ENTRIES", "1", "nentries 1"] {
         let header =
             format!("PTM_1.2\nPTM_FORMAT_PTM_C_LUT\n1 1\n1 1 1 1 1 1\n0 0 0 0 0 0\n{count}\n");
@@ -68,10 +77,12 @@ fn the_c_decoder_reads_the_other_spellings_of_tables() {
     }
 }
 
-/// The viewer is made of the decoder in C: `viewer LU LV FILE IMAGE`, exit status 1 for every failure.
+/// The viewer calls the C decoder: `viewer LU LV FILE IMAGE`, with exit status 1 for every failure.
 #[test]
 fn wrapped_viewer_passes() {
-    let Some(here) = with_c_decoder() else { return };
+    let Some(here) = workspace_with_c_decoder() else {
+        return;
+    };
     let program = here.path("ptm_decoder");
     let text = format!(
         "'{}' \"rgb:$1,$2\" \"$3\" > frame || exit 1\n\
@@ -86,7 +97,7 @@ fn wrapped_viewer_passes() {
     ));
     let views = &checked.report["decoder"]["views"];
     assert_eq!(*views, serde_json::json!(["rgb"]), "{}", checked.text);
-    assert_passes(&checked, &LACKS);
+    assert_passes(&checked, &MISSING_FEATURES);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Runs that are killed, and runs that are long: nothing is lost, nothing stays, nothing grows.
+//! Killed runs lose no results and leave no processes; long runs do not use more memory.
 
 use std::collections::HashSet;
 use std::fs;
@@ -19,16 +19,16 @@ use serde_json::Value;
 
 use crate::common::{PROGRAM, Workspace, conforms, eventually, have_proc, processes, zoo};
 
-/// Returns the number of runs to kill: `PTM_KILLS=20` for more.
-fn kills() -> u32 {
+/// Returns the number of runs to kill; `PTM_KILLS=20` sets another one.
+fn number_of_kills() -> u32 {
     std::env::var("PTM_KILLS")
         .ok()
-        .and_then(|kills| kills.parse().ok())
+        .and_then(|number_of_kills| number_of_kills.parse().ok())
         .unwrap_or(4)
 }
 
-/// Returns some time below 1500 ms.
-fn some_time() -> Duration {
+/// Returns a random time below 1500 ms.
+fn random_delay() -> Duration {
     let now = SystemTime::now()
         .duration_since(SystemTime::UNIX_EPOCH)
         .expect("it is later");
@@ -58,13 +58,13 @@ fn killed_run_leaves_results_and_no_process() {
     if !have_proc() {
         return;
     }
-    for turn in 0..kills() {
+    for turn in 0..number_of_kills() {
         let here = Workspace::new();
         let kind = ["right", "leaves-a-grandchild", "serves", "hangs"][turn as usize % 4];
         let nap = format!("1001.{}", std::process::id());
         let line = format!("--report report.yaml -- {}", zoo(kind));
         let mut run = start(&here, &[("ZOO_NAP", &nap)], &line);
-        let after = some_time();
+        let after = random_delay();
         std::thread::sleep(after);
         let finished = run.try_wait().expect("it can be asked").is_some();
         kill(&mut run);
@@ -97,7 +97,7 @@ fn killed_run_leaves_results_and_no_process() {
 fn report_link_is_kept() {
     let here = Workspace::new();
     here.write("reports/yesterday.yaml", "");
-    // To a file that is not there yet, by way of another link, and then once more.
+    // The link leads through another link to a file that does not exist yet; the second run overwrites it.
     symlink("reports/today.yaml", here.path("b")).expect("a link");
     symlink("b", here.path("a")).expect("a link");
     for _ in 0..2 {
@@ -112,7 +112,7 @@ fn report_link_is_kept() {
     }
 }
 
-/// A decoder that hides where it works is known to the watcher as a child of the run.
+/// The watcher recognizes a decoder that hides its working directory as a child of the run.
 #[test]
 fn killed_run_leaves_no_hidden_process() {
     if !have_proc() {
@@ -154,7 +154,7 @@ fn killed_run_leaves_no_hidden_process() {
     }
 }
 
-/// Returns the number of times that the watcher of a run has gone to sleep so far.
+/// Returns how often the watcher of a run has gone to sleep so far.
 fn naps_of_watcher(run: u32) -> u64 {
     let words = format!("watch {run} ");
     let watchers = processes(|command, _| command.contains(&words));
@@ -164,7 +164,7 @@ fn naps_of_watcher(run: u32) -> u64 {
     status.map_or(0, |status| number_in(&status, "voluntary_ctxt_switches:"))
 }
 
-/// Returns the number after a word at the start of a line of a file of /proc; 0 if it is missing.
+/// Returns the number after `word` at the start of a line of a /proc file, or 0 if it is missing.
 fn number_in(file: &str, word: &str) -> u64 {
     let text = fs::read_to_string(file).unwrap_or_default();
     let rest = text.lines().find_map(|line| line.strip_prefix(word));
@@ -172,7 +172,7 @@ fn number_in(file: &str, word: &str) -> u64 {
     number.unwrap_or_default()
 }
 
-/// The suite over and over under new names, `count` cases in all.
+/// Repeats the suite under new names until it has `count` cases.
 fn long_suite(count: usize) -> Suite {
     let suite = Suite::load().expect("the suite is sound");
     let copy = |i: usize| {
@@ -200,7 +200,7 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     let scratch = Scratch::new().expect("a scratch directory");
     let servers = Servers::new(&decoder, &scratch, 2);
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
-    // Largest after every thousandth case; the first thousand warm the allocator up.
+    // Memory after every thousandth case. The first thousand cases warm up the allocator.
     let held: Vec<AtomicU64> = (0..=COUNT / 1000).map(|_| AtomicU64::new(0)).collect();
     let run = check(&suite, &RunPlan::new(&suite, 2), &ask, &|_, _, done, _| {
         if done % 100 == 0 {
@@ -210,7 +210,7 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     assert_eq!(run.exit_status(), 0, "{:?}", run.remarks);
     let held: Vec<u64> = held.into_iter().map(AtomicU64::into_inner).collect();
     println!("KiB held in every thousand of cases: {held:?}");
-    // An observation is some hundred bytes.
+    // An observation has a few hundred bytes.
     let (early, late) = (held[1], held[COUNT / 1000 - 1]);
     assert!(late < early + (COUNT as u64) + 4096, "{held:?} KiB");
     let command = ["reference".to_owned()];

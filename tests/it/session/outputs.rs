@@ -1,4 +1,4 @@
-//! Answers made elsewhere, from an exported list of requests.
+//! Answers that were produced elsewhere from an exported list of requests.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ fn check(here: &Workspace) -> Checked {
     here.check("--outputs e")
 }
 
-/// Returns the requests whose id begins with these letters: id, file, view, output.
+/// Returns id, file, view and output of the requests whose id begins with `beginning`.
 fn requests(here: &Workspace, beginning: &str) -> Vec<[String; 4]> {
     let table = here.text("e/requests.tsv");
     let lines = table.lines().skip(1);
@@ -22,7 +22,7 @@ fn requests(here: &Workspace, beginning: &str) -> Vec<[String; 4]> {
         .collect()
 }
 
-/// Answers requests by the reference; refusals are listed.
+/// Answers requests with the reference and lists the refusals.
 fn answer(here: &Workspace, beginning: &str) {
     let mut refused = Vec::new();
     for [id, file, view, output] in requests(here, beginning) {
@@ -71,7 +71,7 @@ fn offline_refusals_are_files_or_lists() {
     assert_eq!(checked.case("first-lum")["outcome"], "unsupported");
     assert_eq!(checked.case("first-rgb")["outcome"], "not judged");
 
-    // A legal file that was refused, a text instead of an image, and the image of another file.
+    // A refused legal file, text instead of an image, and the image of another file.
     write("rejected.txt", "first-lrgb\n");
     write("hand-final-coefficients.png", "no image");
     let image = here.read("e/outputs/header-plain-lrgb.png");

@@ -9,12 +9,12 @@ fn shell(body: &str) -> String {
     format!("#!/bin/sh\nright() {{ '{PROGRAM}' reference \"$@\"; }}\n{body}\n")
 }
 
-/// Returns the decoder in Python, if there is Python.
+/// Returns the Python decoder, if Python is installed.
 fn python_decoder() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
 }
 
-/// Probes a decoder with this text; returns the exit status and the output.
+/// Probes a decoder with the given source text; returns the exit status and the output.
 fn probe(text: &str, options: &str) -> (i32, String) {
     let here = Workspace::new();
     here.write_program("decoder", text);
@@ -23,7 +23,7 @@ fn probe(text: &str, options: &str) -> (i32, String) {
     outcome(&command.output().expect("the program starts"))
 }
 
-/// Probes a decoder, which must give this exit status and output; returns the output.
+/// Probes a decoder, checks the exit status and the output, and returns the output.
 #[track_caller]
 fn assert_probed(text: &str, status: &str, says: &str) -> String {
     let (found, output) = probe(text, "");
@@ -157,7 +157,7 @@ fn decoders_that_show_nothing() {
     assert_says(&output, "hang: no end within 1 s && no window, no prompt");
 }
 
-/// Perl changes the correct bytes.
+/// A Perl script changes the correct bytes.
 #[test]
 fn frames_that_are_damaged_on_their_way() {
     if !have("perl") {

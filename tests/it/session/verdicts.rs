@@ -13,7 +13,7 @@ use ptm_conform::suite::cases::{Case, Expect, Suite};
 use crate::common::repository_text;
 use crate::in_process::{self, right, suite};
 
-/// Runs the suite against a decoder whose answers depend on the case; they are correct where it returns none.
+/// Runs the suite against a decoder whose answers depend on the case. It answers correctly if `decoder` returns `None`.
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
     in_process::run(suite, plan, |request| {
         let case = suite.case(request.name).expect("a case of the suite");
@@ -31,7 +31,7 @@ fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<
         .map(|place| &suite.cases[place])
 }
 
-/// The rows of the table of outcomes in a document: the words of a row, and its outcomes.
+/// Parses the table of outcomes in a document: the label of each row, and its outcomes.
 fn table(document: &str) -> Vec<(String, Vec<String>)> {
     let text = repository_text(document);
     let lines = text
@@ -182,7 +182,7 @@ fn hangs_on_optional_files_do_not_end_a_run() {
     );
 }
 
-/// The places of the first legal cases after the first files and the spellings.
+/// Returns the indices of the first legal cases after the first files and the spellings.
 fn some_legal(suite: &Suite) -> Vec<usize> {
     let cases = suite.cases.iter().enumerate();
     let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);

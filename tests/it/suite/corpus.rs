@@ -1,4 +1,4 @@
-//! The committed corpus is what the recipes give, byte for byte, and its ids are permanent.
+//! The committed corpus equals the generated one byte for byte, and its ids are permanent.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -64,7 +64,7 @@ fn the_manifest_lists_every_case() {
 
 #[test]
 fn published_ids_and_files_are_permanent() {
-    // The ledger says what each id stood for when it was first published.
+    // The ledger has the digest of each id when it was first published.
     let text = fs::read_to_string(root().join("spec-cases/ledger.yaml")).expect("the ledger");
     let ledger: BTreeMap<String, (String, String)> = from_yaml(&text).expect("the ledger is YAML");
     let suite = suite();
@@ -97,7 +97,7 @@ fn the_decoder_accepts_and_refuses_as_expected() {
         match case.expect {
             Expect::Reject | Expect::Refuse => assert!(decoded.is_err(), "{}", case.id),
             Expect::Decode => assert!(decoded.is_ok(), "{}: {decoded:?}", case.id),
-            // The reference may decode or refuse these.
+            // The reference may decode or refuse such a file.
             _ => {}
         }
     }

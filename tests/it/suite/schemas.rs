@@ -7,7 +7,7 @@ use ptm_conform::kit::yaml::from_yaml;
 
 use crate::common::{conforms, repository, rows};
 
-/// The files of each schema. A directory stands for its files.
+/// Files of each schema. A directory stands for its files.
 const SCHEMAS: &str = "
 cases | spec-cases/cases
 damages | spec-cases/damages.yaml
@@ -34,7 +34,7 @@ fn each_file_conforms_to_its_schema() {
     }
 }
 
-/// Returns the files of a place in the repository; the list of example files has no schema.
+/// Returns the files at a path in the repository, without the list of example files, which has no schema.
 fn files(place: &str) -> Vec<PathBuf> {
     let place = PathBuf::from(repository(place));
     if place.is_file() {
