@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # How much processor time a release build takes from an empty target directory, and how large the program is,
-# next to earlier figures. It builds everything: run nothing else meanwhile.
+# next to earlier figures. Run nothing else during the build.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,7 +18,7 @@ size=$(wc -c < "$target/release/ptm-conform")
 awk -v used="$(awk "BEGIN { print $user + $system }")" -v elapsed="$elapsed" -v size="$size" -v processors="$(nproc)" 'BEGIN {
     printf "cargo build --release, empty target directory, crates fetched before, %d processors\n", processors
     printf "                 now             before\n"
-    printf "processor time   %3d min %02d s    4 min 07 s (10 min 30 s on the machine of then)\n", used / 60, used % 60
-    printf "by the clock     %3d min %02d s\n", elapsed / 60, elapsed % 60
+    printf "processor time   %3d min %02d s    4 min 07 s (10 min 30 s on an earlier machine)\n", used / 60, used % 60
+    printf "wall-clock time  %3d min %02d s\n", elapsed / 60, elapsed % 60
     printf "program          %.1f MB         14.7 MB\n", size / 1e6
 }'

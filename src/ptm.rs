@@ -40,7 +40,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All nine, in the order of the text.
+    /// All nine formats, in the order of the text.
     pub const ALL: [Format; 9] = [
         Format::Rgb,
         Format::Lum,
@@ -76,7 +76,7 @@ impl Format {
         self.definition().0
     }
 
-    /// Returns the name without its prefix, as people say it: `RGB`, `PTM_LUT`, `JPEGLS_LRGB`.
+    /// Returns the name without `PTM_FORMAT_`, such as `RGB`, `PTM_LUT` or `JPEGLS_LRGB`.
     #[must_use]
     pub fn short_name(self) -> &'static str {
         &self.name()["PTM_FORMAT_".len()..]
