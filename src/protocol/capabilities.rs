@@ -33,6 +33,7 @@ pub struct Capabilities {
 
 /// The YAML document that the decoder prints; other keys are ignored.
 #[derive(Deserialize)]
+#[serde(expecting = "a mapping with protocol: 1")]
 struct CapabilitiesRecord {
     protocol: i64,
     name: Option<String>,
@@ -170,16 +171,16 @@ mod tests {
         let bomb = format!("protocol: 1\n{laughs}views: *p\n");
         let deep = format!("protocol: 1\nx: {}", "[".repeat(15_000));
         for (answer, says) in [
-            (&b""[..], "not understood"),
-            (b"usage: dec VIEW FILE\n", "not understood"),
-            (b"name: x\n", "not understood"),
+            (&b""[..], "not valid"),
+            (b"usage: dec VIEW FILE\n", "not valid"),
+            (b"name: x\n", "not valid"),
             (b"protocol: 2\n", "protocol 2"),
-            (b"protocol: one\n", "not understood"),
-            (b"protocol: 1\nviews: 3\n", "not understood"),
+            (b"protocol: one\n", "not valid"),
+            (b"protocol: 1\nviews: 3\n", "not valid"),
             (b"PTM1 raw 1 1 1 u8\n\xff", "not UTF-8"),
-            (b"protocol: 1\nprotocol: 1\n", "not understood"),
-            (bomb.as_bytes(), "not understood"),
-            (deep.as_bytes(), "not understood"),
+            (b"protocol: 1\nprotocol: 1\n", "not valid"),
+            (bomb.as_bytes(), "not valid"),
+            (deep.as_bytes(), "not valid"),
         ] {
             let error = Capabilities::read(answer).expect_err("it does not count");
             assert!(error.contains(says), "{error}");
