@@ -105,6 +105,10 @@ impl Format {
 
     /// Returns the format with the same shape whose planes are blocks of bytes.
     #[cfg(feature = "harness")]
+    #[cfg_attr(
+        not(unix),
+        allow(dead_code, reason = "its callers need Unix or the program")
+    )]
     pub(crate) fn plain(self) -> Format {
         let is_plain =
             |format: &Format| format.shape() == self.shape() && format.storage() == Storage::Texels;
@@ -114,6 +118,10 @@ impl Format {
 
     /// Returns the clause about the layout of the values.
     #[cfg(feature = "harness")]
+    #[cfg_attr(
+        not(unix),
+        allow(dead_code, reason = "its callers need Unix or the program")
+    )]
     pub(crate) const fn layout_clause(self) -> &'static str {
         match (self.storage(), self.shape()) {
             (Storage::Texels, Shape::Rgb) => "2.7.1/1",

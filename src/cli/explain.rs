@@ -19,7 +19,6 @@ use super::terminal::show;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 use ptm_conform::ptm::Format;
-use ptm_conform::report::document::section_of;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
@@ -76,11 +75,15 @@ fn explain_request(id: &str) -> Result<String, String> {
     ))
 }
 
+/// Returns the section of a clause: `2.4` for `2.4/8`.
+fn section(clause: &str) -> &str {
+    clause.split('/').next().unwrap_or_default()
+}
+
 /// Lists all ids except those of cases.
 fn list(suite: &Suite) -> Result<String, String> {
-    let section = |clause: &str| clause.split('/').next().unwrap_or_default().to_owned();
     let clauses = clauses::clauses()?;
-    let mut sections: Vec<String> = clauses.iter().map(|clause| section(&clause.id)).collect();
+    let mut sections: Vec<&str> = clauses.iter().map(|clause| section(&clause.id)).collect();
     sections.dedup();
     let mut text = format!(
         "{} cases: a section below lists those about it\n\n{} clauses, in sections:\n",
@@ -188,7 +191,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
 fn explain_format(suite: &Suite, format: Format) -> String {
     let mut sections: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for case in suite.cases.iter().filter(|case| case.format() == format) {
-        let section = case.clauses.first().map_or("none", |id| section_of(id));
+        let section = case.clauses.first().map_or("none", |id| section(id));
         sections.entry(section).or_default().push(&case.id);
     }
     let lines = sections.iter().map(|(section, ids)| {

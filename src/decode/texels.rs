@@ -57,6 +57,10 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
 
 /// Returns the block of a format that has channel `channel`, and its number.
 #[cfg(feature = "harness")]
+#[cfg_attr(
+    not(unix),
+    allow(dead_code, reason = "its callers need Unix or the program")
+)]
 pub(crate) fn block_of(format: Format, channel: usize) -> Option<(usize, &'static Block)> {
     let has = |block: &Block| (block.channel..block.channel + block.channels).contains(&channel);
     (blocks(format).iter().enumerate()).find(|(_, block)| has(block))

@@ -105,7 +105,7 @@ fn malformed_netpbm_files_are_refused() {
         (b"P6\n4294967295 4294967295\n255\n1", ""),
         (b"P6\n60000 60000\n255\n1", "than the requested file has"),
         (b"P6\n99999999999 1\n255\n1", ""),
-        (b"P6\n2 1\n65535\n123456123456", "16 bits a sample"),
+        (b"P6\n2 1\n65535\n123456123456", "16 bits per sample"),
         (b"P6\n2 1\n15\n123456", "its largest value is 15, not 255"),
         (b"P6\n2 1 255", ""),
         (b"P6 # no end", ""),
