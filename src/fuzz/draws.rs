@@ -20,7 +20,7 @@ pub struct DraftGenerator {
 }
 
 impl DraftGenerator {
-    /// DraftGenerator legal files, and damages with the same expected result in all cases of the suite.
+    /// Creates a generator of legal files, and of damages with the same expected result in all cases of the suite.
     #[must_use]
     pub fn new(suite: &Suite) -> DraftGenerator {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();
@@ -41,7 +41,7 @@ impl DraftGenerator {
         }
     }
 
-    /// DraftGenerator file `number`: a legal one, or one with a damage.
+    /// Generates file `number`, which is legal or damaged.
     #[must_use]
     pub fn file(&self, seed: u64, number: u64) -> Option<Draft> {
         let bytes = random_bytes(seed, number);

@@ -53,7 +53,7 @@ fn candidate(says: &str, next: &str, slack: u8, curve: impl Fn(f64) -> f64) -> C
     ((says.to_owned(), next.to_owned()), Curve { table, slack })
 }
 
-/// Returns the possible curves of these images: a factor, and for colors the named curves and the fit_monotonic_curve one.
+/// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted curve.
 pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Candidate> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (expected, frame) in pairs {

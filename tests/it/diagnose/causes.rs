@@ -320,7 +320,7 @@ fn every_misreading_is_named_where_a_line_feed_ends_the_table() {
     names_where_a_line_feed_ends_the_table(0, 1);
 }
 
-/// DraftGenerator sets of composable misreadings, the same everywhere.
+/// Returns pseudo-random sets of composable misreadings, the same on every machine.
 fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     let all: Vec<&'static Misreading> = misreadings::all().collect();
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
@@ -360,7 +360,7 @@ fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
     })
 }
 
-/// DraftGenerator `count` sets of `size` mistakes that all show. Each set must be caught; of a hundred, at least `least` must be
+/// Chooses `count` sets of `size` mistakes that all show. Each set must be caught; of a hundred, at least `least` must be
 /// named whole among the first causes, and at most `most_false` may have a false cause that is stated as certain.
 fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
     let suite = suite().prepared();

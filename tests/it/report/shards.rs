@@ -122,7 +122,7 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 
-/// DraftGenerator by the bytes of the file, so that the result for a file is always the same.
+/// Chosen by the bytes of the file, so that the result for a file is always the same.
 fn draw(request: &Request, of: u32) -> bool {
     let sum = request.file.iter().fold(7_u32, |sum, &byte| {
         sum.wrapping_mul(31).wrapping_add(u32::from(byte))
