@@ -404,7 +404,7 @@ fn malformed_arrays_are_refused() {
         ),
         (1, "{'descr': '|u1'}\n", "lacks"),
         (1, "{'x': 1}\n", "unknown key"),
-        (1, "{} []\n", "goes on"),
+        (1, "{} []\n", "continues after"),
         (1, "{", "line feed"),
         (4, "{}\n", "version"),
         (1, &deep, "a number before"),
