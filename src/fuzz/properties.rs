@@ -372,7 +372,7 @@ pub fn diagnosis(bytes: &[u8]) {
             .map(|&byte| usize::from(byte))
             .sum::<usize>();
         let choice = script.get(sum % script.len().max(1)).copied();
-        Reply::from(wrong(choice.unwrap_or_default(), right, request))
+        Reply::from(wrong_answer(choice.unwrap_or_default(), right, request))
     };
     let run = check(&SUITE, &RunPlan::new(&SUITE, 1), &ask, &|_, _, _, _| ());
     let mut explained = HashSet::new();
@@ -393,7 +393,7 @@ const SMALL: usize = 2000;
 
 /// Returns a wrong answer selected by `choice`, or the correct one.
 #[cfg(unix)]
-fn wrong(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
+fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {
         Answer::Decoded(mut frame) => {
             match &mut frame.samples {

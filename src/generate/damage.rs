@@ -309,7 +309,11 @@ fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
         });
         (list, length.to_string().into_bytes())
     };
-    let pairs = |list, part| file.named(list).into_iter().zip(file.named(part));
+    let pairs = |list, part| {
+        file.fields_named(list)
+            .into_iter()
+            .zip(file.fields_named(part))
+    };
     let sizes = pairs("compressed sizes", "plane");
     sizes
         .chain(pairs("side sizes", "side information"))

@@ -226,7 +226,7 @@ impl Named<'_> {
     /// Returns whole fields.
     fn fields(&self, place: &DamagePlace) -> Option<Vec<Spot>> {
         let (payload, end) = (self.written.payload, self.written.bytes.len());
-        let named = self.named(&place.name);
+        let named = self.fields_named(&place.name);
         let range = match place.name.as_str() {
             "file" => 0..end,
             "header" => 0..payload,
@@ -245,7 +245,7 @@ impl Named<'_> {
     }
 
     /// Returns the fields of that name, in file order.
-    pub fn named(&self, name: &str) -> Vec<Spot> {
+    pub fn fields_named(&self, name: &str) -> Vec<Spot> {
         let fields = self.written.fields.iter().enumerate();
         let named = fields.filter(|(_, field)| field.name == name);
         let spot = |(field, found): (usize, &crate::ptm::Field)| Spot {

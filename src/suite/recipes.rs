@@ -115,10 +115,10 @@ impl SpellingRecord {
         let lines = ["2", "1"];
         let two_lines = &mut to.size_on_two_lines;
         self.size_lines
-            .either("size_lines", lines, words, two_lines)?;
+            .yes_or_no("size_lines", lines, words, two_lines)?;
         let two_lines = &mut to.scale_bias_on_two_lines;
         self.scale_bias_lines
-            .either("scale_bias_lines", lines, words, two_lines)?;
+            .yes_or_no("scale_bias_lines", lines, words, two_lines)?;
         self.gap.number("gap", words, &mut to.gap)?;
         self.count.parse(words, &mut to.count)?;
         let newline = &mut to.newline_after_table;

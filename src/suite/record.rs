@@ -104,7 +104,7 @@ impl CaseRecord {
             }
             (None, None, Some(id)) => {
                 let twin = twin.ok_or_else(|| format!("its twin {id} must precede it"))?;
-                self.damaged(words, twin)
+                self.damaged_source(words, twin)
                     .map_err(|error| format!("its twin {id} {error}"))
             }
             _ => Err("a case has one of make, bytes and twin_of".to_owned()),
@@ -112,7 +112,7 @@ impl CaseRecord {
     }
 
     /// Returns the source of a damaged copy of the twin's file.
-    fn damaged(&self, words: &Words, twin: &Case) -> Result<Source, String> {
+    fn damaged_source(&self, words: &Words, twin: &Case) -> Result<Source, String> {
         if twin.twin_of.is_some() {
             return Err("is itself an edit".to_owned());
         }

@@ -73,7 +73,7 @@ pub(crate) trait FieldText {
     }
 
     /// Parses one of two words, the first of which means yes, into `slot`.
-    fn either(
+    fn yes_or_no(
         &self,
         name: &str,
         [yes, no]: [&str; 2],
@@ -91,7 +91,7 @@ pub(crate) trait FieldText {
 
     /// Parses `true` or `false` into `slot`.
     fn flag(&self, name: &str, words: &Words, slot: &mut bool) -> Result<(), String> {
-        self.either(name, ["true", "false"], words, slot)
+        self.yes_or_no(name, ["true", "false"], words, slot)
     }
 }
 

@@ -29,10 +29,10 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 list.answers = true;
                 look_at(&mut list, case, file);
             }
-            Answer::Unsupported => list.absent(format!("it does not write {format}: 69")),
+            Answer::Unsupported => list.add_absent(format!("it does not write {format}: 69")),
             _ => {
                 let (says, next) = explain(&reply);
-                list.bad(format!("{format}: {says}"), next);
+                list.add_bad(format!("{format}: {says}"), next);
             }
         }
         // A program that cannot be started, or never ends, does so for every format.
@@ -42,7 +42,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     }
     if !list.answers && list.faults() == 0 {
         let next = "write at least one format; most readers support LRGB";
-        list.bad("it answers every request with 69 (unsupported)", next);
+        list.add_bad("it answers every request with 69 (unsupported)", next);
     }
     Ok(list)
 }
@@ -51,7 +51,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
 fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     let (request, format) = (case.request(), case.format().short_name());
     let fault = match judge(&request, &file.0) {
-        Ok(()) => return list.good(format!("{format}: the file has the values")),
+        Ok(()) => return list.add_good(format!("{format}: the file has the values")),
         Err(fault) => fault,
     };
     let right = written(&request).unwrap_or_default();
@@ -63,7 +63,7 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         ),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),
     };
-    list.bad(format!("{format}: {fault}"), next);
+    list.add_bad(format!("{format}: {fault}"), next);
 }
 
 /// Explains an answer that is not a file, with a fix.

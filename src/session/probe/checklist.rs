@@ -32,7 +32,7 @@ pub struct ProbeStep {
 
 impl ProbeStep {
     /// Creates a step with something to fix in `what`, and instructions to reproduce it.
-    pub(super) fn bad(what: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
+    pub(super) fn to_fix(what: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
             says: format!("{what}: {}", fault.0),
@@ -120,21 +120,26 @@ impl Checklist {
         });
     }
 
-    pub(crate) fn good(&mut self, says: impl Into<String>) {
+    pub(crate) fn add_good(&mut self, says: impl Into<String>) {
         self.add(Mark::Good, says, None);
     }
 
     /// Adds something to fix, and a suggestion.
-    pub(crate) fn bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
+    pub(crate) fn add_bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
         self.add(Mark::Bad, says, Some(next.into()));
     }
 
     /// Adds something to fix in `what`, and instructions to reproduce it.
-    pub(super) fn fault(&mut self, what: &dyn Display, fault: ProbeFault, repeat: Reproduction) {
-        self.steps.push(ProbeStep::bad(what, fault, repeat));
+    pub(super) fn add_fault(
+        &mut self,
+        what: &dyn Display,
+        fault: ProbeFault,
+        repeat: Reproduction,
+    ) {
+        self.steps.push(ProbeStep::to_fix(what, fault, repeat));
     }
 
-    pub(crate) fn absent(&mut self, says: impl Into<String>) {
+    pub(crate) fn add_absent(&mut self, says: impl Into<String>) {
         self.add(Mark::Absent, says, None);
     }
 

@@ -36,7 +36,7 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
     };
     let mut list = Checklist::default();
     if let Err((says, next)) = calls.check_command() {
-        list.bad(says, next);
+        list.add_bad(says, next);
         return list;
     }
     let Some(first) = one_shot::first_frames(&calls, &mut list) else {

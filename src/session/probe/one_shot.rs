@@ -87,7 +87,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
         if asked.rank()[0] {
             judge_views(&asked, list);
             if !lacking.is_empty() {
-                list.absent(format!("not decoded: {}", lacking.join(", ")));
+                list.add_absent(format!("not decoded: {}", lacking.join(", ")));
             }
             let is_frame = |reply: &Reply| matches!(reply.answer, Answer::Decoded(_));
             asked.replies.retain(|(_, reply)| is_frame(reply));
@@ -111,12 +111,12 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
     let known = calls.why_no_frame(&sample.file, &sample.expected(view), view, reply);
     if known.is_none() && reply.answer == Answer::Unsupported {
         let (says, next) = fault("nothing-supported", &[]);
-        list.bad(says, next);
+        list.add_bad(says, next);
         return None;
     }
     let what = format!("{} {view}", sample.format.short_name());
     let fault = known.unwrap_or_else(|| explain(reply));
-    list.fault(&what, fault, sample.repeat(view));
+    list.add_fault(&what, fault, sample.repeat(view));
     None
 }
 
@@ -129,7 +129,7 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
             false => "",
         };
         let count = sample.spelling.count.name();
-        list.good(format!(
+        list.add_good(format!(
             "{name}: read if the number of entries is spelled \"{count}\"{newline}"
         ));
     }
@@ -139,13 +139,13 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
         let wrong = match &reply.answer {
             Answer::Decoded(frame) => match expected.compare(frame) {
                 None => {
-                    list.good(format!("{what}: decoded correctly"));
+                    list.add_good(format!("{what}: decoded correctly"));
                     continue;
                 }
                 Some(difference) => fault("wrong-image", &[("difference", &difference)]),
             },
             Answer::Unsupported => {
-                list.absent(format!(
+                list.add_absent(format!(
                     "{what}: exited with 69: this view is not offered, which is fine"
                 ));
                 continue;
@@ -153,7 +153,7 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
             answer => fault("no-image", &[("answer", &answer.describe())]),
         };
         let fault = repair(&reply.stdout, &expected, view).unwrap_or(wrong);
-        list.fault(&what, fault, sample.repeat(view));
+        list.add_fault(&what, fault, sample.repeat(view));
     }
 }
 
@@ -165,7 +165,7 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
         let what = sample.size_text(view);
         let fault = match &reply.answer {
             Answer::Decoded(frame) if sample.has_size(frame) => {
-                list.good(format!("{what}: complete"));
+                list.add_good(format!("{what}: complete"));
                 continue;
             }
             Answer::Decoded(frame) => {
@@ -175,7 +175,7 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
             }
             _ => explain(&reply),
         };
-        list.fault(&what, fault, sample.repeat(view));
+        list.add_fault(&what, fault, sample.repeat(view));
     }
 }
 
@@ -185,11 +185,11 @@ pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist)
     for (what, file_name, file) in malformed(&first.sample.file) {
         let reply = calls.ask(view, file);
         if reply.answer == Answer::Rejected {
-            list.good(format!("{what}: refused with 65"));
+            list.add_good(format!("{what}: refused with 65"));
             continue;
         }
         let repeat = Reproduction::one_shot(view, file_name, file);
-        list.fault(&what, not_refused(&reply), repeat);
+        list.add_fault(&what, not_refused(&reply), repeat);
     }
 }
 
@@ -209,11 +209,11 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
     const UNKNOWN_VIEW: &str = "no-such-view";
     let reply = calls.call_with_word(UNKNOWN_VIEW, &["{in}"], &sample.file);
     let fault = match &reply.answer {
-        Answer::Unsupported => return list.good("an unknown view: exited with 69"),
+        Answer::Unsupported => return list.add_good("an unknown view: exited with 69"),
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
         answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    list.fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
+    list.add_fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
 }
 
 /// Requests the capabilities.
@@ -222,8 +222,8 @@ pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
     let text = String::from_utf8_lossy(&reply.stdout);
     let says_so = text.lines().any(|line| line.trim_end() == "protocol: 1");
     if reply.exit == Some(0) && says_so {
-        list.good("capabilities: declared");
+        list.add_good("capabilities: declared");
     } else {
-        list.absent("capabilities: not declared (optional)");
+        list.add_absent("capabilities: not declared (optional)");
     }
 }

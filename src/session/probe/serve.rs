@@ -27,12 +27,12 @@ type Stop = Option<(usize, ProbeFault)>;
 /// Runs the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
 pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
-        Ok(()) => list.good("serve: it ends when its input ends"),
+        Ok(()) => list.add_good("serve: it ends when its input ends"),
         Err(None) => {
-            list.absent("serve: not offered (optional); ptm-conform example shows both modes");
+            list.add_absent("serve: not offered (optional); ptm-conform example shows both modes");
         }
         Err(Some((count, fault))) => {
-            list.fault(&"serve", fault, requests(first, count));
+            list.add_fault(&"serve", fault, requests(first, count));
         }
     }
 }
@@ -58,7 +58,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         Served::Gone(_) => return Err(None),
         Served::Wrong(fault) => return Err(Some((1, fault))),
     }
-    list.good("serve: the first request is answered at once, as in one-shot mode");
+    list.add_good("serve: the first request is answered at once, as in one-shot mode");
     match dialog.ask(2, view, &malformed) {
         Served::Answer(line, _) => {
             let code = line.trim_end().strip_prefix("2 reject ");
@@ -71,13 +71,13 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         Served::Gone(_) => return after(2, "serve-gone"),
         Served::Nothing | Served::Wrong(_) => return after(2, "serve-no-refusal"),
     }
-    list.good("serve: a malformed file is refused");
+    list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
         Served::Answer(line, bytes) if judge(&line, &bytes, view, right).is_ok() => {}
         Served::Answer(..) => return after(3, "serve-state"),
         _ => return after(3, "serve-third"),
     }
-    list.good("serve: a refused file does not affect the next response");
+    list.add_good("serve: a refused file does not affect the next response");
     match dialog.end() {
         Served::Gone(true) => Ok(()),
         _ => after(3, "serve-end"),

@@ -107,7 +107,7 @@ impl FirstReply<'_> {
     fn step(&self, fault: ProbeFault) -> ProbeStep {
         let file_name = format!("{}.ptm", self.case.id);
         let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
-        ProbeStep::bad(self.view, fault, repeat)
+        ProbeStep::to_fix(self.view, fault, repeat)
     }
 }
 
@@ -167,7 +167,7 @@ fn check_large_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) ->
     let reply = calls.ask(view, &sample.file);
     buffer_size(&reply)?;
     let what = sample.size_text(view);
-    let step = ProbeStep::bad(&what, explain(&reply), sample.repeat(view));
+    let step = ProbeStep::to_fix(&what, explain(&reply), sample.repeat(view));
     Some(step)
 }
 
@@ -184,5 +184,5 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     let (what, file_name, file) = files[0];
     let what = format!("{what}, and other malformed files");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::bad(&what, not_refused(&replies[0]), repeat))
+    Some(ProbeStep::to_fix(&what, not_refused(&replies[0]), repeat))
 }

@@ -350,7 +350,7 @@ impl TextureStep {
                 let maps = maps.collect::<Result<Vec<_>, Unanswered>>()?;
                 let interpolation = interp.unwrap_or(Interpolation::None);
                 let frequency = frequency.unwrap_or(Frequency::InterpDep);
-                let lit = surface.lit();
+                let lit = surface.lighting();
                 shade_json(texture::stage(&maps, &lit, interpolation, frequency, rules))
             }
             _ => unreachable!("the other steps have been answered"),
@@ -650,7 +650,7 @@ struct SurfaceGiven {
 }
 
 impl SurfaceGiven {
-    fn lit(&self) -> Lit {
+    fn lighting(&self) -> Lit {
         Lit {
             surface: Shade {
                 color: self.color,

@@ -17,6 +17,12 @@ const WORDS: &str = "all the same|as ever|at the least|behaviour|behind|beside|b
                      comes to|is told|licence|looked at here|neighbour|of its own|of their own|that is none|told apart|\
                      which is none";
 
+/// Names that do not say what a function returns or does: prepositions, adverbs and participles.
+const BARE_NAMES: &str = "above|absent|affected|after|against|alike|alone|among|before|beside|besides|between|by|covered|\
+                          damaged|denied|each|edited|either|else|everywhere|found|given|grouped|inside|kept|known|likewise|\
+                          lit|made|named|nearly|of|only|other|others|out|over|plus|rightly|said|seen|shown|slack|such|told|\
+                          under|whole|with|without|wrong";
+
 /// Files in which such a word is right, with the reason.
 const ALLOWED: &[(&str, &str, &str)] = &[(
     "src/codec/jpeg_ls/run_mode.rs",
@@ -76,6 +82,24 @@ fn comments_and_documents_use_plain_words() {
     }
     assert!(ALLOWED.len() <= 40);
     assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn functions_are_named_for_what_they_return_or_do() {
+    let mut found = Vec::new();
+    for (file, text) in sources() {
+        visit_tokens(text.parse().expect("Rust"), &mut |tokens| {
+            if let [TokenTree::Ident(word), TokenTree::Ident(name), ..] = tokens
+                && word == "fn"
+            {
+                let name = name.to_string();
+                if name.starts_with("of_") || BARE_NAMES.split('|').any(|bare| bare == name) {
+                    found.push(format!("{file}: {name}"));
+                }
+            }
+        });
+    }
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 /// Returns true if a string literal is text for people, which has three or more words.
