@@ -189,19 +189,17 @@ fn explain_texture(id: &str) -> Result<String, String> {
 
 /// Lists the sections with cases in a format.
 fn explain_format(suite: &Suite, format: Format) -> String {
-    let mut sections: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut sections: BTreeMap<&str, usize> = BTreeMap::new();
     for case in suite.cases.iter().filter(|case| case.format() == format) {
-        let section = case.clauses.first().map_or("none", |id| section(id));
-        sections.entry(section).or_default().push(&case.id);
+        let first = case.clauses.first().map_or("none", |id| section(id));
+        *sections.entry(first).or_default() += 1;
     }
-    let lines = sections.iter().map(|(section, ids)| {
-        let cases = abbreviated(ids, "cases");
-        format!("  section {section:<7} {cases}\n")
-    });
+    let lines = sections
+        .iter()
+        .map(|(section, count)| format!("  {section:<7} {count:>3} cases\n"));
+    let (name, lines) = (format.name(), lines.collect::<String>());
     format!(
-        "format {} (clause 2.2/1)\n{}",
-        format.name(),
-        lines.collect::<String>()
+        "format {name} (clause 2.2/1): its cases by section\n{lines}  More: ptm-conform explain SECTION\n"
     )
 }
 

@@ -289,10 +289,13 @@ impl FilesReport {
             let says = result.says.as_ref().map(|says| format!("; {says}"));
             let (says, count) = (says.unwrap_or_default(), result.encodings);
             let (outcome, file) = (result.outcome, &result.file);
-            let _ = writeln!(
-                text,
-                "{outcome} {file} {view}: {count} other encodings{says}"
-            );
+            let _ = match outcome {
+                Outcome::NotRun => writeln!(text, "{outcome} {file}{says}"),
+                _ => writeln!(
+                    text,
+                    "{outcome} {file} {view}: {count} other encodings{says}"
+                ),
+            };
             for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");
             }

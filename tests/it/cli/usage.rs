@@ -71,7 +71,7 @@ fn commands_have_the_expected_status_and_output() {
 0 | explain width-zero-lrgb | the width is 0
 0 | explain 2.4/8 | (raw − bias) · scale
 0 | explain 2.8 | 2.8/1
-0 | explain PTM_LUT | format PTM_FORMAT_PTM_LUT (clause 2.2/1) && section 2.8.1
+0 | explain PTM_LUT | format PTM_FORMAT_PTM_LUT (clause 2.2/1) && 2.8.1    17 cases
 0 | explain lut-count | nentries
 0 | explain rows-top-down
   | the first stored row as the top && expected 24 25 26 && received 16 17 18
