@@ -1,13 +1,13 @@
-//! The worth of a mistake that explains part of an image.
+//! Partial credit for a mistake that explains only some channels of an image.
 
 use super::pair::ImagePair;
 use super::tuning::{MIN_SUPPORT, WORTH_OF_PART_OF_AN_IMAGE};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
 
-/// Returns the share of [`WORTH_OF_PART_OF_AN_IMAGE`] for the wrong channels that this answer reproduces, or 0 if it spoils a
-/// correct channel.
-pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
+/// Returns a fraction of [`WORTH_OF_PART_OF_AN_IMAGE`]: the share of wrong channels that `answer` reproduces. Returns
+/// 0 if the answer spoils a correct channel.
+pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
         (witness.shown(), &witness.right, answer)
     else {

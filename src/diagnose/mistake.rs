@@ -1,20 +1,20 @@
-//! A mistake that a decoder may make: a misreading of the catalog or an edit of a formula, everywhere or in part.
+//! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some.
 
 use super::scope::FileScope;
 use crate::formula::Edit;
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::{Answer, Samples};
 
-/// A mistake, and the files and channels in which it is made.
+/// A mistake, and the files and channels that it affects.
 pub(super) struct Mistake {
-    /// The misreading. An edit of a formula that the catalog lacks has no slug.
+    /// The misreading. Its slug is empty if the mistake is an edit of a formula outside the catalog.
     pub misreading: &'static Misreading,
     pub scope: FileScope,
     pub channels: ChannelSubset,
 }
 
 impl Mistake {
-    /// Returns a mistake that is made everywhere.
+    /// Creates a mistake that affects all channels of all files.
     pub const fn everywhere(misreading: &'static Misreading) -> Mistake {
         Mistake {
             misreading,
@@ -23,7 +23,7 @@ impl Mistake {
         }
     }
 
-    /// Returns the misreading if the catalog has it.
+    /// Returns the misreading if it is in the catalog.
     pub const fn listed(&self) -> Option<&'static Misreading> {
         match self.misreading.slug.is_empty() {
             true => None,
@@ -31,22 +31,22 @@ impl Mistake {
         }
     }
 
-    /// Returns the misreading if it is one of the catalog and made everywhere.
+    /// Returns the misreading if it is in the catalog and affects all channels of all files.
     pub fn of_catalog(&self) -> Option<&'static Misreading> {
         let is_everywhere = self.scope == FileScope::All && self.channels == ChannelSubset::All;
         self.listed().filter(|_| is_everywhere)
     }
 }
 
-/// Channels of an image, in every shape.
+/// A subset of the channels of an image, independent of the number of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ChannelSubset {
     All,
-    /// One of a0 … a5, of every polynomial.
+    /// One of the coefficients a0 … a5, in every polynomial.
     Coefficient(usize),
-    /// Red, green or blue: a color, or the polynomial of one.
+    /// Red, green or blue: a color, or the polynomial of that color.
     Color(usize),
-    /// The channels after a5: R, G and B, or Cr and Cb.
+    /// Channels after a5: R, G and B, or Cr and Cb.
     Chroma,
 }
 
@@ -64,7 +64,7 @@ impl ChannelSubset {
         }
     }
 
-    /// Returns the narrowest set that has all these channels.
+    /// Returns the smallest subset that contains all wrong channels.
     pub fn narrowest(wrong: &[bool]) -> ChannelSubset {
         let coefficients = (0..6).map(ChannelSubset::Coefficient);
         let colors = (0..3).map(ChannelSubset::Color);
@@ -75,7 +75,7 @@ impl ChannelSubset {
         all.into_iter().find(has_all).unwrap_or(ChannelSubset::All)
     }
 
-    /// Returns the channels in words: ", only in a3".
+    /// Returns a phrase that names the channels: ", only in a3".
     pub fn describe(self) -> String {
         match self {
             ChannelSubset::All => String::new(),
@@ -85,7 +85,7 @@ impl ChannelSubset {
         }
     }
 
-    /// Replaces these channels of an image by those of another of the same shape.
+    /// Replaces these channels of `image` with those of `other`, an image of the same shape.
     pub fn replace(self, image: &mut Answer, other: &Answer) {
         let (Answer::Decoded(image), Answer::Decoded(other)) = (image, other) else {
             return;
@@ -107,7 +107,7 @@ impl ChannelSubset {
     }
 }
 
-/// Returns a misreading without a slug that makes one edit.
+/// Returns a misreading without a slug that makes a single edit.
 pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",

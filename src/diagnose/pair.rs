@@ -1,4 +1,4 @@
-//! An image as received, and the expected image.
+//! Pairs of a received and an expected image.
 
 use crate::protocol::frame::{Frame, ViewKind};
 use crate::suite::compare::is_near;
@@ -14,7 +14,7 @@ pub(super) struct ImagePair {
 }
 
 impl ImagePair {
-    /// Returns the pair of two images, or `None` if their shapes differ.
+    /// Creates a pair. Returns `None` if the shapes of the images differ.
     pub fn new(wanted: &Frame, shown: &Frame) -> Option<ImagePair> {
         let shape = |frame: &Frame| (frame.shape(), frame.samples.sample_type());
         (shape(wanted) == shape(shown) && wanted.channels > 0).then(|| ImagePair {
@@ -32,14 +32,14 @@ impl ImagePair {
         is_near(self.view, a, b, 0.0, 0.0)
     }
 
-    /// Returns the places of the wrong samples.
+    /// Returns the indices of the wrong samples.
     pub fn wrong(&self) -> Vec<usize> {
         (0..self.want.len())
             .filter(|&i| !self.is_near(self.want[i], self.got[i]))
             .collect()
     }
 
-    /// Returns, for each channel, true if one of its samples is wrong.
+    /// Returns one flag per channel: true if any of its samples is wrong.
     pub fn wrong_channels(&self) -> Vec<bool> {
         let mut wrong = vec![false; self.channels];
         for i in self.wrong() {

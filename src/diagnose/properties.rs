@@ -1,4 +1,4 @@
-//! Properties that describe a set of files. Each was needed for a real reader, or is a key of `make:` in the cases.
+//! Properties that describe a set of files. Each was needed for a real decoder, or is a key of `make:` in the cases.
 
 use super::witness::{Facts, Witness};
 use crate::generate::Recipe;
@@ -9,7 +9,7 @@ use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Coding, Field, Format};
 
 impl Witness<'_> {
-    /// Returns the properties of the file.
+    /// Returns the properties of the file, computed on first use.
     pub fn facts(&self) -> &Facts {
         self.facts.get_or_init(|| {
             let file = File::new(self);
@@ -24,7 +24,7 @@ impl Witness<'_> {
     }
 }
 
-/// The parts of a file that the properties depend on.
+/// Parts of a file that the properties depend on.
 pub(super) struct File<'a> {
     view: &'a View,
     format: Format,
@@ -34,7 +34,7 @@ pub(super) struct File<'a> {
     planes: &'a [StoredPlane],
     header: &'a [u8],
     data: &'a [u8],
-    /// The texts of scales, biases and matrix elements.
+    /// Texts of the scales, the biases and the matrix elements.
     numbers: [Vec<&'a str>; 3],
 }
 
@@ -124,7 +124,7 @@ impl<'a> File<'a> {
         predicted.map(vector).collect()
     }
 
-    /// Returns true if a plane that is predicted, or one that is not, has side information.
+    /// Returns true if a plane that is predicted (or not, if `predicted` is false) has side information.
     fn has_records(&self, predicted: bool) -> bool {
         let mut planes = self.planes.iter().enumerate();
         planes.any(|(plane, stored)| {
@@ -133,13 +133,13 @@ impl<'a> File<'a> {
         })
     }
 
-    /// Returns the largest number of a kind in the side information of all planes.
+    /// Returns the maximum of `number` over the side information of all planes.
     fn largest_of_records(&self, number: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
         self.planes.iter().filter_map(number).max().map(f64::from)
     }
 }
 
-/// Words that complete "files …", true if it is the requested view, and the condition.
+/// Text that completes "files …", a flag for the requested view, and the condition.
 type Property = (&'static str, bool, fn(&File) -> bool);
 
 const fn property(words: &'static str, holds: fn(&File) -> bool) -> Property {
@@ -322,11 +322,11 @@ pub(super) const PROPERTIES: &[Property] = &[
     }),
 ];
 
-/// A number of a file.
+/// A numeric property of a file.
 pub(super) struct Quantity {
-    /// The clause about it.
+    /// Clause about the quantity.
     pub clause: &'static str,
-    /// Words after "with 17 or more".
+    /// Text after "with 17 or more".
     pub words: &'static str,
     value: fn(&File) -> Option<f64>,
 }

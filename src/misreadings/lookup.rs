@@ -2,7 +2,7 @@
 
 use super::anatomy::{Anatomy, Seen};
 use super::at::At;
-use crate::decode::indices::take;
+use crate::decode::indices::read_indices_of_width;
 use crate::ptm::Format;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
@@ -103,7 +103,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Indices(|table, size, input| {
             let mut pairs = input.rest().chunks_exact(2).take(size.texels());
             let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
-            take(if wide { 2 } else { 1 }, size, input)
+            read_indices_of_width(if wide { 2 } else { 1 }, size, input)
         }),
     ),
     (

@@ -50,7 +50,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-numbers-cut",
         At::LumMatrix(|m| {
-            crate::decode::color_matrix::columns_first(m).map(|row| row.map(f64::trunc))
+            crate::decode::color_matrix::column_major_rows(m).map(|row| row.map(f64::trunc))
         }),
     ),
     (
@@ -97,7 +97,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-rows-as-blue-green-red",
         At::LumMatrix(|m| {
-            let [red, green, blue] = crate::decode::color_matrix::columns_first(m);
+            let [red, green, blue] = crate::decode::color_matrix::column_major_rows(m);
             [blue, green, red]
         }),
     ),

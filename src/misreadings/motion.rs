@@ -146,7 +146,7 @@ fn walked<'a>(
         moved: false,
         ..*step
     };
-    let still = rule::inverted_then_moved(reference, &still, size, reading);
+    let still = rule::invert_then_displace(reference, &still, size, reading);
     if !step.moved || step.motion == (0, 0) {
         return still;
     }

@@ -181,7 +181,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "side-first-of-two-wins",
         At::Correct(|plane, records| {
             let turned: Vec<_> = records.iter().rev().copied().collect();
-            rule::overwrite(plane, &turned);
+            rule::overwrite_samples(plane, &turned);
         }),
     ),
 ];

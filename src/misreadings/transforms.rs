@@ -218,7 +218,7 @@ pub(super) fn planes(
 /// Predicts plane `i` by a step of the plan.
 fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
     if let Some(reference) = step.reference {
-        rule::apply(
+        rule::predict_plane(
             coded.coding,
             plane,
             &done[reference],

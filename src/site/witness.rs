@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::diagnose::applies;
+use crate::diagnose::can_affect_file;
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::{self, Misreading, answer};
 use crate::protocol::frame::{Answer, Frame, View};
@@ -49,7 +49,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
 fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<MisreadingWitness> {
     let built = case.build(TableSpelling::default());
     let view = case.views.first()?;
-    if case.expect == Expect::Spelling || !applies(misreading, &built.file) {
+    if case.expect == Expect::Spelling || !can_affect_file(misreading, &built.file) {
         return None;
     }
     let answer = answer(&[misreading], Reading::SPEC, &built.file, view);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
-use crate::diagnose::{applies, stream_once};
+use crate::diagnose::{can_affect_file, stream_once};
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame};
@@ -106,7 +106,7 @@ pub fn ask_all(
     let ask = |request: &Request<'_>| {
         let concerned = mistakes
             .iter()
-            .any(|mistake| applies(mistake, request.file));
+            .any(|mistake| can_affect_file(mistake, request.file));
         let known = right.get(&key::<Case>(request.name, request.view));
         let make = || misreadings::answer(mistakes, reading, request.file, request.view);
         known.filter(|_| !concerned).cloned().unwrap_or_else(make)

@@ -8,7 +8,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::diagnose::cover::{CoverCandidate, cover};
-use crate::diagnose::{Category, Cause, Diagnosis, composable};
+use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
 use crate::kit::parallel::in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
@@ -156,7 +156,7 @@ fn pairs(
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                composable(first.at, second.at) && explains(exhibit, [first, second])
+                can_combine(first.at, second.at) && explains(exhibit, [first, second])
             });
             second.map(|second| (first, second))
         };

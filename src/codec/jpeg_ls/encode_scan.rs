@@ -1,20 +1,19 @@
 //! T.87 Annex A: samples → bits
 //!
-//! The mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if NEAR is not 0: an
-//! encoder that predicts from the image drifts away from its decoder.
+//! This is the mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if
+//! NEAR is not 0. An encoder that predicts from the image itself drifts away from its decoder.
 //!
-//! Worked example: a line of seven samples 0 and a 1, in the bytes FB 40.
+//! Worked example: a line of seven samples 0 and a sample 1, in the bytes FB 40.
 //!
 //! ```text
-//! 1 1 1 1 1    run mode: four pieces of one sample, one of two
+//! 1 1 1 1 1    run mode: four segments of one sample, one of two
 //! 0 1          interrupted after one more sample
-//! 1 01         error 1 with a and b alike: 2 · 1 − 1 = 1, k = 2
+//! 1 01         error 1 with a = b: 2 · 1 − 1 = 1, k = 2
 //! 000000       padding
 //! ```
 //!
 //! Format notes
-//! - If the last byte is 0xFF, one more byte of seven zeros follows, or a decoder would read the marker
-//!   as data.
+//! - If the last byte is 0xFF, a byte of seven zero bits follows. Otherwise a decoder would read the marker as data.
 
 use super::contexts::{Context, fresh_contexts};
 use super::gradients::context_number;
@@ -24,7 +23,7 @@ use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
 use crate::codec::writer::{BitWriter, Writer};
 
-/// Writes all samples and returns the samples that a decoder will have.
+/// Encodes all samples. Returns the samples that a decoder reconstructs.
 pub(super) fn encode_scan(
     stream: &mut Writer,
     parameters: &Parameters,
@@ -48,7 +47,7 @@ pub(super) fn encode_scan(
     decoded
 }
 
-/// The state of a scan.
+/// State of the encoder during a scan.
 struct ScanEncoder<'p, 's> {
     parameters: &'p Parameters,
     bits: BitWriter<'s, 7>,
@@ -57,7 +56,7 @@ struct ScanEncoder<'p, 's> {
 }
 
 impl ScanEncoder<'_, '_> {
-    /// Encodes each sample of a line in the mode of its neighborhood (A.3.2).
+    /// Encodes a line. The neighborhood of each sample selects its mode (A.3.2).
     fn encode_line(&mut self, lines: &mut Lines, originals: &[u8]) {
         let width = lines.width();
         let mut x = 0;
@@ -102,10 +101,10 @@ impl ScanEncoder<'_, '_> {
         parameters.reconstruct(predicted, sign * error)
     }
 
-    /// Returns the number of samples that differ from a by at most NEAR (A.7.1.1).
+    /// Returns the number of leading samples that differ from a by at most NEAR (A.7.1.1).
     fn run_length(&self, a: i32, originals: &[u8]) -> usize {
-        let alike = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
-        originals.iter().take_while(alike).count()
+        let is_near = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
+        originals.iter().take_while(is_near).count()
     }
 
     /// Writes the length of a run (A.7.1.2).

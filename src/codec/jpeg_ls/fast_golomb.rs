@@ -1,7 +1,7 @@
-//! Golomb codes by counting zeros
+//! Fast decoding of Golomb codes by counting zeros
 //!
-//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare and left to
-//! the plain version.
+//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare
+//! and delegated to the plain version.
 //!
 //! ```text
 //! window   0001 0111 …     k = 2: three zeros, then 01: 3 · 4 + 1 = 13, six bits
@@ -14,7 +14,7 @@ use crate::codec::stream_error::StreamResult;
 impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
     #[inline]
     fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
-        // More than the length of a code that is not limited: its zeros, a one and k bits.
+        // Longer than any code that is not limited: its zeros, a one and k bits.
         self.require(48);
         let zeros = self.window().leading_zeros();
         if zeros >= limit - qbpp - 1 {

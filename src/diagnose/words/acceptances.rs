@@ -1,6 +1,6 @@
-//! Malformed files that were accepted: the decoder does not check for the fault that each of them has.
+//! Describes malformed files that the decoder accepts, because it does not check for their faults.
 
-use super::first_of;
+use super::list_first;
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
@@ -33,7 +33,7 @@ pub(in crate::diagnose) fn describe(
     clauses.into_iter().map(diagnosis).collect()
 }
 
-/// Describes these malformed files, which are accepted.
+/// Describes malformed files that the decoder accepts.
 fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
     let first = &witnesses[of[0]];
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
@@ -47,9 +47,9 @@ fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
     Diagnosis::described(Category::Acceptance, witnesses, of, words)
 }
 
-/// Describes malformed files that are accepted, if a misreading explains nothing else. Malformed files have no correct image,
-/// so these cases do not show how the decoder reads them.
-pub(in crate::diagnose) fn all_that_shows(
+/// Describes the accepted malformed files if a misreading explains nothing else. Malformed files have no correct
+/// image, so these cases do not reveal how the decoder reads them.
+pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
@@ -67,13 +67,13 @@ pub(in crate::diagnose) fn all_that_shows(
     })
 }
 
-/// Returns the clause that a malformed file breaks.
+/// Returns the clause that a malformed file violates.
 fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
     let of_case = || witness.case.clauses.first().map_or("", String::as_str);
     (witness.case.damage()).map_or_else(of_case, |damage| &damage.clause)
 }
 
-/// Lists the faults of these files, each fault once.
+/// Lists the distinct faults of these files.
 fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
     let mut faults: Vec<&str> = Vec::new();
     for fault in of.iter().map(|&w| fault(witnesses[w].case)) {
@@ -81,7 +81,7 @@ fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
             faults.push(fault);
         }
     }
-    first_of(&faults, "fault")
+    list_first(&faults, "fault")
 }
 
 /// Returns the damage of a file, or the reason for its case.

@@ -1,11 +1,11 @@
-//! The arithmetic of one value, with the numbers of the file.
+//! Formats the arithmetic of one value, with the numbers in the file.
 
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::View;
 use crate::ptm::{Ptm, Shape};
 use crate::suite::compare;
 
-/// Returns the steps from stored values to one value of an image, or `None` for stored values.
+/// Returns the computation of one value of an image from stored values, or `None` for stored values.
 pub(in crate::diagnose) fn arithmetic(
     witness: &Witness,
     texel: usize,
@@ -15,7 +15,7 @@ pub(in crate::diagnose) fn arithmetic(
     steps(ptm, &witness.observation.view, texel, channel)
 }
 
-/// Returns the steps from stored values to one value in a view of a map, or `None` for stored values.
+/// Returns the computation of one value in a view of a map, or `None` for stored values.
 #[must_use]
 pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
     let raw = ptm.planes.texels().nth(texel)?;
@@ -28,7 +28,7 @@ pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<Str
     }
 }
 
-/// Returns `(raw − bias) · scale`.
+/// Formats `(raw − bias) · scale`.
 fn final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     let numbers = &ptm.header.scale_bias;
     format!(

@@ -1,4 +1,5 @@
-//! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
+//! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and
+//! one example.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
@@ -19,10 +20,10 @@ use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, distinct};
 use crate::suite::origin;
 
-/// Channels that are listed.
+/// Maximum number of channels in a list.
 const MAX_LISTED: usize = 3;
 
-/// The step at which the values of an image first differ, as far as one image shows.
+/// The step at which the values of an image first differ, as far as a single image reveals it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Phase {
     Size,
@@ -39,7 +40,7 @@ enum Phase {
 }
 
 impl Phase {
-    /// Returns the step that the values of a view follow from.
+    /// Returns the last step before the values of a view.
     fn in_view(view: ViewKind) -> Phase {
         match view {
             ViewKind::Raw => Phase::StoredValue,
@@ -48,7 +49,7 @@ impl Phase {
         }
     }
 
-    /// Returns the decoder's behavior, as a sentence without its subject.
+    /// Returns the behavior of the decoder, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
             Phase::Size => "shows an image of another size",
@@ -71,7 +72,7 @@ impl Phase {
         }
     }
 
-    /// Returns the advice.
+    /// Returns the advice for the user.
     fn fix(self) -> &'static str {
         match self {
             Phase::Size => "compare width and height with the header of the file",
@@ -98,8 +99,8 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that states the step in formats of several layouts: their colors are computed from the same polynomial,
-    /// and the number of channels follows from the format.
+    /// Returns the clause that defines the step for formats with different layouts. Their colors are computed from
+    /// the same polynomial, and the number of channels follows from the format.
     fn common_clause(self) -> Option<&'static str> {
         match self {
             Phase::Color => Phase::Color.clause(Format::Rgb),
@@ -108,7 +109,7 @@ impl Phase {
         }
     }
 
-    /// The clause that states the step.
+    /// Returns the clause that defines the step for a format.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
             (Phase::Size, _) => "2.3/1",
@@ -127,10 +128,11 @@ impl Phase {
     }
 }
 
-/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
+/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
+/// that were found.
 pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
-    let mut steps = search.each(left, |&w| step(search, set, w));
-    // If values of files without streams are wrong too, the mistake is after the streams.
+    let mut steps = search.map_parallel(left, |&w| step(search, set, w));
+    // If files without streams have wrong values as well, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
         streams.for_each(|step| *step = Phase::StoredValue);
@@ -142,7 +144,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
     for w in left {
         by_step.entry(known[w]).or_default().push(*w);
     }
-    // A correct or an explained image contradicts a property. A file without an image is no evidence.
+    // A correct or explained image contradicts a property. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &search.witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -175,9 +177,10 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
     diagnoses
 }
 
-/// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
-/// the format, or of all formats with wrong images in that view, are wrong there: what comes before explains them. An image that
-/// is described elsewhere counts too. Values in the wrong places are a cause if most wrong images of the format have them.
+/// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images
+/// are wrong in that view. "Enough" means more than half as many, of the same format or of all formats with wrong
+/// images in that view. Images that are described elsewhere count as well. The phase `Places` applies only if most
+/// wrong images of the format have it.
 fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -198,7 +201,7 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
         of_format.retain(|&w| steps[&w] >= Phase::Places && witnesses[w].case.format() == format);
         let all = of_format.len();
         of_format.retain(|w| steps[w] == Phase::Places);
-        // Few values, or similar ones, may be exchanged by chance.
+        // A few values, or similar ones, may be permuted by chance.
         if !is_most(of_format.len(), all) {
             let plain = |w: usize| (w, Phase::in_view(witnesses[w].observation.view.kind()));
             steps.extend(of_format.into_iter().map(plain));
@@ -237,14 +240,15 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
     }
 }
 
-/// Wrong images with one cause: the files in words, and the clause about their common property.
+/// Wrong images with the same cause, a description of the files, and the clause about their common property.
 struct CauseGroup {
     of: Vec<usize>,
     place: String,
     clause: Option<&'static str>,
 }
 
-/// Removes the files with a property that most of `open` share and no file of known behavior has, of all formats or of each.
+/// Removes groups of files with a property that most of `open` share and no file with known behavior has, for each
+/// entry of `formats`.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -292,7 +296,7 @@ fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Di
     };
     let mut wrong = wrong_channels(search, set, of);
     wrong.retain(|_| of.len() >= MIN_SHARING_FILES);
-    // Only R, G and B of a format with one polynomial are wrong.
+    // Only R, G and B are wrong in a format with one polynomial.
     let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
     let clause = match (step, clause) {
         (Phase::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
@@ -313,7 +317,7 @@ fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Di
     }
 }
 
-/// Returns " (12 in view raw, 10 in view coef)" if the images are of several views.
+/// Returns " (12 in view raw, 10 in view coef)" if the images belong to several views.
 fn views(witnesses: &[Witness], of: &[usize]) -> String {
     let count = |view: &ViewKind| {
         let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
@@ -329,7 +333,8 @@ fn views(witnesses: &[Witness], of: &[usize]) -> String {
     }
 }
 
-/// Returns, for each channel, true if it is wrong in an image of the first view; nothing if the numbers of channels differ.
+/// Returns one flag per channel: true if it is wrong in any image of the earliest view. Returns an empty list if the
+/// images differ in their number of channels.
 pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usize]) -> Vec<bool> {
     let mut pairs: Vec<ImagePair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
     let first = pairs.iter().map(|pair| pair.view).min();
@@ -342,7 +347,7 @@ pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usi
     (0..count).map(is_wrong).collect()
 }
 
-/// Returns ", only in a3" if no other channel is wrong.
+/// Returns ", only in a3" if all other channels are correct.
 fn only_in(wrong: &[bool]) -> String {
     let names: Vec<String> = (0..wrong.len())
         .filter(|&channel| wrong[channel])
@@ -382,12 +387,12 @@ fn step(search: &Search, set: &[Id], w: usize) -> Phase {
     match step_of_planes(&pair, witness) {
         step @ (Phase::Prediction | Phase::Correction) => step,
         step if pair.view == ViewKind::Raw => step,
-        // A later step may explain the samples of a stream.
+        // A later step may explain the wrong samples of a stream.
         _ => plain,
     }
 }
 
-/// Returns true if an image has the correct values in wrong places.
+/// Returns true if an image has the correct values in the wrong order.
 fn is_rearranged(pair: &ImagePair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
@@ -397,14 +402,14 @@ fn is_rearranged(pair: &ImagePair) -> bool {
     pair.wrong().len() >= MIN_SUPPORT && sorted(&pair.want) == sorted(&pair.got)
 }
 
-/// Returns the step of a compressed file. A stream is named only if a plane that is neither predicted nor corrected has wrong
-/// values, and not the correct values in wrong places.
+/// Returns the step for a compressed file. Reports a stream only if a plane that is neither predicted nor corrected
+/// has wrong values, as opposed to correct values in the wrong order.
 fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
         return Phase::StoredValue;
     };
     let wrong = pair.wrong_channels();
-    let plain = |plane: &usize| wrong[*plane] && witness.is_of_stream(*plane);
+    let plain = |plane: &usize| wrong[*plane] && witness.is_plain_plane(*plane);
     let is_corrected = |i: &usize| {
         let (texel, plane) = (i / pair.channels, i % pair.channels);
         let (x, y) = (texel % pair.width, texel / pair.width);
@@ -445,7 +450,8 @@ fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the wrong samples of `w`, or may crash there.
+/// Returns true if the mistake `member` more than halves the number of wrong samples of `w`, or may crash on this
+/// file.
 pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
     let witness = &search.witnesses[w];
     let (with, without) = (
@@ -462,7 +468,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
         let wrong = |made: &Frame| Some(ImagePair::new(made, shown)?.wrong().len());
         return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
-    // A decoder that reads outside its data may crash in one file and show wrong values in another.
+    // A decoder that reads out of bounds may crash on one file and output wrong values for another.
     let clause = search.mistakes[member].misreading.clause;
     let mut sections = ["2.5", "2.6", "2.8", "2.9"].iter();
     let is_crash = matches!(
@@ -472,7 +478,7 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
     is_crash && sections.any(|section| clause.starts_with(section))
 }
 
-/// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
+/// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ.
 pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
     let shown = search.witnesses[w].shown()?;
     match &*search.answer_of(w, set) {
@@ -481,19 +487,20 @@ pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Opt
     }
 }
 
-/// Returns the smallest of these files, preferring stored and final values to colors.
+/// Returns the smallest of these files. Prefers stored and final values to colors.
 pub(in crate::diagnose) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
     let size = |w: &usize| (witnesses[*w].is_in_colors(), witnesses[*w].built.file.len());
     let smallest = of.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: received and expected, the arithmetic, and the bytes of the expected value.
+/// Describes the first wrong sample of a file: received and expected value, the arithmetic, and the bytes of the
+/// expected value.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_given(search, &[], w)
 }
 
-/// Like [`example`], for the first sample that the mistakes of `set` do not explain.
+/// Like [`example`], but for the first sample that the mistakes in `set` do not explain.
 fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
@@ -540,8 +547,8 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     text
 }
 
-/// Returns the first wrong sample. In a compressed file, it is the first stored one of the first plane that is not predicted from
-/// a wrong plane.
+/// Returns the first wrong sample. In a compressed file, this is the first stored sample of the first plane that is
+/// not predicted from a wrong plane.
 fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<usize> {
     let mut wrong = pair.wrong();
     let is_open = |i: &usize| open.binary_search(i).is_ok();
@@ -569,7 +576,7 @@ fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<us
     wrong.into_iter().min_by_key(stored)
 }
 
-/// Returns the expected values, not rounded.
+/// Returns the expected values before rounding.
 fn expected(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
     let expected = Expected::new(&witness.built.values, &witness.observation.view)?;
     let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.want.len();

@@ -1,4 +1,4 @@
-//! Images that do not depend on the file: the same image for every file, or one value in every sample.
+//! Describes images that do not depend on the file: the same image for every file, or the same value in every sample.
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
@@ -8,7 +8,7 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes views in which no image depends on the file, and removes their images from `left`.
+/// Describes views in which no image depends on the file, and removes these images from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -27,7 +27,7 @@ pub(in crate::diagnose) fn describe(
     found.into_iter().map(diagnosis).collect()
 }
 
-/// Returns true if most failures are such images. Mistakes then agree with them by chance.
+/// Returns true if most failures are images that do not depend on the file. Mistakes would match them by chance.
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();
@@ -36,7 +36,7 @@ pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     is_most(count, failing.len())
 }
 
-/// Returns the effect and the cases of each view in which these failing images do not depend on the file.
+/// Returns the effect and the cases of each view in which the failing images do not depend on the file.
 fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     let mut found = Vec::new();
     for view in ViewKind::ALL {
@@ -56,7 +56,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
         let legal = witnesses.iter().filter(is_legal).count();
         let right = &witnesses[first_case].right;
         let are_alike = (shown.iter()).all(|&(w, _)| witnesses[w].right == *right);
-        // A few legal files have such an image, and files with equal contents have equal images.
+        // A few legal files have an image like this, and files with equal contents have equal images.
         if are_alike || shown.len() < MIN_SUPPORT || !is_most(shown.len(), legal) {
             continue;
         }
@@ -82,7 +82,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     found
 }
 
-/// Returns the value of all samples of an image, if they are equal.
+/// Returns the value that all samples of an image share, if any.
 fn value(frame: &Frame) -> Option<f32> {
     fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
         let first = *samples.first()?;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use ptm_conform::Reading;
-use ptm_conform::diagnose::{Cause, Diagnosis, applies, composable, diagnose};
+use ptm_conform::diagnose::{Cause, Diagnosis, can_affect_file, can_combine, diagnose};
 use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
@@ -335,7 +335,7 @@ fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
         let mut set: Vec<&'static Misreading> = Vec::new();
         while set.len() < size {
             let next = draw();
-            if set.iter().all(|other| composable(other, next)) {
+            if set.iter().all(|other| can_combine(other, next)) {
                 set.push(next);
             }
         }
@@ -355,7 +355,7 @@ fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
         suite.cases.iter().any(|case| {
             let file = &case.build(TableSpelling::default()).file;
             let shows = |view| answer(set, file, view) != answer(&others, file, view);
-            applies(member, file) && case.views.first().is_some_and(shows)
+            can_affect_file(member, file) && case.views.first().is_some_and(shows)
         })
     })
 }
