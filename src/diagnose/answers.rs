@@ -49,7 +49,7 @@ impl Witness<'_> {
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
-                let reading = misreadings::misread(&made, self.reading);
+                let reading = misreadings::apply_to_reading(&made, self.reading);
                 (self.decoded().as_ref().ok()?.clone(), reading)
             }
             false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
@@ -75,7 +75,7 @@ impl Witness<'_> {
     pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
         let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
-        let reading = misreadings::misread(&made, self.reading);
+        let reading = misreadings::apply_to_reading(&made, self.reading);
         misreadings::show(&made, &reading, ptm, &self.observation.view)
     }
 

@@ -466,7 +466,7 @@ impl<'a> Search<'a> {
     /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
     fn can_combine(&self, a: Id, b: Id) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
-        !(a.is_decision() && a.is_at(b))
+        !(a.is_decision() && a.changes_same_step(b))
     }
 
     /// Returns true if the user interrupted the search. Results after an interrupt are meaningless.

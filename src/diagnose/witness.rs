@@ -9,7 +9,7 @@ use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::in_parallel;
-use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
+use crate::misreadings::{self, Anatomy, At, EditedFile, Misreading, Stage};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
@@ -141,7 +141,7 @@ impl Witness<'_> {
         if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
             return match self.decoded() {
                 Ok(ptm) => {
-                    let reading = misreadings::misread(mistakes, self.reading);
+                    let reading = misreadings::apply_to_reading(mistakes, self.reading);
                     let view = &self.observation.view;
                     Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
                 }
@@ -156,9 +156,9 @@ impl Witness<'_> {
             fields: self.fields().to_vec(),
         };
         match edit(&anatomy) {
-            Seen::Refused => Cow::Owned(Answer::Rejected),
-            Seen::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
-            Seen::File(bytes) => Cow::Owned(self.answer_to(rest, &bytes)),
+            EditedFile::Refused => Cow::Owned(Answer::Rejected),
+            EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
+            EditedFile::File(bytes) => Cow::Owned(self.answer_to(rest, &bytes)),
         }
     }
 
@@ -413,7 +413,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
 /// Returns true if a decoder can make both mistakes, because they affect different steps or different decisions.
 #[must_use]
 pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
-    !a.at.is_at(&b.at)
+    !a.at.changes_same_step(&b.at)
 }
 
 /// Returns true if in some view `explained` contains nearly all of the `acting` cases (see [`is_nearly_all`]).

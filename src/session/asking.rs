@@ -150,7 +150,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         let observation = Observation {
             view: view.clone(),
             response,
-            weak: reply.is_weak(),
+            weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
             after: reply.after.clone(),
             nondeterminism: trouble_of_serving(&reply),
