@@ -45,7 +45,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
 
     /// Computes the position by moving back over the bytes in the window.
     #[cold]
-    fn plain(&self) -> Bits<'a, AFTER_FF> {
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF> {
         let (mut at, mut unread) = (self.at, self.count);
         while at > self.start {
             let after_ff = at - 1 > self.start && self.stream[at - 2] == 0xFF;
@@ -152,9 +152,12 @@ mod tests {
                 results.push(format!("{number:?}"));
                 return results;
             }
-            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+            results.push(format!(
+                "{number:?}, then byte {}",
+                bits.plain_bits().offset()
+            ));
         }
-        results.push(format!("{:?}", bits.plain().finish()));
+        results.push(format!("{:?}", bits.plain_bits().finish()));
         results
     }
 

@@ -32,7 +32,7 @@ pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
     fn receive(&mut self, count: u32) -> StreamResult<u32>;
 
     /// Returns a [`Bits`] at the same position, for rare operations: offsets of errors and the end of the segment.
-    fn plain(&self) -> Bits<'a, AFTER_FF>;
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF>;
 }
 
 /// Bit-by-bit reader, as the standards describe it.
@@ -59,7 +59,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
         Ok(number)
     }
 
-    fn plain(&self) -> Bits<'a, AFTER_FF> {
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF> {
         self.clone()
     }
 }

@@ -22,7 +22,7 @@ use crate::input::Input;
 use crate::ptm::Format;
 
 pub(super) fn read(input: &mut Input) -> Result<Format> {
-    let unknown = input.wrong("2.2/1", "the name of a format");
+    let unknown = input.unexpected("2.2/1", "the name of a format");
     let name = input.token("2.2/1", "the name of a format")?;
     let format = Format::ALL
         .into_iter()

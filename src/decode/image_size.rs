@@ -30,8 +30,8 @@ pub(super) fn read(input: &mut Input) -> Result<Size> {
 }
 
 fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
-    let too_small = input.wrong("2.3/3", name);
-    let too_large = input.wrong("2.3/3", "a number of at most 4294967295");
+    let too_small = input.unexpected("2.3/3", name);
+    let too_large = input.unexpected("2.3/3", "a number of at most 4294967295");
     let digits = input.rest().iter().take_while(|byte| byte.is_ascii_digit());
     let end = input.at() + digits.count();
     match input.integer("2.3/1", name) {

@@ -29,7 +29,7 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
     // odd-numbers: parse a floating point number and require that it is an integer, so that "3.0" is accepted and
     // "1.5" is not.
     let bias = read_six(input, |input| {
-        let fraction = input.wrong("2.4/4", "an integer bias");
+        let fraction = input.unexpected("2.4/4", "an integer bias");
         let value = input.number("2.4/4", "an integer bias")?;
         if value.fract() == 0.0 {
             Ok(value)

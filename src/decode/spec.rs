@@ -5,7 +5,7 @@
 //! readings are equally correct.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
-use crate::evaluate::{self, Coefficients, Picture};
+use crate::evaluate::{self, Coefficients, RelitImage};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
@@ -13,7 +13,7 @@ impl Ptm {
     /// Computes the final coefficients (clause 2.4/8).
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
-        evaluate::apply(&self.header.scale_bias, &self.planes, &Reading::SPEC)
+        evaluate::compute_coefficients(&self.header.scale_bias, &self.planes, &Reading::SPEC)
     }
 }
 
@@ -21,7 +21,7 @@ impl Coefficients {
     /// Computes the image under the light (`lu`, `lv`). Both coordinates range from −1 to 1; +u is right and +v is
     /// up.
     #[must_use]
-    pub fn evaluate(&self, lu: f64, lv: f64) -> Picture {
+    pub fn evaluate(&self, lu: f64, lv: f64) -> RelitImage {
         evaluate::evaluate(self, lu, lv, &Reading::SPEC)
     }
 }
@@ -35,7 +35,7 @@ impl Reading {
         polynomial: evaluate::polynomial,
         // §2.4: (raw − bias) · scale, for coefficients only
         final_coefficient: evaluate::final_coefficient,
-        finals: evaluate::finals,
+        finals: evaluate::final_values,
         // §2.5: the spelling of the count; nothing follows the table
         entry_count: lookup_table::entry_count,
         after_table: lookup_table::after_table,

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, Samples, View};
 use crate::ptm::Ptm;
@@ -149,7 +149,7 @@ pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> b
     let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
     let telling: Vec<&Witness> = telling.collect();
     let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
-    let reproduced = in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
+    let reproduced = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
         let mistake = &mistakes[at];
         let is_reproduced = |witness: &&&Witness| {
             witness.can_affect(mistake) && gives(witness, &witness.answer(&[mistake]))

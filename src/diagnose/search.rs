@@ -24,7 +24,7 @@ use super::tuning::{
 };
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::Answer;
 use crate::session::run::Run;
@@ -874,7 +874,7 @@ impl<'a> Search<'a> {
         items: &[T],
         work: impl Fn(&T) -> R + Sync,
     ) -> Vec<R> {
-        in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
+        map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
             let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
             done.unwrap_or_else(|panic| {
                 self.record_panic(&*panic);

@@ -8,7 +8,7 @@ use super::stream_cache::stream_once;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, Anatomy, At, EditedFile, Misreading, Stage};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Field, Limits, Ptm};
@@ -120,7 +120,7 @@ pub(super) fn witnesses<'a>(
             decoded: OnceLock::new(),
         })
     };
-    let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
+    let all = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
     all.into_iter().flatten().collect()
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::diagnose::can_affect_file;
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, Misreading, answer};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
@@ -35,7 +35,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
     };
     by_size.sort_by_cached_key(length);
     let all: Vec<&'static Misreading> = misreadings::all().collect();
-    let found = in_parallel(all.len(), jobs, &|_, _| (), &|i| {
+    let found = map_in_parallel(all.len(), jobs, &|_, _| (), &|i| {
         let mut places = by_size.iter();
         let witness = places.find_map(|&place| witness(all[i], place, &suite.cases[place]));
         (all[i].slug, witness)

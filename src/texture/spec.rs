@@ -66,7 +66,7 @@ impl Rules {
         depth: depth::log2_of_widest,
         biased: depth::add,
         magnifies: depth::none_over_one,
-        rows: from_ptm::from_the_bottom,
+        rows: from_ptm::rows_from_bottom,
         to_eight_bits: from_ptm::halves_up,
     };
 

@@ -48,7 +48,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     // smaller.
     if !(-2048..2048).contains(previous_dc) {
         let what = format!("the DC coefficient {previous_dc} is out of range");
-        return Err(malformed(bits.plain().offset(), what));
+        return Err(malformed(bits.plain_bits().offset(), what));
     }
     block[0] = *previous_dc * i32::from(steps[0]);
 
@@ -62,12 +62,12 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
             (15, 0) | (_, 1..=10) => k += run, // ZRL is fifteen zeros followed by a zero
             _ => {
                 let what = format!("no AC code has run {run} and size {size}");
-                return Err(malformed(bits.plain().offset(), what));
+                return Err(malformed(bits.plain_bits().offset(), what));
             }
         }
         if k > 63 || (k == 63 && size == 0) {
             let what = "a run of zeros extends past the end of the block";
-            return Err(malformed(bits.plain().offset(), what));
+            return Err(malformed(bits.plain_bits().offset(), what));
         }
         let value = extend(bits.receive(u32::from(size))?, size);
         block[usize::from(ZIGZAG[k])] = value * i32::from(steps[k]);
@@ -85,7 +85,7 @@ fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
     let size = bits.symbol(table)?;
     if size > 11 {
         let what = format!("no DC difference has {size} bits");
-        return Err(malformed(bits.plain().offset(), what));
+        return Err(malformed(bits.plain_bits().offset(), what));
     }
     Ok(extend(bits.receive(u32::from(size))?, size))
 }

@@ -45,7 +45,7 @@ pub(super) fn decode_symbol<'a>(
     bits: &mut impl ReadBits<'a, 0>,
     table: &HuffmanTable,
 ) -> StreamResult<u8> {
-    let start = bits.plain();
+    let start = bits.plain_bits();
     let mut code = 0;
     let mut first = 0; // MINCODE: the first code of this length
     let mut index = 0; // VALPTR: the index of its symbol

@@ -92,7 +92,7 @@ mod tests {
             if !matches!(number, Ok(Ok(_))) {
                 return results;
             }
-            results.push(format!("byte {}", bits.plain().offset()));
+            results.push(format!("byte {}", bits.plain_bits().offset()));
         }
     }
 

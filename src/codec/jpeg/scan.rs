@@ -62,7 +62,7 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
         let (x, y) = (block % columns * 8, block / columns * 8);
         copy_block(&mut samples, width as usize, x, y, &decoded);
     }
-    stream.at = bits.plain().finish()?;
+    stream.at = bits.plain_bits().finish()?;
     Ok(samples)
 }
 
@@ -78,7 +78,7 @@ pub(super) fn block_counts(tables: &ScanTables, width: u32, height: u32) -> (usi
 /// Checks the end of an interval and the number of its restart marker (E.2.4). Returns the offset of the next
 /// interval.
 pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
-    let bits = bits.plain();
+    let bits = bits.plain_bits();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
     let marker = stream.marker()?;
     if marker.code != RST0 + number {

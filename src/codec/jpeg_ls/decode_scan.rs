@@ -50,7 +50,7 @@ pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
         scan.decode_line(&mut lines)?;
         line.copy_from_slice(lines.samples());
     }
-    stream.at = scan.bits.plain().finish()?;
+    stream.at = scan.bits.plain_bits().finish()?;
     Ok(samples)
 }
 
@@ -129,7 +129,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         run += self.bits.receive(self.run_mode.j())? as usize;
         if run >= left {
             let what = format!("a run of {run} samples and its end in a line with {left} to go");
-            return Err(malformed(self.bits.plain().offset(), what));
+            return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)
     }
@@ -160,5 +160,5 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
 #[cold]
 fn impossible_error<'a>(bits: &impl ReadGolomb<'a>, error: i32) -> StreamError {
     let what = format!("no sample has prediction error {error}");
-    malformed(bits.plain().offset(), what)
+    malformed(bits.plain_bits().offset(), what)
 }

@@ -48,9 +48,12 @@ mod tests {
                 results.push(format!("{number:?}"));
                 return results;
             }
-            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+            results.push(format!(
+                "{number:?}, then byte {}",
+                bits.plain_bits().offset()
+            ));
         }
-        results.push(format!("{:?}", bits.plain().finish()));
+        results.push(format!("{:?}", bits.plain_bits().finish()));
         results
     }
 

@@ -35,7 +35,7 @@ pub(super) fn decode_golomb<'a>(
     limit: u32,
     qbpp: u32,
 ) -> StreamResult<i32> {
-    let start = bits.plain();
+    let start = bits.plain_bits();
     let longest = limit - qbpp - 1;
     let mut zeros = 0;
     while bits.receive(1)? == 0 {

@@ -7,7 +7,7 @@ use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::witness::Witness;
-use crate::kit::last_words::last_words;
+use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::session::observation::Response;
@@ -234,7 +234,7 @@ pub(in crate::diagnose) fn example(witnesses: &[Witness], of: &[usize]) -> Strin
         .expect("a diagnosis explains at least one case");
     let stderr = &smallest.observation.stderr;
     let because = smallest.case.because.trim_end_matches('.');
-    let words = last_words(stderr).map_or(String::new(), |line| {
+    let words = last_message(stderr).map_or(String::new(), |line| {
         format!("; its standard error ends: {line}")
     });
     format!("for example {}: {because}{words}", smallest.case.id)

@@ -170,7 +170,8 @@ fn colors_differ(ptm: &Ptm, readings: &[Reading]) -> Vec<Vec<bool>> {
             samples: samples.to_vec(),
         };
         // Readings of LUM differ in their use of coefficients, not in the coefficients.
-        let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
+        let finals =
+            evaluate::compute_coefficients(&ptm.header.scale_bias, &planes, &Reading::SPEC);
         for differing in &mut all {
             differing.resize(differing.len() + size.texels(), false);
         }

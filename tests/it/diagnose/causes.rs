@@ -11,7 +11,7 @@ use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::run::Run;
-use ptm_conform::strength::matrix::ask_all;
+use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
 use crate::in_process::{computing, jobs, misread, misreading, right, run_all, suite};
@@ -281,8 +281,8 @@ fn names_every(suite: &Suite, first: usize, step: usize, run: impl Fn(&'static M
 
 fn names_in_reference_dialect(first: usize, step: usize) {
     let suite = suite().prepared();
-    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
-    let run = |mistake| ask_all(&suite, &[mistake], &[], jobs(), &right).0;
+    let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
+    let run = |mistake| run_with_mistakes(&suite, &[mistake], &[], jobs(), &right).0;
     names_every(&suite, first, step, run);
 }
 
@@ -364,7 +364,7 @@ fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
 /// named whole among the first causes, and at most `most_false` may have a false cause that is stated as certain.
 fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
     let suite = suite().prepared();
-    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
+    let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let (mut tried, mut whole, mut false_ones) = (0, 0, 0);
     for set in drawn(count * 4, size) {
         if tried == count {
@@ -374,7 +374,7 @@ fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
             continue;
         }
         tried += 1;
-        let (run, _) = ask_all(&suite, &set, &[], jobs(), &right);
+        let (run, _) = run_with_mistakes(&suite, &set, &[], jobs(), &right);
         let failing = failures(&run).len();
         assert!(failing > 0, "{set:?} fail no case");
         let diagnoses = causes(&suite, &run);

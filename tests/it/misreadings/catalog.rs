@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use ptm_conform::misreadings;
 use ptm_conform::session::outcome::Outcome;
-use ptm_conform::strength::matrix::{MatrixRow, ask_all, matrix};
+use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
 
@@ -79,7 +79,8 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
             .cloned()
             .collect();
         let some = Suite { cases };
-        let (run, _) = ask_all(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
+        let (run, _) =
+            run_with_mistakes(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
         run.judgement.with_outcome(Outcome::Fail).next().is_some()
     })
 }
