@@ -9,7 +9,7 @@
 //! window   0001 1011 0010 0000 …          four bits of A1 were consumed: count = 12
 //! ```
 
-use super::bits::{Bits, ReadBits, data_bits, truncated};
+use super::bits::{Bits, ReadBits, data_bits, truncated_error};
 use super::stream_error::StreamResult;
 
 pub(super) struct BitBuffer<'a, const AFTER_FF: u32> {
@@ -76,7 +76,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
     /// Returns the next bits, left-aligned, with zeros after the end. Only bits that were passed to `require` are
     /// guaranteed to be present.
     #[inline]
-    pub fn window(&self) -> u64 {
+    pub fn peek_window(&self) -> u64 {
         self.window
     }
 
@@ -84,7 +84,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
     #[inline]
     pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {
-            return Err(truncated(self.at));
+            return Err(truncated_error(self.at));
         }
         self.window <<= bits;
         self.count -= bits;

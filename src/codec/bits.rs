@@ -54,7 +54,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
     fn receive(&mut self, count: u32) -> StreamResult<u32> {
         let mut number = 0;
         for _ in 0..count {
-            number = number << 1 | self.bit()?;
+            number = number << 1 | self.read_bit()?;
         }
         Ok(number)
     }
@@ -66,11 +66,11 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
 
 impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     /// NEXTBIT (T.81 F.2.2.5): reads one bit.
-    pub fn bit(&mut self) -> StreamResult<u32> {
+    pub fn read_bit(&mut self) -> StreamResult<u32> {
         // A loop, because the stuffed byte of T.81 has no data bits.
         while self.unread == 0 {
-            self.unread =
-                data_bits::<AFTER_FF>(self.stream, self.at).ok_or_else(|| truncated(self.at))?;
+            self.unread = data_bits::<AFTER_FF>(self.stream, self.at)
+                .ok_or_else(|| truncated_error(self.at))?;
             self.at += 1;
         }
         self.unread -= 1;
@@ -110,7 +110,7 @@ pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option
 }
 
 /// Returns the error for a segment that ends too early.
-pub(super) fn truncated(at: usize) -> StreamError {
+pub(super) fn truncated_error(at: usize) -> StreamError {
     malformed(at, "the entropy-coded segment ends too early")
 }
 

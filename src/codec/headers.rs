@@ -41,13 +41,13 @@ impl FrameHeader {
         height: u32,
         other_precisions: &[u8],
     ) -> StreamResult<FrameHeader> {
-        let mut header = stream.segment("the frame header")?;
+        let mut header = stream.read_segment("the frame header")?;
         expect_8_bits(&mut header, other_precisions)?;
         expect_size(&mut header, width, height)?;
         expect_one_component(&mut header)?;
-        let component = header.byte("the name of the component")?;
+        let component = header.read_byte("the name of the component")?;
         check_sampling_factors(&mut header)?;
-        let quantization_table = header.byte("the quantization table of the component")?;
+        let quantization_table = header.read_byte("the quantization table of the component")?;
         header.expect_end()?;
         Ok(FrameHeader {
             component,
@@ -58,7 +58,7 @@ impl FrameHeader {
 
 fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<()> {
     let at = header.at;
-    match header.byte("the sample precision")? {
+    match header.read_byte("the sample precision")? {
         8 => Ok(()),
         bits if other_precisions.contains(&bits) => Err(unsupported(
             at,
@@ -75,7 +75,10 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
 /// allocated.
 fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()> {
     let at = header.at;
-    let (rows, columns) = (header.u16("the height")?, header.u16("the width")?);
+    let (rows, columns) = (
+        header.read_u16("the height")?,
+        header.read_u16("the width")?,
+    );
     if rows == 0 {
         let what = "a height defined by DNL is not implemented";
         return Err(unsupported(at, what));
@@ -89,7 +92,7 @@ fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()>
 
 fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
-    match header.byte("the number of components")? {
+    match header.read_byte("the number of components")? {
         1 => Ok(()),
         components => Err(malformed(
             at,
@@ -101,7 +104,7 @@ fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
 /// Checks the horizontal and vertical sampling factor, four bits each (B.2.2). Legal factors have no effect.
 fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
-    let factors = header.byte("the sampling factors")?;
+    let factors = header.read_byte("the sampling factors")?;
     let (horizontal, vertical) = (factors >> 4, factors & 15);
     if !(1..=4).contains(&horizontal) || !(1..=4).contains(&vertical) {
         let what = format!("sampling factors {horizontal} x {vertical} are not within 1 to 4");
@@ -120,10 +123,10 @@ pub(super) struct ScanHeader {
 
 impl ScanHeader {
     pub fn read(stream: &mut Cursor, frame: &FrameHeader) -> StreamResult<ScanHeader> {
-        let mut header = stream.segment("the scan header")?;
+        let mut header = stream.read_segment("the scan header")?;
         expect_one_component(&mut header)?;
         let at = header.at;
-        let component = header.byte("the name of the component")?;
+        let component = header.read_byte("the name of the component")?;
         if component != frame.component {
             let only = frame.component;
             let what =
@@ -131,10 +134,10 @@ impl ScanHeader {
             return Err(malformed(at, what));
         }
         let at = header.at;
-        let tables = header.byte("the tables of the component")?;
+        let tables = header.read_byte("the tables of the component")?;
         let mut parameters = [0; 3];
         for parameter in &mut parameters {
-            *parameter = header.byte("its parameters")?;
+            *parameter = header.read_byte("its parameters")?;
         }
         header.expect_end()?;
         Ok(ScanHeader {

@@ -78,7 +78,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    pub fn byte(&mut self, what: &str) -> StreamResult<u8> {
+    pub fn read_byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
             return Err(malformed(
                 self.at,
@@ -89,8 +89,11 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
-    pub fn u16(&mut self, what: &str) -> StreamResult<u16> {
-        Ok(u16::from_be_bytes([self.byte(what)?, self.byte(what)?]))
+    pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
+        Ok(u16::from_be_bytes([
+            self.read_byte(what)?,
+            self.read_byte(what)?,
+        ]))
     }
 
     pub fn at_end(&self) -> bool {
@@ -109,15 +112,15 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the next marker, after any fill bytes (B.1.1.2).
-    pub fn marker(&mut self) -> StreamResult<Marker> {
-        let first = self.byte("a marker")?;
+    pub fn read_marker(&mut self) -> StreamResult<Marker> {
+        let first = self.read_byte("a marker")?;
         if first != 0xFF {
             let what = format!("expected a marker, found byte {first:02X}");
             return Err(malformed(self.at - 1, what));
         }
         let mut code = 0xFF;
         while code == 0xFF {
-            code = self.byte("the code of a marker")?;
+            code = self.read_byte("the code of a marker")?;
         }
         // Of several 0xFF bytes, the last one belongs to the marker.
         let at = self.at - 2;
@@ -125,27 +128,27 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the next marker. Skips comments and application data (B.2.4.5, B.2.4.6).
-    pub fn marker_after_comments(&mut self) -> StreamResult<Marker> {
-        let mut marker = self.marker()?;
+    pub fn read_marker_after_comments(&mut self) -> StreamResult<Marker> {
+        let mut marker = self.read_marker()?;
         while matches!(marker.code, COM | APP0..=APP15) {
-            self.segment("a comment or application segment")?;
-            marker = self.marker()?;
+            self.read_segment("a comment or application segment")?;
+            marker = self.read_marker()?;
         }
         Ok(marker)
     }
 
     /// Reads the next marker and its segment. Returns the code, and the bytes after the length.
     #[cfg(feature = "generate")]
-    pub fn marker_segment(&mut self) -> StreamResult<(u8, &'a [u8])> {
-        let code = self.marker()?.code;
-        let segment = self.segment("a segment")?;
+    pub fn read_marker_segment(&mut self) -> StreamResult<(u8, &'a [u8])> {
+        let code = self.read_marker()?.code;
+        let segment = self.read_segment("a segment")?;
         Ok((code, &segment.stream[segment.at..]))
     }
 
     /// Reads the segment of the marker that was just read (B.1.1.4). The cursor continues after the segment.
-    pub fn segment(&mut self, name: &'static str) -> StreamResult<Cursor<'a>> {
+    pub fn read_segment(&mut self, name: &'static str) -> StreamResult<Cursor<'a>> {
         let start = self.at;
-        let length = self.u16("the length of a segment")?;
+        let length = self.read_u16("the length of a segment")?;
         if length < 2 {
             let what = format!("{name} has length {length}, which does not cover itself");
             return Err(malformed(start, what));

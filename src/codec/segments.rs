@@ -24,7 +24,7 @@ pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>,
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
-        let (code, content) = cursor.marker_segment()?;
+        let (code, content) = cursor.read_marker_segment()?;
         let content = content.to_vec();
         segments.push(MarkerSegment { code, content });
         if code == SOS {
@@ -37,7 +37,7 @@ pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>,
 pub(crate) fn join_segments(segments: &[MarkerSegment], data: &[u8]) -> Vec<u8> {
     let mut writer = Writer::new();
     for segment in segments {
-        writer.segment(segment.code, &segment.content);
+        writer.write_segment(segment.code, &segment.content);
     }
     writer.finish_with(data)
 }

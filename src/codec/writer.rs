@@ -38,30 +38,30 @@ impl Writer {
     }
 
     /// Writes a marker segment. The length includes its own two bytes (B.1.1.4).
-    pub fn segment(&mut self, code: u8, content: &[u8]) {
-        self.marker(code);
+    pub fn write_segment(&mut self, code: u8, content: &[u8]) {
+        self.write_marker(code);
         self.stream.extend((content.len() as u16 + 2).to_be_bytes());
         self.stream.extend(content);
     }
 
-    pub fn marker(&mut self, code: u8) {
+    pub fn write_marker(&mut self, code: u8) {
         self.stream.extend([0xFF, code]);
     }
 
     /// Writes a frame header (B.2.2): 8 bits, height before width, and one component with id 1. `component` contains
     /// its sampling factors and the index of its quantization table.
-    pub fn frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
+    pub fn write_frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
         let mut content = vec![8];
         content.extend((height as u16).to_be_bytes());
         content.extend((width as u16).to_be_bytes());
         content.extend([1, 1]);
         content.extend(component);
-        self.segment(code, &content);
+        self.write_segment(code, &content);
     }
 
     /// Writes a scan header (B.2.3): the single component, its tables, and the parameters of the scan.
-    pub fn scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
-        self.segment(SOS, &[1, 1, tables, first, second, third]);
+    pub fn write_scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
+        self.write_segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
     /// Finishes the stream with bytes that were encoded before.
@@ -72,7 +72,7 @@ impl Writer {
 
     /// Finishes the stream with EOI.
     pub fn finish(mut self) -> Vec<u8> {
-        self.marker(EOI);
+        self.write_marker(EOI);
         self.stream
     }
 }
@@ -98,7 +98,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
     }
 
     /// Appends the low `count` bits of `bits` (at most 32). All higher bits must be zero.
-    pub fn put(&mut self, bits: u32, count: u32) {
+    pub fn put_bits(&mut self, bits: u32, count: u32) {
         self.window = self.window << count | u64::from(bits);
         self.count += count;
         while self.count >= self.free_bits {
@@ -113,7 +113,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
     /// Without it, a decoder would detect a marker too early.
     pub fn finish(mut self, padding: u32) {
         while self.count > 0 || self.free_bits < 8 {
-            self.put(padding, 1);
+            self.put_bits(padding, 1);
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::reading::Reading;
 
 impl Streams<'_> {
     /// Returns the map under a reading that differs from the first only in steps after the streams are decoded.
-    pub(crate) fn stored<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
+    pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
         let shape = match self.header.format.shape() {

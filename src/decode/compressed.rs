@@ -115,7 +115,7 @@ impl<'a> Streams<'a> {
         reading: &Reading,
     ) -> Result<Vec<Channels<'static>>> {
         let planes = (reading.reconstruct)(&self.coded(), residuals, reading)?;
-        Ok(planes::channels(planes))
+        Ok(planes::planes_to_channels(planes))
     }
 }
 
@@ -138,12 +138,12 @@ pub(super) fn read(
 
 /// Reads the parameter and the seven lists in file order (clause 2.9/1). Motion has two numbers per plane.
 fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
-    let parameter = number(input, "2.9.1/1", "a compression parameter")?;
+    let parameter = read_number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
         let following = |_| {
             // list-layout: a gap or a line end after any number.
             input.gap_or_line_end("2.9/2")?;
-            number(input, clause, name)
+            read_number(input, clause, name)
         };
         (0..count).map(following).collect()
     };
@@ -163,7 +163,7 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
 
 /// Reads one number of a list. Keeps its offset, because some errors are detected later, by comparison with other
 /// lists.
-fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
+fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
         value: input.signed(clause, name)?,
@@ -172,16 +172,16 @@ fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result
 }
 
 /// Creates the decoding plan that the lists describe, or returns the reason why they are invalid.
-pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
+pub(crate) fn make_plan(lists: &RawLists) -> Result<Plan> {
     let planes = lists.planes;
     let steps = (0..planes)
-        .map(|plane| step(lists, plane))
+        .map(|plane| prediction_step(lists, plane))
         .collect::<Result<_>>()?;
     // Planes with the lowest rank come first (clause 2.9.4/2). Planes of equal rank are independent and sorted by
     // index.
     let mut sequence: Vec<usize> = (0..planes).collect();
     sequence.sort_by_key(|&plane| lists.order[plane].value);
-    let extents = extents(lists)?;
+    let extents = plane_extents(lists)?;
     Ok(Plan {
         parameter: lists.parameter.value,
         steps,
@@ -191,7 +191,7 @@ pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
 }
 
 /// Returns the prediction step of a plane (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
-fn step(lists: &RawLists, plane: usize) -> Result<Step> {
+fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     let planes = lists.planes;
     let transform = lists.transforms[plane];
     if !(0..=3).contains(&transform.value) {
@@ -206,7 +206,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     }
     // Each bit has its own meaning (clause 2.9.2/2).
     Ok(Step {
-        reference: reference(lists, plane)?,
+        reference: checked_reference(lists, plane)?,
         // If a bit is not set, the reference is unchanged, even if there is a vector.
         inverted: transform.value & 1 != 0, // clause 2.9.2/3
         moved: transform.value & 2 != 0,    // clause 2.9.2/4
@@ -219,7 +219,7 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
 
 /// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2,
 /// 2.9.5/3).
-fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
+fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
     let named = lists.references[plane];
     // -1 means "intra coded" (clause 2.9.5/2). Smaller numbers name no plane either (ruling `ranks`).
@@ -257,7 +257,7 @@ fn declared_bytes(lists: &RawLists) -> u64 {
 
 /// Returns the byte ranges of each plane: in plane order, each stream followed by its side information (clauses
 /// 2.9.8/1, 2.9.8/4).
-fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
+fn plane_extents(lists: &RawLists) -> Result<Vec<Extent>> {
     // The sum saturates on overflow. No file is that long.
     let mut end = 0;
     let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {

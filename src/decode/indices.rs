@@ -95,6 +95,6 @@ pub(crate) fn little_endian(stored: &[u8]) -> usize {
 }
 
 /// Returns the entry for an index, or `None` if the index is out of range (ruling `lut-range`).
-pub(crate) fn entry(index: usize, entries: usize) -> Option<usize> {
+pub(crate) fn valid_entry(index: usize, entries: usize) -> Option<usize> {
     (index < entries).then_some(index)
 }

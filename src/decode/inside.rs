@@ -34,8 +34,8 @@ pub(super) fn displace_rows(
         texels.extend((0..run.start).map(|x| sample(x, y)));
         if !run.is_empty() {
             // a and b are in the first row, c and d in the second: the order that `mean` expects.
-            let [first, second] = down.taps(y).map(row);
-            let [left, right] = across.taps(run.start).map(|x| x as usize);
+            let [first, second] = down.tap_positions(y).map(row);
+            let [left, right] = across.tap_positions(run.start).map(|x| x as usize);
             let length = (run.end - run.start) as usize;
             let [a, c] = [first, second].map(|row| &row[left..][..length]);
             let [b, d] = [first, second].map(|row| &row[right..][..length]);
@@ -67,7 +67,7 @@ impl DisplacedAxis {
         }
     }
 
-    fn taps(&self, at: i64) -> [i64; 2] {
+    fn tap_positions(&self, at: i64) -> [i64; 2] {
         self.offsets.map(|offset| at + offset)
     }
 }

@@ -167,7 +167,7 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
         let stored = match header.format.coding() {
             Some(coding) => streams
                 .insert(Streams::read(&header, coding, &mut input, SPEC, &limits)?)
-                .stored(SPEC)?,
+                .reconstruct_map(SPEC)?,
             None => read_values(&header, &mut input, SPEC, &limits)?,
         };
         Ok(Ptm {

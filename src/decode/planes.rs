@@ -93,7 +93,7 @@ pub(crate) fn reconstruct(
 }
 
 /// Converts each plane to a part with one channel.
-pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
+pub(super) fn planes_to_channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
     let one = |(channel, plane)| Channels {
         block: Block {
             channel,
@@ -151,7 +151,7 @@ impl<'a> Coded<'a> {
 }
 
 /// Decodes a stream and returns its samples in stored order (clause 2.9.8/3).
-pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
+pub(crate) fn decode_stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (width, height) = (stream.size.width, stream.size.height);
     // plane-stream: a stream with a different size is rejected before memory is allocated for it. JPEG streams use
     // the integer inverse transform of the IJG (clause 2.9.8/11).
@@ -183,7 +183,7 @@ pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> 
 /// Parses a block of side information into positions and values (clause 2.9.8/5).
 ///
 /// `at` is the offset of the block in the file, for errors.
-pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
+pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
     // P3, P2, P1, P0, V, without separators.
     let (whole, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {

@@ -54,7 +54,7 @@ pub(crate) fn invert_then_displace<'a>(
         (reading.invert)(predictor.to_mut());
     }
     if step.moved {
-        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     predictor
 }
@@ -68,7 +68,7 @@ pub(crate) fn displace_then_invert<'a>(
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
     if step.moved {
-        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     if step.inverted {
         (reading.invert)(predictor.to_mut());
@@ -99,7 +99,12 @@ pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
 }
 
 /// Displaces a plane by half the vector: the value at (x, y) is the input at (x + mx/2, y + my/2) (clause 2.9.3/2).
-pub(crate) fn shift(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
+pub(crate) fn displace_plane(
+    plane: &[u8],
+    size: Size,
+    (mx, my): (i64, i64),
+    reading: &Reading,
+) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
     // `inside` is a faster version of a loop over all rows and columns.
@@ -209,9 +214,13 @@ mod tests {
         for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
             let (height, reading) = (4 / width, choose(Reading::SPEC));
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
-            assert_eq!(shift(&plane, size, (mx, my), &reading), expected, "{place}");
+            assert_eq!(
+                displace_plane(&plane, size, (mx, my), &reading),
+                expected,
+                "{place}"
+            );
             for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
-                assert_eq!(shift(&plane, size, (far, far), &reading).len(), 4);
+                assert_eq!(displace_plane(&plane, size, (far, far), &reading).len(), 4);
             }
         }
     }

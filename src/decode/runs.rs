@@ -9,7 +9,7 @@ use super::channels::{Channels, ValueLayout, table_entry};
 use crate::reading::Reading;
 
 /// Does the same as [`Channels::copy_to`].
-pub(super) fn put(
+pub(super) fn copy_run(
     channels: &Channels,
     run: Range<usize>,
     texels: &mut [u8],
@@ -88,7 +88,7 @@ mod tests {
             let mut plain = vec![99; run.len() * size];
             let mut fast = plain.clone();
             channels.copy_to(run.clone(), &mut plain, size, &Reading::SPEC);
-            put(&channels, run, &mut fast, size, &Reading::SPEC);
+            copy_run(&channels, run, &mut fast, size, &Reading::SPEC);
             prop_assert_eq!(plain, fast);
         }
     }

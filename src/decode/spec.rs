@@ -37,8 +37,8 @@ impl Reading {
         final_coefficient: evaluate::final_coefficient,
         finals: evaluate::final_values,
         // §2.5: the spelling of the count; nothing follows the table
-        entry_count: lookup_table::entry_count,
-        after_table: lookup_table::after_table,
+        entry_count: lookup_table::read_entry_count,
+        after_table: lookup_table::read_no_separator,
         // §2.6: M · (Y, Cr, Cb, 1)
         lum_vector: evaluate::lum_vector,
         lum_matrix: color_matrix::column_major_rows,
@@ -51,9 +51,9 @@ impl Reading {
         // §2.8: one byte or two, low byte first, and no index past the last entry
         indices: indices::read_indices,
         index: indices::little_endian,
-        entry: indices::entry,
+        entry: indices::valid_entry,
         // §2.9.1 – 2.9.7: valid lists, and the plan that they describe
-        plan: compressed::plan,
+        plan: compressed::make_plan,
         // §2.9.2, §2.9.3: the predictor, a transformed reference
         predictor: predict::invert_then_displace,
         invert: predict::invert,
@@ -65,10 +65,10 @@ impl Reading {
         predict: predict::predict,
         predict_jpeg_ls: predict::predict,
         // §2.9.8: streams, the order of prediction and correction, and what a record is
-        stream: planes::stream,
+        stream: planes::decode_stream,
         reconstruct: planes::reconstruct,
         side_information: planes::side_information,
-        records: planes::records,
+        records: planes::parse_records,
         correct: planes::overwrite_samples,
     };
 
@@ -76,7 +76,7 @@ impl Reading {
     #[must_use]
     pub const fn with_newline_after_table(self) -> Reading {
         Reading {
-            after_table: lookup_table::newline_after_table,
+            after_table: lookup_table::read_newline_separator,
             ..self
         }
     }

@@ -100,7 +100,7 @@ impl Stored<'_> {
         let run = start + columns.start as usize..start + columns.end as usize;
         for part in &self.parts {
             // A faster version of [`Channels::copy_to`].
-            runs::put(
+            runs::copy_run(
                 part,
                 run.clone(),
                 texels,

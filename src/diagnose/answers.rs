@@ -17,7 +17,9 @@ const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 impl Witness<'_> {
     /// Returns the answer of a decoder that makes `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let (whole, in_part): (Vec<&Mistake>, Vec<&Mistake>) = made
             .copied()
             .partition(|mistake| mistake.channels == ChannelSubset::All);
@@ -37,7 +39,7 @@ impl Witness<'_> {
     /// comparison is stricter than the tolerance, so it also separates mistakes with small effects.
     pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let (View::Rgb(light), Some(shown), Answer::Decoded(made)) =
-            (&self.observation.view, self.shown(), made)
+            (&self.observation.view, self.wrong_image(), made)
         else {
             return None;
         };
@@ -45,7 +47,9 @@ impl Witness<'_> {
         if !self.failed || mistakes.iter().any(is_in_part) || !equal_up_to_rounding(shown, made) {
             return None;
         }
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
@@ -73,7 +77,9 @@ impl Witness<'_> {
 
     /// Returns the image that a decoder with `mistakes` outputs for the stored values in `ptm`.
     pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let reading = misreadings::apply_to_reading(&made, self.reading);
         misreadings::show(&made, &reading, ptm, &self.observation.view)
@@ -127,7 +133,7 @@ impl Witness<'_> {
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
             _ => can_affect_file(misreading, &self.built.file),
         };
-        is_used && misreading.at.stage() <= last && mistake.scope.holds(self)
+        is_used && misreading.at.stage() <= last && mistake.scope.contains(self)
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a

@@ -28,12 +28,12 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
             continue;
         }
         if is_explained(&witness, &made, assumed) {
-            changes.push((witness.place, Outcome::Assumed, String::new()));
-        } else if let (Some(shown), Answer::Decoded(made)) = (witness.shown(), &*made)
+            changes.push((witness.case_index, Outcome::Assumed, String::new()));
+        } else if let (Some(shown), Answer::Decoded(made)) = (witness.wrong_image(), &*made)
             && let Some(difference) = Expected::of_frame(made).compare(shown)
         {
             changes.push((
-                witness.place,
+                witness.case_index,
                 Outcome::Fail,
                 format!("with the assumed mistakes: {difference}"),
             ));

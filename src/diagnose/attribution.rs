@@ -8,8 +8,8 @@ use super::search::{FoundMistakes, Id, Member, Search, Set, ids_of, without_id};
 use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substantial};
 use super::witness::Witness;
 use super::words::acceptances;
+use super::words::differences;
 use super::words::formats_phrase;
-use super::words::place;
 use super::words::refusals::{self, WholeFormats};
 use crate::formula::{Edit, EditedForm};
 use crate::misreadings::{At, Misreading, Stage, Symptom};
@@ -109,10 +109,10 @@ fn diagnose_whole_formats(
     shares: &mut [Share],
     left: &mut Vec<usize>,
 ) -> Option<(Id, Diagnosis)> {
-    let is_of = |w: &usize| whole.of.contains(w);
+    let is_of = |w: &usize| whole.cases.contains(w);
     let is_seen_elsewhere = |share: &Share| {
         let inside = share.explains.iter().filter(|w| is_of(w)).count();
-        is_substantial(inside, whole.of.len()) && inside < share.explains.len()
+        is_substantial(inside, whole.cases.len()) && inside < share.explains.len()
     };
     if shares.iter().any(is_seen_elsewhere) {
         return None;
@@ -124,11 +124,11 @@ fn diagnose_whole_formats(
             // A mistake of the same equivalence class may fail only some of these files.
             let explains = |&&id: &&Id| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
-                whole.of.iter().all(agrees)
+                whole.cases.iter().all(agrees)
             };
             alike.extend(
                 ids.filter(explains)
-                    .filter_map(|&id| search.mistakes[id].listed()),
+                    .filter_map(|&id| search.mistakes[id].catalog_misreading()),
             );
         }
         share.explains.retain(|w| !is_of(w));
@@ -144,7 +144,7 @@ fn diagnose_whole_formats(
 /// - its only evidence is crashes by a signal, or
 /// - it changes values, no image supports it, and more images than it explains are left unexplained.
 fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
-    let Some(misreading) = search.mistakes[member.id].listed() else {
+    let Some(misreading) = search.mistakes[member.id].catalog_misreading() else {
         return false;
     };
     let (witnesses, explained) = (search.witnesses, &share.explains);
@@ -192,21 +192,21 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     let witnesses = search.witnesses;
     let listed = |set: &[Id]| -> Vec<&'static Misreading> {
         let mistakes = set.iter().map(|&id| &search.mistakes[id]);
-        mistakes.filter_map(Mistake::listed).collect()
+        mistakes.filter_map(Mistake::catalog_misreading).collect()
     };
     let mistake = &search.mistakes[member.id];
-    let Some(misreading) = mistake.of_catalog() else {
+    let Some(misreading) = mistake.unrestricted_misreading() else {
         return diagnose_edit(search, mistake, share);
     };
     // A mistake that is limited to some files differs from the misreading in the catalog.
     let alike = member
         .alike
         .iter()
-        .filter_map(|&id| search.mistakes[id].of_catalog());
+        .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
     let alike: Vec<&Misreading> = alike.collect();
     let observed = refusals::describe_observation(witnesses, &share.explains);
     if let Some(observed) = observed.filter(|_| misreading.shows == Symptom::Values) {
-        return observed.with_alike([&[misreading], &alike[..]].concat());
+        return observed.with_equivalents([&[misreading], &alike[..]].concat());
     }
     let except = search.contradictions(&[member.id]);
     let cause = Cause::Misreading {
@@ -215,7 +215,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
         with: listed(&share.with),
     };
     Diagnosis {
-        except: except.iter().map(|&w| witnesses[w].place).collect(),
+        except: except.iter().map(|&w| witnesses[w].case_index).collect(),
         shows: refusals::describe_non_images(witnesses, &share.explains, misreading)
             .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading)),
         certain: true,
@@ -224,7 +224,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
 }
 
 fn suite_indices(search: &Search, of: &[usize]) -> Vec<usize> {
-    of.iter().map(|&w| search.witnesses[w].place).collect()
+    of.iter().map(|&w| search.witnesses[w].case_index).collect()
 }
 
 /// Returns the diagnosis for an edit of a formula, or for a misreading that is limited to some files or channels.
@@ -236,7 +236,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         FileScope::All => formats_phrase(witnesses, &share.explains),
         scope => format!(", only in files {}", scope.describe()),
     };
-    let (effect, fix) = match (mistake.listed(), misreading.at) {
+    let (effect, fix) = match (mistake.catalog_misreading(), misreading.at) {
         (None, At::Edits([edit])) => edit_effect_and_fix(edit),
         _ => (
             misreading.effect.to_owned(),
@@ -249,9 +249,13 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     let words = CauseWords {
         effect: effect + &mistake.channels.describe() + &place,
         fix,
-        example: place::example(search, place::smallest(witnesses, &share.explains)),
+        example: differences::example(
+            search,
+            differences::smallest_file(witnesses, &share.explains),
+        ),
     };
-    let described = Diagnosis::described(Category::Difference, witnesses, &share.explains, words);
+    let described =
+        Diagnosis::from_description(Category::Difference, witnesses, &share.explains, words);
     Diagnosis {
         certain: true,
         ..described.with_clause(misreading.clause)
@@ -306,7 +310,7 @@ fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
         && mistake.misreading.at.stage() < Stage::Color
-        && witness.is_in_colors()
+        && witness.requests_colors()
         && witness.can_affect(mistake)
         && FailureMode::new(witness).is_none()
 }
@@ -339,13 +343,13 @@ pub(super) fn attribute_partially(
         let is_partly = |&&member: &&Id| {
             thorough.contains(&member) && acts(w, member)
                 || shows_in_colors(search, w, member)
-                || place::is_near(search, w, &set, member)
+                || differences::reduces_wrong_samples(search, w, &set, member)
         };
         let near = set.iter().find(is_partly);
         let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
         let is_left = known.is_none();
         if let Some((_, diagnosis)) = known {
-            diagnosis.partly.push(search.witnesses[w].place);
+            diagnosis.partly.push(search.witnesses[w].case_index);
         }
         is_left
     });

@@ -8,7 +8,7 @@ use super::failure_mode::FailureMode;
 use super::search::{FoundMistakes, Id, Search, Set, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
-use super::words::place::is_near;
+use super::words::differences::reduces_wrong_samples;
 use super::words::refusals;
 use crate::misreadings::{Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
@@ -64,7 +64,7 @@ impl FailureEvidence {
                 evidence.crashes += usize::from(alone == Agreement::Crash);
             } else if is_changed && is_image {
                 evidence.other_images += 1;
-                evidence.far += usize::from(!is_near(search, w, set, id));
+                evidence.far += usize::from(!reduces_wrong_samples(search, w, set, id));
             }
         }
         evidence
@@ -92,7 +92,7 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
         let places: Vec<usize> = (0..set.len()).collect();
         let keep = search.map_parallel(&places, |&place| {
             let (id, evidence) = (set[place], &all[place]);
-            let listed = search.mistakes[id].listed();
+            let listed = search.mistakes[id].catalog_misreading();
             if evidence.explained.is_empty() && evidence.accepted.is_empty() {
                 return false;
             }
@@ -105,7 +105,7 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
                 (Stray, Some(misreading)) => !is_stray(search, misreading, evidence, failing.len()),
             }
         });
-        found.keep(&keep);
+        found.retain_flagged(&keep);
     }
 }
 
@@ -185,7 +185,7 @@ fn refuses_by_chance(
     // A crash is weaker evidence than a refusal.
     let are_crashes = evidence.crashes == explained.len();
     let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
-    let listed = search.mistakes[set[place]].listed();
+    let listed = search.mistakes[set[place]].catalog_misreading();
     let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
     let one = [set[place]];
     let is_contradicted = |w| {

@@ -1,9 +1,9 @@
 //! Greedy set cover: finds few causes that together explain the failures.
 //!
-//! The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
+//! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
 //! - A candidate that explains no more failures than passing cases contradict is chosen after all others.
-//! Ties are broken by fewer contradictions, then by order in the list.
-//! Candidates that explain the same failures and have the same contradictions are alike: no case separates them.
+//! - Ties are broken by fewer contradictions, then by order in the list.
+//! - Candidates that explain the same failures and have the same contradictions are alike: no case separates them.
 
 use std::cmp::Reverse;
 

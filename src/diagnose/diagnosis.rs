@@ -128,7 +128,7 @@ impl<A> Diagnosis<A> {
 
 impl Diagnosis {
     /// Creates a diagnosis that describes the witnesses `of`, with the clause that is most specific to them.
-    pub(super) fn described(
+    pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
         of: &[usize],
@@ -142,11 +142,11 @@ impl Diagnosis {
             example: words.example,
             alike: Vec::new(),
         };
-        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].place).collect())
+        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].case_index).collect())
     }
 
     /// Sets the misreadings that would have the same effect.
-    pub(super) fn with_alike(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
+    pub(super) fn with_equivalents(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
         if let Cause::Described { alike, .. } = &mut self.cause {
             *alike = others;
         }

@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::learned;
-use super::mistake::{ChannelSubset, Mistake, misreading_of};
-use super::scope::{FileScope, scope_between};
-use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, interleave_groups};
+use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
+use super::scope::{FileScope, separating_scope};
+use super::search::{Id, REFUSAL_WORTH, Search, Set, interleave_groups};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
 };
 use super::witness::{Agreement, explains_a_view};
-use super::words::place::wrong_channels;
+use super::words::differences::wrong_channels;
 use crate::formula::{EditedForm, Expression, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
@@ -28,13 +28,13 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let mut all: Vec<_> = ranked.collect();
     all.sort_by_key(|(rank, _)| *rank);
     all.into_iter()
-        .map(|(_, edit)| misreading_of(edit))
+        .map(|(_, edit)| edit_as_misreading(edit))
         .collect()
 });
 
 /// Adds mistakes to the search that, together with `set`, explain some of the failures in `left`.
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
-    let mut probes = probes(search, left);
+    let mut probes = select_probes(search, left);
     for group in &mut probes {
         group.retain(|&w| search.is_new_probe(w, set));
     }
@@ -51,9 +51,9 @@ pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
 }
 
 /// Returns small failing images, several of each format and view. Prefers sizes that distinguish rows from columns.
-fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
+fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for w in search.solvable(left) {
+    for w in search.comparable_images(left) {
         let witness = &search.witnesses[w];
         let kind = (witness.case.format(), witness.observation.view.name());
         kinds.entry(kind).or_default().push(w);
@@ -64,7 +64,7 @@ fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     };
     let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
     for group in &mut probes {
-        group.sort_by_key(|&w| (is_small(w), search.samples(w)));
+        group.sort_by_key(|&w| (is_small(w), search.sample_count(w)));
         // Cases about different clauses reveal different mistakes.
         *group = interleave_groups(group, |w| search.witnesses[w].case.clauses.first().cloned());
         group.truncate(MAX_PROBES);
@@ -86,12 +86,12 @@ fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mist
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
     let mut channels = vec![ChannelSubset::All];
     for probe in probes {
-        let wrong = ChannelSubset::narrowest(&wrong_channels(search, set, probe));
+        let wrong = ChannelSubset::smallest_containing(&wrong_channels(search, set, probe));
         if !channels.contains(&wrong) {
             channels.push(wrong);
         }
     }
-    let with_image = |&w: &usize| (w, search.answer_of(w, set));
+    let with_image = |&w: &usize| (w, search.best_answer(w, set));
     let firsts: Vec<(usize, Cow<Answer>)> = (probes
         .iter()
         .filter_map(|group| group.first())
@@ -146,25 +146,25 @@ fn restrict_to_scope(
     mistake: &Mistake,
     left: &[usize],
 ) -> Option<Mistake> {
-    let images = search.solvable(left);
+    let images = search.comparable_images(left);
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
     let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
     let denied = search.small_contradictions_with(set, mistake);
     let scope = match denied.is_empty() {
         true => FileScope::All,
-        false => scope_between(search.witnesses, &explained, &denied)?,
+        false => separating_scope(search.witnesses, &explained, &denied)?,
     };
     // With this many mistakes, one of them fits the files of some property by chance.
     let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
     if is_by_property
-        && (mistake.listed().is_none() || !is_substantial(explained.len(), left.len()))
+        && (mistake.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
     {
         return None;
     }
     // With two restrictions, too many edits fit. Values that are never written are not a coincidence, however.
     let is_limited_twice = mistake.channels != ChannelSubset::All && scope != FileScope::All;
     let is_number = matches!(
-        only_edit(mistake),
+        single_edit(mistake),
         Some(EditedForm::Expression(Expression::Number(_)))
     );
     if is_limited_twice && (is_by_property || !is_number) {
@@ -177,16 +177,16 @@ fn restrict_to_scope(
     };
     // In other views, a later mistake may also change the images. A learned table was compared with the texels of
     // these images.
-    let acts = |w: &&usize| search.changes_with(**w, set, &restrict_to_scope);
+    let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict_to_scope);
     let acting: Vec<usize> = images.iter().filter(acts).copied().collect();
-    let is_learned = matches!(only_edit(mistake), Some(EditedForm::Table(_)));
+    let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));
     let is_supported = explained.len() >= MIN_SUPPORT
         && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
     is_supported.then_some(restrict_to_scope)
 }
 
 /// Returns the edit of a mistake that consists of exactly one.
-fn only_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
+fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.at {
         At::Edits([edit]) => Some(&edit.change),
         _ => None,
@@ -197,15 +197,15 @@ fn only_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
 fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
     let is_open = |&id: &Id| {
         let mistake = &search.mistakes[id];
-        mistake.of_catalog().is_some() && !set.contains(&id)
+        mistake.unrestricted_misreading().is_some() && !set.contains(&id)
     };
     let open: Vec<Id> = (0..search.mistakes.len()).filter(is_open).collect();
     let sample = search.sample(left);
     let counts = search.map_parallel(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.value(w, &with) >= WORTH_OF_A_REFUSAL
-                && search.value(w, set) < WORTH_OF_A_REFUSAL
+            search.worth_of_set(w, &with) >= REFUSAL_WORTH
+                && search.worth_of_set(w, set) < REFUSAL_WORTH
         };
         sample.iter().filter(explains).count()
     });

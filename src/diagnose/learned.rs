@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use super::mistake::misreading_of;
+use super::mistake::edit_as_misreading;
 use super::search::{Search, Set};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
@@ -26,7 +26,7 @@ struct ShownValues {
 
 /// Returns misreadings that explain wrong values in `left` by a table, of all stored values or of stream samples.
 pub(super) fn learn_tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
-    let images = search.solvable(left);
+    let images = search.comparable_images(left);
     let of_streams = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
     let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(of_streams);
     let tables = [
@@ -37,7 +37,7 @@ pub(super) fn learn_tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'
         let change = EditedForm::Table(Box::new(table));
         // Leaks at most two tables per diagnosis.
         let edit: &'static Edit = Box::leak(Box::new(Edit { formula, change }));
-        Box::leak(Box::new(misreading_of(edit)))
+        Box::leak(Box::new(edit_as_misreading(edit)))
     };
     tables.into_iter().flatten().map(misreading).collect()
 }
@@ -53,7 +53,7 @@ fn learn_table(
     let mut shown: BTreeMap<u8, ShownValues> = BTreeMap::new();
     for &w in images {
         let witness = &search.witnesses[w];
-        let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.shown()) else {
+        let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.wrong_image()) else {
             continue;
         };
         // Corrected and predicted planes are checked against the table later.
@@ -121,7 +121,7 @@ fn candidate_sources(
                 let Answer::Decoded(Frame {
                     samples: Samples::F32(made),
                     ..
-                }) = witness.render_stored_values(&search.mistakes_of(set), &uniform)
+                }) = witness.render_stored_values(&search.mistakes_in(set), &uniform)
                 else {
                     return None;
                 };

@@ -24,7 +24,7 @@ impl Mistake {
     }
 
     /// Returns the misreading if it is in the catalog.
-    pub const fn listed(&self) -> Option<&'static Misreading> {
+    pub const fn catalog_misreading(&self) -> Option<&'static Misreading> {
         match self.misreading.slug.is_empty() {
             true => None,
             false => Some(self.misreading),
@@ -32,9 +32,9 @@ impl Mistake {
     }
 
     /// Returns the misreading if it is in the catalog and affects all channels of all files.
-    pub fn of_catalog(&self) -> Option<&'static Misreading> {
+    pub fn unrestricted_misreading(&self) -> Option<&'static Misreading> {
         let is_everywhere = self.scope == FileScope::All && self.channels == ChannelSubset::All;
-        self.listed().filter(|_| is_everywhere)
+        self.catalog_misreading().filter(|_| is_everywhere)
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) enum ChannelSubset {
 }
 
 impl ChannelSubset {
-    fn holds(self, count: usize, channel: usize) -> bool {
+    fn contains(self, count: usize, channel: usize) -> bool {
         match (self, count) {
             (ChannelSubset::All, _) => true,
             (ChannelSubset::Coefficient(i), 18) => channel % 6 == i,
@@ -65,12 +65,13 @@ impl ChannelSubset {
     }
 
     /// Returns the smallest subset that contains all wrong channels.
-    pub fn narrowest(wrong: &[bool]) -> ChannelSubset {
+    pub fn smallest_containing(wrong: &[bool]) -> ChannelSubset {
         let coefficients = (0..6).map(ChannelSubset::Coefficient);
         let colors = (0..3).map(ChannelSubset::Color);
         let all = coefficients.chain(colors).chain([ChannelSubset::Chroma]);
         let has_all = |channels: &ChannelSubset| {
-            (0..wrong.len()).all(|channel| !wrong[channel] || channels.holds(wrong.len(), channel))
+            (0..wrong.len())
+                .all(|channel| !wrong[channel] || channels.contains(wrong.len(), channel))
         };
         all.into_iter().find(has_all).unwrap_or(ChannelSubset::All)
     }
@@ -100,7 +101,7 @@ impl ChannelSubset {
 
     fn replace_samples<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
         for (at, (one, other)) in image.iter_mut().zip(other).enumerate() {
-            if self.holds(count, at % count) {
+            if self.contains(count, at % count) {
                 *one = *other;
             }
         }
@@ -108,7 +109,7 @@ impl ChannelSubset {
 }
 
 /// Returns a misreading without a slug that makes a single edit.
-pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
+pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",
         clause: edit.formula.stated().clause,

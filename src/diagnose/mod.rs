@@ -111,7 +111,8 @@ fn diagnose_by(
     };
     let (mut search, mut found) = searched(&by_dialect, true);
     // A mistake may look like a different choice, and edits are defined relative to the reference's choices.
-    let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
+    let is_edit =
+        |member: &search::Member| search.mistakes[member.id].catalog_misreading().is_none();
     let has_edits = found.members.iter().any(is_edit);
     let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
     let by_reference = reference_reading(run)
@@ -166,7 +167,7 @@ fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
         true => search::ids_of(&found.members),
         false => search::Set::new(),
     };
-    causes.extend(search.run_or_default(|| words::place::describe(search, &set, &left)));
+    causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     attributed.chain(causes).collect()
 }

@@ -8,8 +8,8 @@ pub(super) struct ImagePair {
     pub width: usize,
     pub height: usize,
     pub channels: usize,
-    pub want: Vec<f64>,
-    pub got: Vec<f64>,
+    pub expected: Vec<f64>,
+    pub received: Vec<f64>,
     pub view: ViewKind,
 }
 
@@ -21,8 +21,8 @@ impl ImagePair {
             width: wanted.width as usize,
             height: wanted.height as usize,
             channels: wanted.channels as usize,
-            want: wanted.samples.to_reals(),
-            got: shown.samples.to_reals(),
+            expected: wanted.samples.to_reals(),
+            received: shown.samples.to_reals(),
             view: wanted.view,
         })
     }
@@ -33,16 +33,16 @@ impl ImagePair {
     }
 
     /// Returns the indices of the wrong samples.
-    pub fn wrong(&self) -> Vec<usize> {
-        (0..self.want.len())
-            .filter(|&i| !self.is_near(self.want[i], self.got[i]))
+    pub fn wrong_samples(&self) -> Vec<usize> {
+        (0..self.expected.len())
+            .filter(|&i| !self.is_near(self.expected[i], self.received[i]))
             .collect()
     }
 
     /// Returns one flag per channel: true if any of its samples is wrong.
     pub fn wrong_channels(&self) -> Vec<bool> {
         let mut wrong = vec![false; self.channels];
-        for i in self.wrong() {
+        for i in self.wrong_samples() {
             wrong[i % self.channels] = true;
         }
         wrong

@@ -1,7 +1,7 @@
 //! Sets of files that share a property.
 
 use super::properties::{PROPERTIES, QUANTITIES};
-use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
+use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
 use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
@@ -25,7 +25,7 @@ pub(super) enum FileScope {
 
 impl FileScope {
     /// Returns true if the file is in the scope.
-    pub fn holds(&self, witness: &Witness) -> bool {
+    pub fn contains(&self, witness: &Witness) -> bool {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
@@ -81,27 +81,32 @@ impl FileScope {
 }
 
 /// A scope, and the files of a group that are in the scope.
-pub(super) struct Shared {
+pub(super) struct SharedScope {
     pub scope: FileScope,
-    pub of: Vec<usize>,
+    pub cases: Vec<usize>,
 }
 
-impl Shared {
+impl SharedScope {
     /// Counts the legal files in the scope, of one format or of all formats: those in the group, and all others.
-    pub fn legal_files(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
+    pub fn count_legal_files(
+        &self,
+        witnesses: &[Witness],
+        format: Option<Format>,
+    ) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
             case.expect == Expect::Decode && format.is_none_or(|format| case.format() == format)
         };
         let in_scope =
-            (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.holds(&witnesses[*w]));
-        let (own, others): (Vec<usize>, Vec<usize>) = in_scope.partition(|w| self.of.contains(w));
+            (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.contains(&witnesses[*w]));
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            in_scope.partition(|w| self.cases.contains(w));
         (own.len(), others.len())
     }
 
     /// Returns true if the group contains a substantial part of the legal files in the scope.
     pub fn is_prevalent(&self, witnesses: &[Witness], format: Option<Format>) -> bool {
-        let (own, others) = self.legal_files(witnesses, format);
+        let (own, others) = self.count_legal_files(witnesses, format);
         is_substantial(own, own + others)
     }
 }
@@ -113,8 +118,8 @@ pub(super) fn shared_scope(
     these: &[usize],
     others: &[usize],
     with_view: bool,
-) -> Option<Shared> {
-    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.holds(&witnesses[w]));
+) -> Option<SharedScope> {
+    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let places = (0..PROPERTIES.len()).filter(|&place| with_view || !PROPERTIES[place].1);
     let scopes: Vec<FileScope> = formats
@@ -126,7 +131,7 @@ pub(super) fn shared_scope(
         let of = these
             .iter()
             .copied()
-            .filter(|&w| scope.holds(&witnesses[w]));
+            .filter(|&w| scope.contains(&witnesses[w]));
         (scope, of.collect::<Vec<usize>>())
     });
     let found: Vec<(&FileScope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
@@ -134,7 +139,7 @@ pub(super) fn shared_scope(
     let part = these.len() as f64 / (these.len() + others.len()) as f64;
     let is_telling = |count: usize| {
         let chance = part.powi(count as i32) * found.len() as f64;
-        count >= MIN_SHARING_FILES && chance * CHANCE_OF_A_PROPERTY < 1.0
+        count >= MIN_SHARING_FILES && chance * COINCIDENCE_ODDS < 1.0
     };
     let telling = found
         .iter()
@@ -142,9 +147,9 @@ pub(super) fn shared_scope(
     let most = telling.clone().map(|(_, of)| of.len()).max()?;
     let mut largest = telling.filter(|(_, of)| of.len() == most);
     let (scope, of) = largest.next()?;
-    Some(Shared {
+    Some(SharedScope {
         scope: (*scope).clone(),
-        of: of.clone(),
+        cases: of.clone(),
     })
 }
 
@@ -189,7 +194,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
 
 /// Returns the scope that contains the `explained` files and none of the `denied` ones: a set of formats, or a
 /// property.
-pub(super) fn scope_between(
+pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],
     denied: &[usize],
@@ -202,5 +207,5 @@ pub(super) fn scope_between(
         return Some(FileScope::Formats(formats));
     }
     let shared = shared_scope(witnesses, explained, denied, false)?;
-    (shared.of.len() == explained.len()).then_some(shared.scope)
+    (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

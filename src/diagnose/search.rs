@@ -14,13 +14,12 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::credit::partial_credit;
 use super::mistake::Mistake;
-pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
+pub(super) use super::tuning::REFUSAL_WORTH;
 use super::tuning::{
-    MAX_AFFORDABLE, MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIRS, MAX_SAMPLE,
-    MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_SAMPLES_TRIED, MAX_WORK, MAX_WORK_ON_PAIRS, MIN_SUPPORT,
-    SAMPLES_OF_A_UNIT_OF_WORK, WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH,
-    WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE, WORTH_OF_ANOTHER_LENIENT_ANSWER, is_most,
-    is_nearly_all, is_substantial,
+    CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
+    MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK, MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES,
+    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_WORTH, REFUSED_IMAGE_WORTH,
+    SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
 };
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
@@ -39,7 +38,7 @@ pub(super) struct FoundMistakes {
 
 impl FoundMistakes {
     /// Removes the members whose flag is false.
-    pub fn keep(&mut self, keep: &[bool]) {
+    pub fn retain_flagged(&mut self, keep: &[bool]) {
         let mut keep = keep.iter();
         self.members.retain(|_| keep.next() == Some(&true));
     }
@@ -163,7 +162,9 @@ impl<'a> Search<'a> {
 
     /// Returns the failing cases that `set` does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
-        self.select(self.failing(), |w| self.value(w, set) < WORTH_OF_A_REFUSAL)
+        self.select(self.failing(), |w| {
+            self.worth_of_set(w, set) < REFUSAL_WORTH
+        })
     }
 
     /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the
@@ -178,7 +179,7 @@ impl<'a> Search<'a> {
             if left.is_empty() || self.is_spent() {
                 break;
             }
-            let mut single = self.best_single(&set, &left);
+            let mut single = self.best_single_mistake(&set, &left);
             // An edit may explain failures that would require several misreadings. If one misreading explains nearly
             // all failures, edits are not needed.
             let explains = |single: &Option<Member>, is_share: fn(usize, usize) -> bool| {
@@ -197,7 +198,7 @@ impl<'a> Search<'a> {
                 if let Err(panic) = added {
                     self.record_panic(&*panic);
                 }
-                single = self.best_single(&set, &left);
+                single = self.best_single_mistake(&set, &left);
             }
             let mut grown = single.map(|single| vec![single]);
             if grown.is_none() || !is_enough && !are_pairs_tried {
@@ -227,14 +228,14 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the mistake with the largest gain when added to `set`.
-    fn best_single(&self, set: &Set, left: &[usize]) -> Option<Member> {
+    fn best_single_mistake(&self, set: &Set, left: &[usize]) -> Option<Member> {
         let mut all: Set = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id))
             .collect();
         let sample = self.best_candidate(set, &mut all, &self.sample(left));
         sample.or_else(|| {
-            let mut affordable = self.smallest(left, MAX_SAMPLES_TRIED);
-            affordable.truncate(MAX_AFFORDABLE);
+            let mut affordable = self.smallest(left, MAX_TRIED_SAMPLES);
+            affordable.truncate(MAX_FALLBACK_CASES);
             self.best_candidate(set, &mut all, &affordable)
         })
     }
@@ -251,7 +252,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
     pub fn conflicts_with_passing_case(&self, w: usize, set: &[Id]) -> bool {
-        self.value(w, set) == WORTH_OF_A_CONTRADICTION
+        self.worth_of_set(w, set) == CONTRADICTION_WORTH
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
@@ -284,7 +285,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if one more mistake changes the answer of a decoder with the mistakes in `set`.
-    pub fn changes_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
+    pub fn changes_answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
         self.witnesses[w].can_affect(mistake)
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
@@ -299,38 +300,38 @@ impl<'a> Search<'a> {
             }
             let answer = self.answer_with(w, set, mistake);
             let is_check = *answer == Answer::Rejected || witness.case.expect != Expect::Decode;
-            let is_unknown = mistake.listed().is_none() && is_check;
+            let is_unknown = mistake.catalog_misreading().is_none() && is_check;
             !is_unknown && witness.contradicts(&answer)
         };
         self.passing.iter().copied().filter(is_denied).collect()
     }
 
     pub fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
-        let mut mistakes = self.mistakes_of(&self.visible_mistakes(w, set));
+        let mut mistakes = self.mistakes_in(&self.visible_mistakes(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
         self.answer(w, &mistakes)
     }
 
     fn count_work(&self, w: usize, answers: usize) {
-        let units = answers * (1 + self.samples(w) / SAMPLES_OF_A_UNIT_OF_WORK);
+        let units = answers * (1 + self.sample_count(w) / SAMPLES_PER_WORK_UNIT);
         self.work.fetch_add(units, Ordering::Relaxed);
     }
 
     /// Returns the answer of a decoder with the mistakes in `set` and the assumed ones. If several answers are
     /// possible, returns the one that agrees best with the response.
-    pub fn answer_of(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
-        let mut answers = self.answers(w, set);
+    pub fn best_answer(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
+        let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
-            .min_by_key(|&at| -self.worth_of(w, &answers[at]))
+            .min_by_key(|&at| -self.worth_of_answer(w, &answers[at]))
             .unwrap_or(0);
         answers.swap_remove(best)
     }
 
     /// Returns all possible answers of a decoder with these mistakes. Mistakes that affect the same decision are
     /// tried separately.
-    fn answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
-        self.answers_of(w, &self.visible_mistakes(w, set))
+    fn possible_answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
+        self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
     /// Returns true if `set` explains the response, possibly with members that have an effect only in combination.
@@ -344,7 +345,9 @@ impl<'a> Search<'a> {
             return false;
         }
         let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
-        self.answers_of(w, &relevant_mistakes).iter().any(explains)
+        self.answers_of_variants(w, &relevant_mistakes)
+            .iter()
+            .any(explains)
     }
 
     /// Returns the mistakes in `set`, and the assumed ones, that can change the answer.
@@ -354,7 +357,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    fn answers_of(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
+    fn answers_of_variants(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
         let mut variants: Vec<Set> = vec![Vec::new()];
         for &id in set {
             let mut grown = Vec::new();
@@ -375,7 +378,7 @@ impl<'a> Search<'a> {
         self.count_work(w, variants.len());
         variants
             .iter()
-            .map(|variant| self.answer(w, &self.mistakes_of(variant)))
+            .map(|variant| self.answer(w, &self.mistakes_in(variant)))
             .collect()
     }
 
@@ -459,7 +462,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the mistakes with the ids in `set`.
-    pub fn mistakes_of(&self, set: &[Id]) -> Vec<&Mistake> {
+    pub fn mistakes_in(&self, set: &[Id]) -> Vec<&Mistake> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
@@ -475,7 +478,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the worth of `set` for case `w`.
-    pub fn value(&self, w: usize, set: &[Id]) -> i64 {
+    pub fn worth_of_set(&self, w: usize, set: &[Id]) -> i64 {
         self.effect(w, set).worth
     }
 
@@ -486,7 +489,7 @@ impl<'a> Search<'a> {
         }
         let visible_mistakes = self.visible_mistakes(w, set);
         if let [only] = visible_mistakes[..] {
-            return self.alone(w, only).unwrap_or(SetEffect::NONE);
+            return self.effect_alone(w, only).unwrap_or(SetEffect::NONE);
         }
         if visible_mistakes.is_empty() {
             return SetEffect::NONE;
@@ -496,8 +499,8 @@ impl<'a> Search<'a> {
         if let Some(&effect) = known().get(&key) {
             return effect;
         }
-        let answers = self.answers(w, &key.1);
-        let effects = answers.iter().map(|answer| self.effect_of(w, answer));
+        let answers = self.possible_answers(w, &key.1);
+        let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
         let best = effects.min_by_key(|effect| -effect.worth);
         let effect = best.unwrap_or(SetEffect::NONE);
         known().insert(key, effect);
@@ -508,10 +511,10 @@ impl<'a> Search<'a> {
     /// rarely have an effect in combination, except for changes of the bytes of a file.
     fn visible_mistakes(&self, w: usize, set: &[Id]) -> Set {
         let relevant_mistakes = self.relevant_mistakes(w, set);
-        let alone = |&id: &Id| Some((id, self.alone(w, id)?));
+        let alone = |&id: &Id| Some((id, self.effect_alone(w, id)?));
         let shown: Vec<(Id, SetEffect)> = relevant_mistakes.iter().filter_map(alone).collect();
         // Changes of the bytes of a file may have an effect only after other changes.
-        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= WORTH_OF_A_REFUSAL);
+        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &Id| {
             shown.iter().any(|(shown, _)| shown == id)
@@ -521,7 +524,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
-    fn alone(&self, w: usize, id: Id) -> Option<SetEffect> {
+    fn effect_alone(&self, w: usize, id: Id) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.alone[id][w].get_or_init(|| {
@@ -530,13 +533,13 @@ impl<'a> Search<'a> {
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.effect_of(w, &answer))
+            (*answer != witness.right).then(|| self.answer_effect(w, &answer))
         })
     }
 
-    fn effect_of(&self, w: usize, answer: &Answer) -> SetEffect {
+    fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
         SetEffect {
-            worth: self.worth_of(w, answer),
+            worth: self.worth_of_answer(w, answer),
             agreement: self.witnesses[w].agreement(answer),
             answer: self.fingerprint(w, answer),
         }
@@ -556,7 +559,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the worth of an answer to case `w`.
-    fn worth_of(&self, w: usize, answer: &Answer) -> i64 {
+    fn worth_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
         let is_open = matches!(
             witness.case.expect,
@@ -565,12 +568,12 @@ impl<'a> Search<'a> {
         if witness.failed {
             match witness.agreement(answer) {
                 Agreement::None => partial_credit(witness, answer),
-                agreement => worth(agreement),
+                agreement => agreement_worth(agreement),
             }
         } else if witness.contradicts(answer) {
-            WORTH_OF_A_CONTRADICTION
+            CONTRADICTION_WORTH
         } else if is_open && witness.differs_from_lenient_response(answer) {
-            WORTH_OF_ANOTHER_LENIENT_ANSWER
+            OTHER_LENIENT_ANSWER_WORTH
         } else {
             0
         }
@@ -579,22 +582,22 @@ impl<'a> Search<'a> {
     /// Returns the mistake with the largest gain when added to `set`, among those that explain some case in `tried`.
     /// If no mistake has a gain, removes the finalists from `all`.
     fn best_candidate(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
-        let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
+        let now: Vec<i64> = tried.iter().map(|&w| self.worth_of_set(w, set)).collect();
         let promise = self.map_parallel(all, |&id| {
             let with = with_id(set, id);
             let gain = |(&w, &now): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.value(w, &with) - now).max(0),
+                true => (self.worth_of_set(w, &with) - now).max(0),
                 false => 0,
             };
             tried.iter().zip(&now).map(gain).sum::<i64>()
         });
         let mut promising: Vec<(i64, Id)> = promise.into_iter().zip(all.iter().copied()).collect();
-        promising.retain(|&(gain, _)| gain >= WORTH_OF_A_CRASH);
+        promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
         // On ties, misreadings of the clauses under test come first, then the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: Set = promising.into_iter().map(|(_, id)| id).collect();
-        let best = self.best(set, &finalists, &self.trial_flags(tried));
+        let best = self.best_finalist(set, &finalists, &self.trial_flags(tried));
         all.retain(|id| !finalists.contains(id));
         best
     }
@@ -611,17 +614,22 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
-    fn best(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
+    fn best_finalist(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| if tried[w] { self.value(w, set) } else { 0 })
+            .map(|w| {
+                if tried[w] {
+                    self.worth_of_set(w, set)
+                } else {
+                    0
+                }
+            })
             .collect();
-        let is_left =
-            |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORTH_OF_A_REFUSAL;
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < REFUSAL_WORTH;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
         let gains = self.map_parallel(finalists, |&id| {
             let with = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.value(w, &with) - now[w],
+                true => self.worth_of_set(w, &with) - now[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -641,11 +649,9 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let least = best.map_or(WORTH_OF_A_CRASH, |best| {
-                WORTH_OF_A_CRASH.max(best - WORTH_OF_A_REFUSAL)
-            });
+            let least = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
             let totals = self.map_parallel(batch, |&(gain, place)| {
-                self.total(set, finalists[place], &now, gain, least, &others)
+                self.total_worth(set, finalists[place], &now, gain, least, &others)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
@@ -655,7 +661,7 @@ impl<'a> Search<'a> {
         });
         let &(total, first) = scored.first()?;
         let as_good = scored[1..].iter().filter(|&&(other, place)| {
-            total - other < WORTH_OF_A_REFUSAL && gains[place] == gains[first]
+            total - other < REFUSAL_WORTH && gains[place] == gains[first]
         });
         Some(Member {
             id: finalists[first],
@@ -665,13 +671,13 @@ impl<'a> Search<'a> {
 
     /// Returns true if a failing case is about the misread clause.
     fn tests_misread_clause(&self, id: Id) -> bool {
-        let listed = self.mistakes[id].listed();
+        let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
     /// Returns the total worth of a mistake with this `gain` on the remaining cases, or `None` if it is below
     /// `least`.
-    fn total(
+    fn total_worth(
         &self,
         set: &Set,
         id: Id,
@@ -687,7 +693,7 @@ impl<'a> Search<'a> {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.value(w, &with) - now[w];
+                total += self.worth_of_set(w, &with) - now[w];
             }
         }
         (total >= least).then_some(total)
@@ -696,11 +702,11 @@ impl<'a> Search<'a> {
     /// Returns two mistakes that only together explain an image. Tries pairs of mistakes that change the image, on
     /// the smallest files.
     fn best_pair_on_images(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
-        let mut images = self.solvable(left);
+        let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());
         let spent = || self.work.load(Ordering::Relaxed);
         let before_all = spent();
-        let budget = || MAX_WORK_ON_PAIRS.saturating_sub(spent() - before_all);
+        let budget = || MAX_PAIR_WORK.saturating_sub(spent() - before_all);
         let format = |w: usize| self.witnesses[w].case.format();
         let mut best: Option<Vec<Member>> = None;
         let mut tried_formats = HashSet::new();
@@ -710,7 +716,7 @@ impl<'a> Search<'a> {
                 break;
             }
             tried_formats.insert(format(w));
-            let pairs = self.pairs_for(w, set, budget());
+            let pairs = self.explaining_pairs(w, set, budget());
             let Some(pair) = self.best_pair(set, pairs, left) else {
                 continue;
             };
@@ -730,7 +736,7 @@ impl<'a> Search<'a> {
 
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the
     /// answer.
-    fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
+    fn explaining_pairs(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
         let relevant_mistakes: Set = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
@@ -746,10 +752,10 @@ impl<'a> Search<'a> {
             .collect();
         let explains = |place: usize| {
             let with = [&set[..], &pairs[place]].concat();
-            self.value(w, &with) >= WORTH_OF_A_REFUSAL
+            self.worth_of_set(w, &with) >= REFUSAL_WORTH
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
-        let explaining = explaining.into_iter().take(MAX_AFFORDABLE);
+        let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
         explaining.map(|place| pairs[place]).collect()
     }
 
@@ -762,7 +768,7 @@ impl<'a> Search<'a> {
         for tried in [&self.sample(left), &all] {
             let totals = self.map_parallel(&pairs, |&([a, b], _)| {
                 let with = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
+                let gain = |&w: &usize| self.worth_of_set(w, &with) - self.worth_of_set(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -772,7 +778,7 @@ impl<'a> Search<'a> {
             pairs.truncate(MAX_PAIRS);
         }
         let best = pairs.first();
-        let &(pair, _) = best.filter(|&&(_, total)| total >= WORTH_OF_A_CRASH)?;
+        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_WORTH)?;
         let member = |id| Member {
             id,
             alike: Vec::new(),
@@ -785,16 +791,15 @@ impl<'a> Search<'a> {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &Set, places: &[usize]| {
-            let values = self.map_parallel(places, |&w| self.value(w, set));
+            let values = self.map_parallel(places, |&w| self.worth_of_set(w, set));
             values.iter().sum::<i64>()
         };
         for place in (0..members.len()).rev() {
             let with = ids_of(members);
             let mut without = with.clone();
             without.remove(place);
-            let needless = |places: &[usize]| {
-                total(&without, places) + WORTH_OF_A_CRASH > total(&with, places)
-            };
+            let needless =
+                |places: &[usize]| total(&without, places) + CRASH_WORTH > total(&with, places);
             if !without.is_empty() && needless(&small) && needless(&large) {
                 members.remove(place);
             }
@@ -802,13 +807,14 @@ impl<'a> Search<'a> {
     }
 
     /// Selects the small images with the correct shape.
-    pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
-        let has_shape = |w: &usize| match (self.witnesses[*w].shown(), &self.witnesses[*w].right) {
-            (Some(shown), Answer::Decoded(right)) => {
-                shown.shape() == right.shape() && self.is_small(*w)
-            }
-            _ => false,
-        };
+    pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
+        let has_shape =
+            |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
+                (Some(shown), Answer::Decoded(right)) => {
+                    shown.shape() == right.shape() && self.is_small(*w)
+                }
+                _ => false,
+            };
         left.iter().copied().filter(has_shape).collect()
     }
 
@@ -826,14 +832,14 @@ impl<'a> Search<'a> {
                 witness.case.clauses.first().cloned(),
             )
         };
-        let smallest = self.smallest(left, MAX_SAMPLES_TRIED);
+        let smallest = self.smallest(left, MAX_TRIED_SAMPLES);
         let mut sample = interleave_groups(&smallest, kind);
         sample.truncate(MAX_SAMPLE);
         sample
     }
 
     /// Returns the number of samples in the correct answer.
-    pub fn samples(&self, w: usize) -> usize {
+    pub fn sample_count(&self, w: usize) -> usize {
         match &self.witnesses[w].right {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize
@@ -844,16 +850,16 @@ impl<'a> Search<'a> {
 
     /// Returns true if the image is small enough to try every mistake on it.
     pub fn is_small(&self, w: usize) -> bool {
-        self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
+        self.sample_count(w) <= MAX_SMALL_IMAGE_SAMPLES
     }
 
     /// Returns the smallest of these cases, at least one, limited to a total of `most` samples and bytes.
     pub fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
-        smallest.sort_by_key(|&w| (self.samples(w), self.witnesses[w].built.file.len()));
+        smallest.sort_by_key(|&w| (self.sample_count(w), self.witnesses[w].built.file.len()));
         let mut all = 0;
         let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
-            all += self.samples(w) + self.witnesses[w].built.file.len();
+            all += self.sample_count(w) + self.witnesses[w].built.file.len();
             i < 1 || all <= most
         });
         let count = taken.count();
@@ -884,13 +890,13 @@ impl<'a> Search<'a> {
     }
 }
 
-fn worth(agreement: Agreement) -> i64 {
+fn agreement_worth(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Image => WORTH_OF_AN_IMAGE,
-        Agreement::Word => WORTH_OF_A_REFUSAL,
-        Agreement::Crash => WORTH_OF_A_CRASH,
+        Agreement::Image => IMAGE_WORTH,
+        Agreement::Word => REFUSAL_WORTH,
+        Agreement::Crash => CRASH_WORTH,
         Agreement::None => 0,
-        Agreement::Against => WORTH_OF_A_REFUSAL_OF_AN_IMAGE,
+        Agreement::Against => REFUSED_IMAGE_WORTH,
     }
 }
 

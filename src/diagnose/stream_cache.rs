@@ -29,7 +29,7 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     if let Some(samples) = known(&DECODED_STREAMS.lock().expect("no worker panics")) {
         return Ok(samples);
     }
-    let samples = planes::stream(stream)?;
+    let samples = planes::decode_stream(stream)?;
     let mut cache = DECODED_STREAMS.lock().expect("no worker panics");
     let (bytes, decoded) = cache.get_or_insert_default();
     if *bytes > MAX_CACHED_BYTES {

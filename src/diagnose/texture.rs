@@ -47,7 +47,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
             // An answer that equals the reference's is not stored. A field that only one of the answers has counts as
             // a difference.
             let shown = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&only_expected(case, &made), shown, case.tolerance());
+            let differs = difference(&expected_fields(case, &made), shown, case.tolerance());
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -56,7 +56,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
 }
 
 /// Returns the fields of an answer that the case checks.
-fn only_expected(case: &TextureCase, answer: &Value) -> Value {
+fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
     let fields = case.expect.as_object().into_iter().flatten();
     let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));
     Value::Object(kept.collect())

@@ -2,19 +2,19 @@
 
 // Worth of a response that a mistake reproduces
 /// An image with equal bytes is not a coincidence.
-pub(super) const WORTH_OF_AN_IMAGE: i64 = 16;
+pub(super) const IMAGE_WORTH: i64 = 16;
 /// Many mistakes end in a refusal, so it counts half as much as an image.
-pub(super) const WORTH_OF_A_REFUSAL: i64 = 8;
+pub(super) const REFUSAL_WORTH: i64 = 8;
 /// A crash instead of a refusal counts less. This is the minimum worth of a reported mistake.
-pub(super) const WORTH_OF_A_CRASH: i64 = 3;
+pub(super) const CRASH_WORTH: i64 = 3;
 /// A partially explained image counts less than a refusal if other channels remain wrong.
-pub(super) const WORTH_OF_PART_OF_AN_IMAGE: usize = 6;
+pub(super) const PARTIAL_IMAGE_WORTH: usize = 6;
 /// If the mistake would refuse a file that the decoder shows, the decoder does not make the mistake.
-pub(super) const WORTH_OF_A_REFUSAL_OF_AN_IMAGE: i64 = -8;
+pub(super) const REFUSED_IMAGE_WORTH: i64 = -8;
 /// A passing case that the mistake would fail counts as much against it as an image counts for it.
-pub(super) const WORTH_OF_A_CONTRADICTION: i64 = -16;
+pub(super) const CONTRADICTION_WORTH: i64 = -16;
 /// Both responses to a lenient file are correct, but the decoder gave the other one.
-pub(super) const WORTH_OF_ANOTHER_LENIENT_ANSWER: i64 = -1;
+pub(super) const OTHER_LENIENT_ANSWER_WORTH: i64 = -1;
 
 // Extent of the search
 /// Real decoders make up to ten detectable mistakes.
@@ -24,19 +24,19 @@ pub(super) const MAX_SAMPLE: usize = 40;
 /// Number of mistakes that are compared with every case. Dozens may look equally promising.
 pub(super) const MAX_FINALISTS: usize = 32;
 /// Maximum number of samples in a small image. Larger images are skipped if smaller files fail in the same way.
-pub(super) const MAX_SAMPLES_OF_A_SMALL_IMAGE: usize = 1 << 13;
+pub(super) const MAX_SMALL_IMAGE_SAMPLES: usize = 1 << 13;
 /// Number of image samples that cost as much as one small file.
-pub(super) const SAMPLES_OF_A_UNIT_OF_WORK: usize = 512;
+pub(super) const SAMPLES_PER_WORK_UNIT: usize = 512;
 /// Number of pairs of mistakes that are compared with every case.
 pub(super) const MAX_PAIRS: usize = 3;
 /// Units of work after which the search stops.
 pub const MAX_WORK: usize = 400_000;
 /// Units of work for finding two mistakes that mask each other.
-pub(super) const MAX_WORK_ON_PAIRS: usize = 8_000;
+pub(super) const MAX_PAIR_WORK: usize = 8_000;
 /// Number of failing cases on which a mistake is tried if it explains none of the sample.
-pub(super) const MAX_AFFORDABLE: usize = 160;
+pub(super) const MAX_FALLBACK_CASES: usize = 160;
 /// Total number of samples in the images on which every mistake is tried.
-pub(super) const MAX_SAMPLES_TRIED: usize = 1 << 20;
+pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 
 // Edits of formulas
 /// Number of times that every edit is tried: alone, and together with the first mistakes that were found.
@@ -59,7 +59,7 @@ pub(super) const MIN_SHARING_FILES: usize = 2;
 /// Number of files that the decoder must read before it is significant that refused files have no common property.
 pub(super) const MIN_READ_FILES: usize = 20;
 /// A property is reported if the probability of a coincidence is less than one in this number.
-pub(super) const CHANCE_OF_A_PROPERTY: f64 = 50.0;
+pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
 /// A share of less than one in this number may be a coincidence.
 pub(super) const COINCIDENCE_DIVISOR: usize = 12;
 /// A share of at least one in this number is substantial.

@@ -26,7 +26,7 @@ use crate::suite::values::Values;
 /// A judged case: its file, the decoder's response, and the correct answer.
 pub(super) struct Witness<'a> {
     /// Index of the case in the suite.
-    pub place: usize,
+    pub case_index: usize,
     pub case: &'a Case,
     pub observation: &'a Observation,
     pub built: Arc<Built>,
@@ -90,11 +90,11 @@ pub(super) fn witnesses<'a>(
         let is_counted = case.expect == Expect::Decode && judged.is_some();
         *legal_files.entry(case.format()).or_default() += usize::from(is_counted);
     }
-    let witness = |place: usize| {
-        let case = &suite.cases[place];
-        let outcome = run.judgement.cases[place].as_ref()?.outcome;
+    let witness = |case_index: usize| {
+        let case = &suite.cases[case_index];
+        let outcome = run.judgement.cases[case_index].as_ref()?.outcome;
         // Inconsistent responses and broken promises are no evidence for a misreading.
-        let observation = run.observations[place]
+        let observation = run.observations[case_index]
             .as_ref()
             .filter(|observation| observation.nondeterminism.is_none())
             .filter(|observation| !breaks_promise(run, case, observation))?;
@@ -106,7 +106,7 @@ pub(super) fn witnesses<'a>(
         let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
         let (right, correct_answer) = (answer(dialect), reading.map(answer));
         Some(Witness {
-            place,
+            case_index,
             case,
             observation,
             built,
@@ -149,7 +149,7 @@ impl Witness<'_> {
             };
         }
         let At::Bytes(edit) = first.at else {
-            return Cow::Owned(self.answer_to(mistakes, &self.built.file));
+            return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         let anatomy = Anatomy {
             file: &self.built.file,
@@ -158,7 +158,7 @@ impl Witness<'_> {
         match edit(&anatomy) {
             EditedFile::Refused => Cow::Owned(Answer::Rejected),
             EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
-            EditedFile::File(bytes) => Cow::Owned(self.answer_to(rest, &bytes)),
+            EditedFile::File(bytes) => Cow::Owned(self.answer_to_file(rest, &bytes)),
         }
     }
 
@@ -168,7 +168,7 @@ impl Witness<'_> {
     }
 
     /// Returns the answer of a decoder with these mistakes to a modified file.
-    fn answer_to(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
+    fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         misreadings::answer(mistakes, self.reading, file, &self.observation.view)
     }
 
@@ -179,12 +179,12 @@ impl Witness<'_> {
     }
 
     /// Returns the image in the response if it differs from the reference's image.
-    pub fn shown(&self) -> Option<&Frame> {
+    pub fn wrong_image(&self) -> Option<&Frame> {
         self.observation.response.wrong_image()
     }
 
     /// Returns true if the request was for colors.
-    pub fn is_in_colors(&self) -> bool {
+    pub fn requests_colors(&self) -> bool {
         matches!(self.observation.view, View::Rgb(_))
     }
 
@@ -230,7 +230,7 @@ impl Witness<'_> {
                 },
                 Answer::Decoded(made),
             ) if equal_up_to_rounding(shown, made)
-                && (!self.is_right(made) || self.is_nearer(made, shown))
+                && (!self.equals_reference(made) || self.is_closer_to_response(made, shown))
                 && self.is_more_than_tolerance(made, shown) =>
             {
                 Agreement::Image
@@ -291,7 +291,7 @@ impl Witness<'_> {
 
     /// Returns true if `made` equals the response, or differs in less than half as many samples as the reference's
     /// image.
-    fn is_nearer(&self, made: &Frame, shown: &Frame) -> bool {
+    fn is_closer_to_response(&self, made: &Frame, shown: &Frame) -> bool {
         let (Samples::U8(samples), Answer::Decoded(right)) = (&shown.samples, &self.right) else {
             return shown == made;
         };
@@ -304,7 +304,7 @@ impl Witness<'_> {
     }
 
     /// Returns true if `made` equals the reference's image up to rounding. An image like this explains no failure.
-    fn is_right(&self, made: &Frame) -> bool {
+    fn equals_reference(&self, made: &Frame) -> bool {
         matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, made))
     }
 
@@ -318,7 +318,7 @@ impl Witness<'_> {
         }
         match (self.case.expect, answer) {
             (Expect::Decode, Answer::Decoded(made)) => {
-                !self.is_right(made) && self.would_fail(made)
+                !self.equals_reference(made) && self.would_fail(made)
             }
             (Expect::Decode, _) => true,
             (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),

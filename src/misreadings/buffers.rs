@@ -129,14 +129,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-records-counted-in-8-bits",
         At::Records(|block, at, texels| {
-            let mut records = planes::records(block, at, texels)?;
+            let mut records = planes::parse_records(block, at, texels)?;
             records.truncate(255);
             Ok(records)
         }),
     ),
     (
         "last-entry-refused",
-        At::Entry(|index, entries| indices::entry(index, entries.saturating_sub(1))),
+        At::Entry(|index, entries| indices::valid_entry(index, entries.saturating_sub(1))),
     ),
     // Loops
     (

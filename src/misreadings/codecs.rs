@@ -58,7 +58,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "compressed-columns-mirrored",
         At::Stream(|plane| {
-            let mut samples = planes::stream(plane)?;
+            let mut samples = planes::decode_stream(plane)?;
             samples
                 .chunks_exact_mut(plane.size.width as usize)
                 .for_each(<[u8]>::reverse);
@@ -229,16 +229,16 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7))
                 .map(|(_, segment)| segment);
             let Some([_, h1, h0, w1, w0, ..]) = found else {
-                return planes::stream(plane);
+                return planes::decode_stream(plane);
             };
             let own = Size {
                 width: u16::from_be_bytes([*w1, *w0]).into(),
                 height: u16::from_be_bytes([*h1, *h0]).into(),
             };
             if own.texels() > 1 << 24 {
-                return planes::stream(plane);
+                return planes::decode_stream(plane);
             }
-            let samples = planes::stream(&PlaneStream {
+            let samples = planes::decode_stream(&PlaneStream {
                 size: own,
                 ..*plane
             })?;
@@ -258,7 +258,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             if plane.bytes.is_empty() {
                 Ok(vec![0; plane.size.texels()])
             } else {
-                planes::stream(plane)
+                planes::decode_stream(plane)
             }
         }),
     ),
@@ -270,13 +270,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
                 _ => Coding::Jpeg,
             };
-            planes::stream(&PlaneStream { coding, ..*plane })
+            planes::decode_stream(&PlaneStream { coding, ..*plane })
         }),
     ),
     (
         "broken-plane-is-blank",
         At::Stream(|plane| {
-            Ok(planes::stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
+            Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
         }),
     ),
 ];
@@ -317,7 +317,7 @@ fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Resu
 
 /// Decodes a plane and changes its samples if it is a JPEG stream.
 fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
-    let mut samples = planes::stream(plane)?;
+    let mut samples = planes::decode_stream(plane)?;
     if plane.coding == Coding::Jpeg {
         for value in &mut samples {
             *value = change(*value);
@@ -329,7 +329,7 @@ fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
 /// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of
 /// `unit`.
 fn decode_sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
-    let samples = planes::stream(plane)?;
+    let samples = planes::decode_stream(plane)?;
     if plane.coding != Coding::Jpeg {
         return Ok(samples);
     }
@@ -348,7 +348,7 @@ fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
         };
         return Err(Error::new("2.9.8/3", plane.at, kind));
     }
-    planes::stream(plane)
+    planes::decode_stream(plane)
 }
 
 /// Returns the marker segments of a stream up to the scan: code and contents.
@@ -386,7 +386,7 @@ fn decode_edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamp
         edit(code, &mut stream[range]);
     }
     let bytes = &stream;
-    planes::stream(&PlaneStream { bytes, ..*plane })
+    planes::decode_stream(&PlaneStream { bytes, ..*plane })
 }
 
 /// Decodes a plane after editing the preset parameters of its stream. 0 means the default.

@@ -109,10 +109,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "negative-side-size-is-none",
         At::Plan(|lists| {
             let mut lists = lists.clone();
-            lists.side_sizes.iter_mut().for_each(|nonnegative_size| {
-                nonnegative_size.value = nonnegative_size.value.max(0)
-            });
-            compressed::plan(&lists)
+            lists
+                .side_sizes
+                .iter_mut()
+                .for_each(|number| number.value = number.value.max(0));
+            compressed::make_plan(&lists)
         }),
     ),
     // 2.9.8: the order of the planes
@@ -120,7 +121,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
 
 /// Returns the plan after changing the byte ranges of its planes.
 fn change_plan(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
-    let mut plan = compressed::plan(lists)?;
+    let mut plan = compressed::make_plan(lists)?;
     change(lists, &mut plan);
     Ok(plan)
 }

@@ -16,7 +16,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "order-as-strict-sequence",
         At::Plan(|lists| {
-            let mut plan = compressed::plan(lists)?;
+            let mut plan = compressed::make_plan(lists)?;
             plan.sequence = order_as_planes(lists)?;
             let mut done = vec![false; plan.steps.len()];
             for &i in &plan.sequence {
@@ -44,7 +44,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "order-reversed",
         At::Plan(|lists| {
-            let mut plan = compressed::plan(lists)?;
+            let mut plan = compressed::make_plan(lists)?;
             plan.sequence.reverse();
             Ok(plan)
         }),
@@ -52,7 +52,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "order-one-based",
         At::Plan(|lists| {
-            let mut plan = compressed::plan(lists)?;
+            let mut plan = compressed::make_plan(lists)?;
             plan.sequence.retain(|&i| lists.order[i].value > 0);
             Ok(plan)
         }),
@@ -60,7 +60,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "one-plane-a-rank",
         At::Plan(|lists| {
-            let mut plan = compressed::plan(lists)?;
+            let mut plan = compressed::make_plan(lists)?;
             let planes = lists.order.len() as i64;
             plan.sequence = (0..planes)
                 .filter_map(|rank| lists.order.iter().position(|number| number.value == rank))
@@ -114,7 +114,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "reference-is-the-plane-before",
         At::Plan(|lists| {
-            let mut plan = compressed::plan(lists)?;
+            let mut plan = compressed::make_plan(lists)?;
             for pair in plan.sequence.windows(2) {
                 if let &[before, i] = pair
                     && plan.steps[i].reference.is_some()
@@ -151,7 +151,7 @@ fn change_references(lists: &RawLists, change: impl Fn(usize, i64) -> i64) -> Re
     for (i, reference) in lists.references.iter_mut().enumerate() {
         reference.value = change(i, reference.value);
     }
-    compressed::plan(&lists)
+    compressed::make_plan(&lists)
 }
 
 /// Returns the plan of a decoder that changes the references and does not check their ranks.
@@ -159,7 +159,7 @@ fn change_references_unchecked(
     lists: &RawLists,
     change: impl Fn(usize, i64) -> i64,
 ) -> Result<Plan> {
-    let sequence = compressed::plan(lists)?.sequence;
+    let sequence = compressed::make_plan(lists)?.sequence;
     let mut lists = lists.clone();
     for (i, reference) in lists.references.iter_mut().enumerate() {
         reference.value = change(i, reference.value);
@@ -178,7 +178,7 @@ fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
         .references
         .iter_mut()
         .for_each(|reference| reference.value = -1);
-    let mut plan = compressed::plan(&intra)?;
+    let mut plan = compressed::make_plan(&intra)?;
     for (step, reference) in plan.steps.iter_mut().zip(&lists.references) {
         step.reference = if reference.value < 0 {
             None

@@ -90,14 +90,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "side-last-texel-refused",
-        At::Records(|block, at, texels| rule::records(block, at, texels - 1)),
+        At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1)),
     ),
     (
         "side-position-past-the-end-ignored",
         At::Records(|block, _, texels| {
             let (whole, rest) = block.as_chunks::<5>();
             // A partial record is still refused.
-            rule::records(rest, 0, texels)?;
+            rule::parse_records(rest, 0, texels)?;
             Ok(records_inside(
                 whole
                     .iter()
@@ -149,7 +149,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-cursor-by-one",
         At::Records(|block, at, texels| {
-            rule::records(block, at, texels)?;
+            rule::parse_records(block, at, texels)?;
             let seen = block.windows(5).map(|record| {
                 (
                     u32::from_be_bytes([record[0], record[1], record[2], record[3]]),
@@ -173,7 +173,9 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "side-partial-record-ignored",
-        At::Records(|block, at, texels| rule::records(&block[..block.len() / 5 * 5], at, texels)),
+        At::Records(|block, at, texels| {
+            rule::parse_records(&block[..block.len() / 5 * 5], at, texels)
+        }),
     ),
     // Records
     (
@@ -232,7 +234,7 @@ fn filter_records(
     texels: usize,
     keep: fn((u32, u8), usize) -> bool,
 ) -> Result<Vec<(u32, u8)>> {
-    Ok(rule::records(block, at, texels)?
+    Ok(rule::parse_records(block, at, texels)?
         .into_iter()
         .filter(|&record| keep(record, texels))
         .collect())
@@ -245,7 +247,7 @@ fn read_records_with(
     texels: usize,
     read: fn(&[u8; 5]) -> (u32, u8),
 ) -> Result<Vec<(u32, u8)>> {
-    rule::records(block, at, texels)?;
+    rule::parse_records(block, at, texels)?;
     Ok(records_inside(
         block.as_chunks::<5>().0.iter().map(read),
         texels,

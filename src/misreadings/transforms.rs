@@ -23,7 +23,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             for transform in &mut lists.transforms {
                 transform.value &= 3;
             }
-            compressed::plan(&lists)
+            compressed::make_plan(&lists)
         }),
     ),
     // 2.9.2: effect of the transform
@@ -93,7 +93,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
                 predict(
@@ -124,7 +124,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                     },
                 );
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
             })
@@ -184,7 +184,7 @@ fn plan_unless(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
     let mut transforms = lists.transforms.iter();
     match transforms.find(|transform| refuses(transform.value)) {
         Some(transform) => Err(unexpected_number(transform)),
-        None => compressed::plan(lists),
+        None => compressed::make_plan(lists),
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) trait FixedPoint:
     fn to_i32(self) -> i32;
 
     /// Multiplies by a factor, which is converted to fixed point: 0.541196100 becomes 4433.
-    fn times(self, factor: f64) -> Self;
+    fn multiply(self, factor: f64) -> Self;
 
     /// Divides by 2^`bits`, with halves rounded up.
     fn round_shift(self, bits: u32) -> Self;
@@ -47,7 +47,7 @@ impl FixedPoint for i64 {
     }
 
     #[inline]
-    fn times(self, factor: f64) -> i64 {
+    fn multiply(self, factor: f64) -> i64 {
         self * (factor * f64::from(1 << FRACTION_BITS) + 0.5) as i64
     }
 

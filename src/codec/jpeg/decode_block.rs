@@ -55,7 +55,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     // F.2.2.2, Figure F.13.
     let mut k = 1;
     while k < 64 {
-        let symbol = bits.symbol(ac)?;
+        let symbol = bits.read_symbol(ac)?;
         let (run, size) = (usize::from(symbol >> 4), symbol & 15);
         match (run, size) {
             (0, 0) => break,                   // EOB
@@ -82,7 +82,7 @@ fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
     bits: &mut B,
     table: &B::Table,
 ) -> StreamResult<i32> {
-    let size = bits.symbol(table)?;
+    let size = bits.read_symbol(table)?;
     if size > 11 {
         let what = format!("no DC difference has {size} bits");
         return Err(malformed(bits.plain_bits().offset(), what));

@@ -10,7 +10,7 @@
 //!   supports SOF1 can treat both in the same way.
 //! - Other processes use the same SOI. Only the marker of the frame header identifies the process.
 
-use super::processes::unexpected;
+use super::processes::unexpected_marker;
 use super::scan::{ScanTables, decode_scan};
 use super::tables::Tables;
 use crate::codec::bit_buffer::BitBuffer;
@@ -64,7 +64,7 @@ fn read_until(
     let marker = tables.read(stream)?;
     match codes.contains(&marker.code) {
         true => Ok(()),
-        false => Err(unexpected(marker, what)),
+        false => Err(unexpected_marker(marker, what)),
     }
 }
 

@@ -97,12 +97,12 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     write_quantization(&mut stream, &steps, options);
     let extended = needs_16_bits(&steps) || dc > 1 || ac > 1; // Table B.5
     let sof = if extended { 0xC1 } else { 0xC0 };
-    stream.frame_header(sof, width, height, [h << 4 | v, quantization]);
+    stream.write_frame_header(sof, width, height, [h << 4 | v, quantization]);
     write_huffman(&mut stream, &tables, options);
     if options.restart_interval > 0 {
-        stream.segment(DRI, &options.restart_interval.to_be_bytes());
+        stream.write_segment(DRI, &options.restart_interval.to_be_bytes());
     }
-    stream.scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
+    stream.write_scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
     write_symbols(&mut stream, &symbols, &tables);
     Encoded {
         stream: stream.finish(),
@@ -112,7 +112,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
 
 /// Writes the application segment of JFIF 1.01: no unit, square pixels, no thumbnail.
 fn write_jfif(stream: &mut Writer) {
-    stream.segment(APP0, b"JFIF\0\x01\x01\x00\x00\x01\x00\x01\x00\x00");
+    stream.write_segment(APP0, b"JFIF\0\x01\x01\x00\x00\x01\x00\x01\x00\x00");
 }
 
 /// Returns true if some quantization step does not fit in a byte.
@@ -169,6 +169,6 @@ fn write_tables(stream: &mut Writer, code: u8, tables: &[Vec<u8>], options: &Jpe
         tables
     };
     for content in contents {
-        stream.segment(code, content);
+        stream.write_segment(code, content);
     }
 }

@@ -44,24 +44,24 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
     // Coefficients 0 and 4 need no factor. 2 and 6 are the inverse rotation of the inverse transform.
     let (outer, inner) = (even[0] + even[3], even[1] + even[2]);
     let (low, high) = (even[0] - even[3], even[1] - even[2]);
-    let rotation = (low + high).times(0.541_196_100);
+    let rotation = (low + high).multiply(0.541_196_100);
 
     // These are the products of the inverse transform, with sample indices instead of coefficient indices.
-    let shared = (odd[0] + odd[1] + odd[2] + odd[3]).times(1.175_875_602);
-    let pair_30 = -(odd[3] + odd[0]).times(0.899_976_223);
-    let pair_21 = -(odd[2] + odd[1]).times(2.562_915_447);
-    let pair_31 = shared - (odd[3] + odd[1]).times(1.961_570_560);
-    let pair_20 = shared - (odd[2] + odd[0]).times(0.390_180_644);
+    let shared = (odd[0] + odd[1] + odd[2] + odd[3]).multiply(1.175_875_602);
+    let pair_30 = -(odd[3] + odd[0]).multiply(0.899_976_223);
+    let pair_21 = -(odd[2] + odd[1]).multiply(2.562_915_447);
+    let pair_31 = shared - (odd[3] + odd[1]).multiply(1.961_570_560);
+    let pair_20 = shared - (odd[2] + odd[0]).multiply(0.390_180_644);
 
     [
-        (outer + inner).times(1.0),
-        odd[0].times(1.501_321_110) + pair_30 + pair_20,
-        rotation + low.times(0.765_366_865),
-        odd[1].times(3.072_711_026) + pair_21 + pair_31,
-        (outer - inner).times(1.0),
-        odd[2].times(2.053_119_869) + pair_21 + pair_20,
-        rotation - high.times(1.847_759_065),
-        odd[3].times(0.298_631_336) + pair_30 + pair_31,
+        (outer + inner).multiply(1.0),
+        odd[0].multiply(1.501_321_110) + pair_30 + pair_20,
+        rotation + low.multiply(0.765_366_865),
+        odd[1].multiply(3.072_711_026) + pair_21 + pair_31,
+        (outer - inner).multiply(1.0),
+        odd[2].multiply(2.053_119_869) + pair_21 + pair_20,
+        rotation - high.multiply(1.847_759_065),
+        odd[3].multiply(0.298_631_336) + pair_30 + pair_31,
     ]
 }
 

@@ -23,13 +23,13 @@ pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
     type Table: for<'t> From<&'t HuffmanTable>;
 
     /// DECODE (F.2.2.3): reads the next code in the table and returns its symbol.
-    fn symbol(&mut self, table: &Self::Table) -> StreamResult<u8>;
+    fn read_symbol(&mut self, table: &Self::Table) -> StreamResult<u8>;
 }
 
 impl<'a> ReadSymbols<'a> for Bits<'a, 0> {
     type Table = HuffmanTable;
 
-    fn symbol(&mut self, table: &HuffmanTable) -> StreamResult<u8> {
+    fn read_symbol(&mut self, table: &HuffmanTable) -> StreamResult<u8> {
         decode_symbol(self, table)
     }
 }

@@ -59,23 +59,23 @@ fn to_sample(value: i32) -> u8 {
 #[inline]
 fn inverse_dct_of_8<T: FixedPoint>(c: [T; 8]) -> [T; 8] {
     // Even coefficients: 0 and 4 need no factor, and 2 and 6 are rotated by 6π/16 with three multiplications.
-    let rotation = (c[2] + c[6]).times(0.541_196_100);
-    let low = rotation + c[2].times(0.765_366_865);
-    let high = rotation - c[6].times(1.847_759_065);
-    let (sum, difference) = ((c[0] + c[4]).times(1.0), (c[0] - c[4]).times(1.0));
+    let rotation = (c[2] + c[6]).multiply(0.541_196_100);
+    let low = rotation + c[2].multiply(0.765_366_865);
+    let high = rotation - c[6].multiply(1.847_759_065);
+    let (sum, difference) = ((c[0] + c[4]).multiply(1.0), (c[0] - c[4]).multiply(1.0));
     let even = [sum + low, difference + high, difference - high, sum - low];
 
     // Odd coefficients: four pairs of them share a product each, and all share one more.
-    let shared = (c[7] + c[3] + c[5] + c[1]).times(1.175_875_602);
-    let pair_71 = -(c[7] + c[1]).times(0.899_976_223);
-    let pair_53 = -(c[5] + c[3]).times(2.562_915_447);
-    let pair_73 = shared - (c[7] + c[3]).times(1.961_570_560);
-    let pair_51 = shared - (c[5] + c[1]).times(0.390_180_644);
+    let shared = (c[7] + c[3] + c[5] + c[1]).multiply(1.175_875_602);
+    let pair_71 = -(c[7] + c[1]).multiply(0.899_976_223);
+    let pair_53 = -(c[5] + c[3]).multiply(2.562_915_447);
+    let pair_73 = shared - (c[7] + c[3]).multiply(1.961_570_560);
+    let pair_51 = shared - (c[5] + c[1]).multiply(0.390_180_644);
     let odd = [
-        c[1].times(1.501_321_110) + pair_71 + pair_51,
-        c[3].times(3.072_711_026) + pair_53 + pair_73,
-        c[5].times(2.053_119_869) + pair_53 + pair_51,
-        c[7].times(0.298_631_336) + pair_71 + pair_73,
+        c[1].multiply(1.501_321_110) + pair_71 + pair_51,
+        c[3].multiply(3.072_711_026) + pair_53 + pair_73,
+        c[5].multiply(2.053_119_869) + pair_53 + pair_51,
+        c[7].multiply(0.298_631_336) + pair_71 + pair_73,
     ];
 
     // The even part is symmetric about the middle, and the odd part changes its sign there.

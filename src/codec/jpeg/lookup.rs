@@ -51,10 +51,10 @@ impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
     type Table = CodeTable;
 
     #[inline]
-    fn symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
+    fn read_symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
         // This suffices for the longest code and for the number after it.
         self.require(16 + 16);
-        let entry = table.short[leading_bits(self.window(), SHORT_BITS) as usize];
+        let entry = table.short[leading_bits(self.peek_window(), SHORT_BITS) as usize];
         if entry == 0 {
             return long_symbol(self, &table.table);
         }
@@ -84,7 +84,7 @@ mod tests {
         let mut bits = B::new(stream, 1);
         let mut results = Vec::new();
         loop {
-            let symbol = bits.symbol(&table);
+            let symbol = bits.read_symbol(&table);
             let number = symbol
                 .clone()
                 .map(|symbol| bits.receive(u32::from(symbol & 15)));

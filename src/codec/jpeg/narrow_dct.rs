@@ -30,7 +30,7 @@ impl FixedPoint for Wrapping<i32> {
     }
 
     #[inline]
-    fn times(self, factor: f64) -> Self {
+    fn multiply(self, factor: f64) -> Self {
         self * Wrapping((factor * f64::from(1 << FRACTION_BITS) + 0.5) as i32)
     }
 

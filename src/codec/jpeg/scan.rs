@@ -21,7 +21,7 @@ use super::decode_block::decode_block;
 use super::huffman::ReadSymbols;
 use super::huffman_table::HuffmanTable;
 use super::narrow_dct::fast_inverse_dct;
-use super::processes::unexpected;
+use super::processes::unexpected_marker;
 use crate::codec::headers::allocate_samples;
 use crate::codec::markers::{Cursor, RST0};
 use crate::codec::stream_error::StreamResult;
@@ -80,9 +80,12 @@ pub(super) fn block_counts(tables: &ScanTables, width: u32, height: u32) -> (usi
 pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
     let bits = bits.plain_bits();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
-    let marker = stream.marker()?;
+    let marker = stream.read_marker()?;
     if marker.code != RST0 + number {
-        return Err(unexpected(marker, &format!("restart marker {number}")));
+        return Err(unexpected_marker(
+            marker,
+            &format!("restart marker {number}"),
+        ));
     }
     Ok(stream.at)
 }

@@ -79,12 +79,12 @@ pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[H
         match *symbol {
             Symbol::Code(class, symbol, bits) => {
                 let (code, length) = codes[class][usize::from(symbol)];
-                out.put(code, length);
-                out.put(bits, u32::from(symbol & 15));
+                out.put_bits(code, length);
+                out.put_bits(bits, u32::from(symbol & 15));
             }
             Symbol::Restart(number) => {
                 out.finish(1);
-                stream.marker(RST0 + number);
+                stream.write_marker(RST0 + number);
                 out = BitWriter::new(stream);
             }
         }

@@ -40,12 +40,16 @@ impl Tables {
     /// Reads table segments and skips comments and application data. Returns the first other marker.
     pub fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
-            let marker = stream.marker_after_comments()?;
+            let marker = stream.read_marker_after_comments()?;
             match marker.code {
-                DQT => self.read_quantization(stream.segment("the quantization table segment")?)?,
-                DHT => self.read_huffman(stream.segment("the Huffman table segment")?)?,
+                DQT => {
+                    self.read_quantization(stream.read_segment("the quantization table segment")?)?
+                }
+                DHT => self.read_huffman(stream.read_segment("the Huffman table segment")?)?,
                 DRI => {
-                    self.read_restart_interval(stream.segment("the restart interval segment")?)?
+                    self.read_restart_interval(
+                        stream.read_segment("the restart interval segment")?,
+                    )?;
                 }
                 _ => return Ok(marker),
             }
@@ -60,8 +64,8 @@ impl Tables {
             for step in &mut table {
                 let at = segment.at;
                 *step = match precision {
-                    0 => u16::from(segment.byte("64 quantization steps")?),
-                    _ => segment.u16("64 quantization steps")?,
+                    0 => u16::from(segment.read_byte("64 quantization steps")?),
+                    _ => segment.read_u16("64 quantization steps")?,
                 };
                 if *step == 0 {
                     return Err(malformed(at, "a quantization step is zero"));
@@ -83,7 +87,7 @@ impl Tables {
 
     /// Reads the number of blocks between restart markers (B.2.4.4).
     fn read_restart_interval(&mut self, mut segment: Cursor) -> StreamResult<()> {
-        self.restart_interval = segment.u16("the restart interval")?;
+        self.restart_interval = segment.read_u16("the restart interval")?;
         segment.expect_end()
     }
 
@@ -119,7 +123,7 @@ fn find_table<T: Clone>(
 /// Reads the byte before a table: its precision or class, 0 or 1, and its index, 0 … 3.
 fn read_precision_and_index(segment: &mut Cursor, kind: &str) -> StreamResult<(u8, usize)> {
     let at = segment.at;
-    let byte = segment.byte(kind)?;
+    let byte = segment.read_byte(kind)?;
     let (precision, number) = (byte >> 4, byte & 15);
     if precision > 1 || number > 3 {
         let what = format!("no {kind} has precision or class {precision} and number {number}");
@@ -133,7 +137,7 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     let at = segment.at;
     let mut counts = [0; 16];
     for count in &mut counts {
-        *count = segment.byte("16 numbers of codes")?;
+        *count = segment.read_byte("16 numbers of codes")?;
     }
     let total: usize = counts.iter().map(|&count| usize::from(count)).sum();
     if total > 256 {
@@ -142,7 +146,7 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     }
     let mut symbols = Vec::with_capacity(total);
     for _ in 0..total {
-        symbols.push(segment.byte("the symbols of a Huffman table")?);
+        symbols.push(segment.read_byte("the symbols of a Huffman table")?);
     }
     let table = HuffmanTable { counts, symbols };
     match table.overfull_length() {

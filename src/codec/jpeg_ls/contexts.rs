@@ -36,7 +36,7 @@ pub(super) struct Context {
 /// Returns the contexts at the start of a scan (A.2.1). The context with index 0 is the flat neighborhood. It belongs
 /// to run mode and is not used.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
-    let a = initial_a(parameters);
+    let a = initial_error_sum(parameters);
     [Context {
         a,
         b: 0,
@@ -46,7 +46,7 @@ pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
 }
 
 /// Returns the initial value of A, as if after one typical error (A.2.1).
-pub(super) fn initial_a(parameters: &Parameters) -> i32 {
+pub(super) fn initial_error_sum(parameters: &Parameters) -> i32 {
     ((parameters.range + 32) / 64).max(2)
 }
 
@@ -64,7 +64,7 @@ pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
 impl Context {
     /// Returns the prediction, corrected by C (A.4.2). `sign` is −1 in the mirrored neighborhood.
     #[inline]
-    pub fn correct(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
+    pub fn correct_prediction(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
         (predicted + sign * self.c).clamp(0, maxval)
     }
 

@@ -82,7 +82,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
             } else {
                 self.decode_regular(context, neighbors)?
             };
-            neighbors = lines.set(x, sample, neighbors);
+            neighbors = lines.set_sample(x, sample, neighbors);
             x += 1;
         }
         Ok(())
@@ -94,10 +94,12 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         let parameters = self.parameters;
         let sign = context.signum();
         let context = &mut self.contexts[context.unsigned_abs() as usize];
-        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+        let predicted = context.correct_prediction(predict(neighbors), sign, parameters.maxval);
 
         let k = context.golomb_parameter();
-        let mapped = self.bits.golomb(k, parameters.limit, parameters.qbpp)?;
+        let mapped = self
+            .bits
+            .read_golomb(k, parameters.limit, parameters.qbpp)?;
         let error = (mapped >> 1) ^ -(mapped & 1); // 0, −1, 1, −2, 2 …
         let error = if context.maps_negative_first(k, parameters.near) {
             -1 - error
@@ -116,17 +118,17 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
     fn decode_run_length(&mut self, left: usize) -> StreamResult<usize> {
         let mut run = 0;
         while self.bits.receive(1)? == 1 {
-            let segment = 1 << self.run_mode.j();
+            let segment = 1 << self.run_mode.segment_bits();
             if run + segment > left {
                 return Ok(left); // A.7.1.2: a run that the end of the line truncates
             }
             run += segment;
-            self.run_mode.lengthen();
+            self.run_mode.increment_index();
             if run == left {
                 return Ok(left);
             }
         }
-        run += self.bits.receive(self.run_mode.j())? as usize;
+        run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
             let what = format!("a run of {run} samples and its end in a line with {left} to go");
             return Err(malformed(self.bits.plain_bits().offset(), what));
@@ -143,7 +145,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
 
         let kind = interruption.kind;
         let k = context.golomb_parameter(kind);
-        let mapped = self.bits.golomb(k, limit, parameters.qbpp)?;
+        let mapped = self.bits.read_golomb(k, limit, parameters.qbpp)?;
         let doubled = mapped + kind; // twice the magnitude, minus one for the favored sign
         let magnitude = (doubled + 1) >> 1;
         let favored = context.favored_sign(k) * magnitude;
@@ -152,7 +154,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
             return Err(impossible_error(&self.bits, error));
         }
         context.update(error, mapped, kind, parameters.reset);
-        self.run_mode.shorten();
+        self.run_mode.decrement_index();
         Ok(parameters.reconstruct(interruption.predicted, interruption.sign * error))
     }
 }

@@ -83,11 +83,11 @@ fn read_until(
     let marker = presets.read(stream)?;
     match marker.code == code {
         true => Ok(()),
-        false => Err(unexpected(marker, what)),
+        false => Err(unexpected_marker(marker, what)),
     }
 }
 
-fn unexpected(marker: Marker, expected: &str) -> StreamError {
+fn unexpected_marker(marker: Marker, expected: &str) -> StreamError {
     match marker.code {
         DNL => unsupported(marker.at, "a height defined by DNL is not implemented"),
         _ => malformed(marker.at, format!("expected {expected}, found {marker}")),
@@ -106,10 +106,10 @@ impl StoredPresets {
     /// Reads preset parameters and skips comments and application data. Returns the first other marker.
     fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
-            let marker = stream.marker_after_comments()?;
+            let marker = stream.read_marker_after_comments()?;
             match marker.code {
-                LSE => self.read_segment(stream.segment("the preset parameter segment")?)?,
-                DRI => read_restart_interval(stream.segment("the restart interval segment")?)?,
+                LSE => self.read_segment(stream.read_segment("the preset parameter segment")?)?,
+                DRI => read_restart_interval(stream.read_segment("the restart interval segment")?)?,
                 _ => return Ok(marker),
             }
         }
@@ -118,15 +118,15 @@ impl StoredPresets {
     /// Reads a segment of preset parameters (C.2.4.1).
     fn read_segment(&mut self, mut segment: Cursor) -> StreamResult<()> {
         let at = segment.at;
-        let not_implemented = match segment.byte("its type")? {
+        let not_implemented = match segment.read_byte("its type")? {
             1 => {
                 self.at = segment.at;
                 self.parameters = PresetParameters {
-                    maxval: segment.u16("MAXVAL")?,
-                    t1: segment.u16("T1")?,
-                    t2: segment.u16("T2")?,
-                    t3: segment.u16("T3")?,
-                    reset: segment.u16("RESET")?,
+                    maxval: segment.read_u16("MAXVAL")?,
+                    t1: segment.read_u16("T1")?,
+                    t2: segment.read_u16("T2")?,
+                    t3: segment.read_u16("T3")?,
+                    reset: segment.read_u16("RESET")?,
                 };
                 return segment.expect_end();
             }
@@ -148,7 +148,7 @@ impl StoredPresets {
 /// Reads a restart interval segment. Only 0 is supported, which means no restart interval.
 fn read_restart_interval(mut segment: Cursor) -> StreamResult<()> {
     let at = segment.at;
-    match segment.u16("the restart interval")? {
+    match segment.read_u16("the restart interval")? {
         0 => segment.expect_end(),
         _ => Err(unsupported(
             at,

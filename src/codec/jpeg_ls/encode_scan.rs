@@ -76,7 +76,7 @@ impl ScanEncoder<'_, '_> {
             } else {
                 self.encode_regular(originals[x], context, neighbors)
             };
-            neighbors = lines.set(x, sample, neighbors);
+            neighbors = lines.set_sample(x, sample, neighbors);
             x += 1;
         }
     }
@@ -86,7 +86,7 @@ impl ScanEncoder<'_, '_> {
         let parameters = self.parameters;
         let sign = context.signum();
         let context = &mut self.contexts[context.unsigned_abs() as usize];
-        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+        let predicted = context.correct_prediction(predict(neighbors), sign, parameters.maxval);
         let error = parameters.quantize_error(sign * (i32::from(original) - predicted));
 
         let k = context.golomb_parameter();
@@ -109,15 +109,16 @@ impl ScanEncoder<'_, '_> {
 
     /// Writes the length of a run (A.7.1.2).
     fn encode_run_length(&mut self, mut run: usize, ends_line: bool) {
-        while run >= 1 << self.run_mode.j() {
-            self.bits.put(1, 1);
-            run -= 1 << self.run_mode.j();
-            self.run_mode.lengthen();
+        while run >= 1 << self.run_mode.segment_bits() {
+            self.bits.put_bits(1, 1);
+            run -= 1 << self.run_mode.segment_bits();
+            self.run_mode.increment_index();
         }
         if !ends_line {
-            self.bits.put(run as u32, 1 + self.run_mode.j());
+            self.bits
+                .put_bits(run as u32, 1 + self.run_mode.segment_bits());
         } else if run > 0 {
-            self.bits.put(1, 1);
+            self.bits.put_bits(1, 1);
         }
     }
 
@@ -136,7 +137,7 @@ impl ScanEncoder<'_, '_> {
         let mapped = 2 * error.abs() - kind - i32::from(favored);
         context.update(error, mapped, kind, parameters.reset);
         self.put_golomb(mapped, k, limit);
-        self.run_mode.shorten();
+        self.run_mode.decrement_index();
         parameters.reconstruct(interruption.predicted, sign * error)
     }
 
@@ -146,11 +147,11 @@ impl ScanEncoder<'_, '_> {
         let longest = limit - qbpp - 1;
         let zeros = number >> k;
         if zeros < longest {
-            self.bits.put(0, zeros);
-            self.bits.put(1 << k | number & ((1 << k) - 1), 1 + k);
+            self.bits.put_bits(0, zeros);
+            self.bits.put_bits(1 << k | number & ((1 << k) - 1), 1 + k);
         } else {
-            self.bits.put(0, longest);
-            self.bits.put(1 << qbpp | (number - 1), 1 + qbpp);
+            self.bits.put_bits(0, longest);
+            self.bits.put_bits(1 << qbpp | (number - 1), 1 + qbpp);
         }
     }
 }

@@ -30,11 +30,11 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
     }
 
     let mut stream = Writer::new();
-    stream.frame_header(0xF7, width, height, [0x11, 0]);
+    stream.write_frame_header(0xF7, width, height, [0x11, 0]);
     if let Some(presets) = options.presets {
         write_presets(&mut stream, presets);
     }
-    stream.scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
+    stream.write_scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
     let samples = encode_scan(&mut stream, &parameters, samples, width);
     let stream = stream.finish();
     Encoded { stream, samples }
@@ -44,5 +44,5 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
 fn write_presets(stream: &mut Writer, presets: PresetParameters) {
     let p = presets;
     let numbers = [p.maxval, p.t1, p.t2, p.t3, p.reset].map(u16::to_be_bytes);
-    stream.segment(0xF8, &[&[1], &numbers.concat()[..]].concat());
+    stream.write_segment(0xF8, &[&[1], &numbers.concat()[..]].concat());
 }

@@ -19,11 +19,11 @@ use crate::codec::stream_error::{StreamResult, malformed};
 /// and [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
     /// Reads the next Golomb code and returns its number.
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
+    fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
 }
 
 impl<'a> ReadGolomb<'a> for Bits<'a, 7> {
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
+    fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
         decode_golomb(self, k, limit, qbpp)
     }
 }
@@ -63,7 +63,7 @@ mod tests {
     fn long_codes_are_limited() {
         let stream = [0, 0b1110_0010, 0b1000_0000, 0, 0, 0b1110_0011, 0b1000_0000];
         let mut bits = Bits::new(&stream, 1);
-        let numbers = [(); 3].map(|()| bits.golomb(2, 32, 8));
+        let numbers = [(); 3].map(|()| bits.read_golomb(2, 32, 8));
         assert_eq!(numbers, [Ok(3), Ok(13), Ok(200)]);
     }
 }

@@ -18,7 +18,7 @@
 //! - The code of the interrupting sample uses `RUNindex` *before* it is decremented at the end of the run.
 //! - A run that ends with its line is not interrupted. No sample follows, and `RUNindex` does not change.
 
-use super::contexts::{golomb_parameter, initial_a};
+use super::contexts::{golomb_parameter, initial_error_sum};
 use super::parameters::Parameters;
 
 /// J by `RUNindex`: a bit 1 in the stream means 2^J samples (A.2.1).
@@ -56,7 +56,7 @@ pub(super) struct Interruption {
 impl RunMode {
     pub fn new(parameters: &Parameters) -> RunMode {
         let fresh = RunContext {
-            a: initial_a(parameters),
+            a: initial_error_sum(parameters),
             n: 1,
             negative: 0,
         };
@@ -68,17 +68,17 @@ impl RunMode {
 
     /// Returns J, the number of bits for the rest of a run. A segment has 2^J samples.
     #[inline]
-    pub fn j(&self) -> u32 {
+    pub fn segment_bits(&self) -> u32 {
         J[self.index]
     }
 
     /// Increments `RUNindex` after a complete segment.
-    pub fn lengthen(&mut self) {
+    pub fn increment_index(&mut self) {
         self.index = (self.index + 1).min(31);
     }
 
     /// Decrements `RUNindex` after an interruption.
-    pub fn shorten(&mut self) {
+    pub fn decrement_index(&mut self) {
         self.index = self.index.saturating_sub(1);
     }
 
@@ -88,7 +88,7 @@ impl RunMode {
 
     /// Returns the number of bits of the longest code for an interrupting sample.
     pub fn limit(&self, parameters: &Parameters) -> u32 {
-        parameters.limit - self.j() - 1
+        parameters.limit - self.segment_bits() - 1
     }
 }
 

@@ -2,30 +2,33 @@
 
 pub(super) mod acceptances;
 mod arithmetic;
+pub(super) mod differences;
 pub(super) mod nondeterminism;
-pub(super) mod place;
 pub(super) mod promises;
 pub(super) mod refusals;
 pub(super) mod uniform;
 pub(super) mod violation;
 
-pub use arithmetic::steps as arithmetic_steps;
+pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::scope::Shared;
+use super::scope::SharedScope;
 use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
 /// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other files
 /// with the property fail in another way. Counts the files of one format, or of all formats.
-fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
-    let (count, others) = shared.legal_files(witnesses, format);
+fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
+    let (count, others) = shared.count_legal_files(witnesses, format);
     let of_format = format.map_or(String::new(), |format| {
         format!("of {} ", format.short_name())
     });
     let scope = of_format + &shared.scope.describe();
     match others {
-        _ if count == 0 => format!("{} files {scope} that need not be decoded", shared.of.len()),
+        _ if count == 0 => format!(
+            "{} files {scope} that need not be decoded",
+            shared.cases.len()
+        ),
         0 => format!("every legal file {scope}"),
         others => {
             let all = count + others;
@@ -69,7 +72,7 @@ pub(super) fn formats_phrase(witnesses: &[Witness], of: &[usize]) -> String {
 }
 
 /// Returns "12 of 160 legal files of LRGB, LUM", with the number of files that need not be decoded.
-fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+fn share_text(witnesses: &[Witness], of: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let of_format = |one: Format| of.iter().find(|&&w| format(w) == one);

@@ -1,7 +1,7 @@
 //! Describes legal files that the decoder refused or crashed on, by a property that they share and that no accepted
 //! file has.
 
-use super::{files_in, share_of_formats, shared_clause};
+use super::{files_in_scope, share_text, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
@@ -27,14 +27,14 @@ pub(in crate::diagnose) fn describe(
             let is_of = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
             let of = |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
             let shared = shared_scope(witnesses, &of(open), &of(&read), true)?;
-            is_substantial(shared.of.len(), open.len()).then_some((shared, one))
+            is_substantial(shared.cases.len(), open.len()).then_some((shared, one))
         };
         let formats = || [None].into_iter().chain(Format::ALL.map(Some));
         while let Some((shared, one)) = formats().find_map(|one| shared_by(&open, one)) {
-            open.retain(|w| !shared.of.contains(w));
-            left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {}", files_in(witnesses, &shared, one));
-            let refusal = refusal(witnesses, &shared.of, &mode, effect);
+            open.retain(|w| !shared.cases.contains(w));
+            left.retain(|w| !shared.cases.contains(w));
+            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
+            let refusal = describe_refusal(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
                 None => refusal,
@@ -45,7 +45,12 @@ pub(in crate::diagnose) fn describe(
 }
 
 /// Returns the diagnosis for files that fail in the same way.
-fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: String) -> Diagnosis {
+fn describe_refusal(
+    witnesses: &[Witness],
+    of: &[usize],
+    mode: &FailureMode,
+    effect: String,
+) -> Diagnosis {
     let fix = match mode {
         FailureMode::Refuses | FailureMode::Unsupported => {
             "read these legal files, or exit with 69 for all files of this kind"
@@ -58,7 +63,7 @@ fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: Stri
         fix: fix.to_owned(),
         example: example(witnesses, of),
     };
-    Diagnosis::described(Category::Refusal, witnesses, of, words)
+    Diagnosis::from_description(Category::Refusal, witnesses, of, words)
 }
 
 /// Returns, for each failure mode, the failures that a single shared property explains.
@@ -69,7 +74,7 @@ pub(in crate::diagnose) fn shared_failures(
     let read = files_read(witnesses);
     let of = |mode: FailureMode| {
         let of = mode.select(witnesses, failing);
-        shared_scope(witnesses, &of, &read, true).map(|shared| shared.of)
+        shared_scope(witnesses, &of, &read, true).map(|shared| shared.cases)
     };
     FailureMode::list_by_frequency(witnesses, failing)
         .into_iter()
@@ -98,7 +103,7 @@ pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
     formats: Vec<Format>,
     /// The legal files of these formats, and other files of the formats that fail in the same way.
-    pub of: Vec<usize>,
+    pub cases: Vec<usize>,
 }
 
 /// Returns the formats whose legal files all fail in the same way, grouped by failure mode.
@@ -120,11 +125,11 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         match whole.iter_mut().find(|known| known.mode == mode) {
             Some(known) => {
                 known.formats.push(format);
-                known.of.extend(of);
+                known.cases.extend(of);
             }
             None => whole.push(WholeFormats {
                 formats: vec![format],
-                of: of.collect(),
+                cases: of.collect(),
                 mode,
             }),
         }
@@ -138,7 +143,8 @@ impl WholeFormats {
         let names = self.formats.iter().map(|format| format.short_name());
         let names: Vec<&str> = names.collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
-        let refusal = refusal(witnesses, &self.of, &self.mode, effect).with_alike(alike);
+        let refusal =
+            describe_refusal(witnesses, &self.cases, &self.mode, effect).with_equivalents(alike);
         refusal.with_clause("2.2/1")
     }
 }
@@ -153,8 +159,8 @@ pub(in crate::diagnose) fn describe_observation(
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, of, &others, false)?;
-    let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
-    (shared.of.len() == of.len()).then(|| refusal(witnesses, of, &mode, effect))
+    let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
+    (shared.cases.len() == of.len()).then(|| describe_refusal(witnesses, of, &mode, effect))
 }
 
 /// Describes the failures on the legal files in `of`, if hardly any of them produced an image and no other evidence
@@ -178,7 +184,7 @@ pub(in crate::diagnose) fn describe_non_images(
     }
     let mode = modes.first()?;
     let effect = outcomes_text(witnesses, &of, &modes);
-    let refusal = refusal(witnesses, &of, mode, effect);
+    let refusal = describe_refusal(witnesses, &of, mode, effect);
     Some(refusal.with_clause(misreading.clause).cause)
 }
 
@@ -212,14 +218,14 @@ pub(in crate::diagnose) fn describe_unexplained(
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
-            _ => format!("{mode} {}", share_of_formats(witnesses, &of)),
+            _ => format!("{mode} {}", share_text(witnesses, &of)),
         };
         let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        let described = Diagnosis::described(Category::Refusal, witnesses, &of, words);
+        let described = Diagnosis::from_description(Category::Refusal, witnesses, &of, words);
         diagnoses.push(described.with_clause(shared_clause(witnesses, &of)));
     }
     diagnoses

@@ -13,7 +13,7 @@ pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
-    let found = find(witnesses, left);
+    let found = find_uniform_images(witnesses, left);
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
         let clause = witnesses[of[0]].observation.view.kind().clause();
         left.retain(|w| !of.contains(w));
@@ -22,7 +22,7 @@ pub(in crate::diagnose) fn describe(
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        Diagnosis::described(Category::Difference, witnesses, &of, words).with_clause(clause)
+        Diagnosis::from_description(Category::Difference, witnesses, &of, words).with_clause(clause)
     };
     found.into_iter().map(diagnosis).collect()
 }
@@ -31,13 +31,13 @@ pub(in crate::diagnose) fn describe(
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();
-    let found = find(witnesses, &failing);
+    let found = find_uniform_images(witnesses, &failing);
     let count: usize = found.iter().map(|(_, of)| of.len()).sum();
     is_most(count, failing.len())
 }
 
 /// Returns the effect and the cases of each view in which the failing images do not depend on the file.
-fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
+fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     let mut found = Vec::new();
     for view in ViewKind::ALL {
         let is_of_view = |witness: &Witness| witness.observation.view.kind() == view;
@@ -68,8 +68,9 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
             found.push((format!("shows {what} in view {view}"), of));
             continue;
         }
-        let common = shown.iter().find_map(|(_, frame)| value(frame));
-        let is_common = |(_, frame): &&(usize, &Frame)| common.is_some() && value(frame) == common;
+        let common = shown.iter().find_map(|(_, frame)| uniform_value(frame));
+        let is_common =
+            |(_, frame): &&(usize, &Frame)| common.is_some() && uniform_value(frame) == common;
         let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
         if let Some(value) = common.filter(|_| is_few(count - of.len(), count)) {
             let effect = format!(
@@ -83,7 +84,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
 }
 
 /// Returns the value that all samples of an image share, if any.
-fn value(frame: &Frame) -> Option<f32> {
+fn uniform_value(frame: &Frame) -> Option<f32> {
     fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
         let first = *samples.first()?;
         let is_equal = samples.iter().all(|&sample| sample == first);

@@ -1,7 +1,7 @@
 //! Describes violations: files that must or may be refused, for which the response was a crash, a hang, a malformed
 //! frame or "unsupported".
 
-use super::acceptances::fault;
+use super::acceptances::fault_text;
 use super::list_first;
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
@@ -38,7 +38,7 @@ pub(in crate::diagnose) fn describe(
             fix: fix(&mode, these.iter().all(may_be_read)),
             example: example(witnesses, &these),
         };
-        Diagnosis::described(Category::Violation, witnesses, &these, words)
+        Diagnosis::from_description(Category::Violation, witnesses, &these, words)
     };
     FailureMode::list_by_frequency(witnesses, &of)
         .into_iter()
@@ -48,7 +48,7 @@ pub(in crate::diagnose) fn describe(
 
 /// Describes the files by their damages.
 fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
-    let damages = these.iter().map(|&w| fault(witnesses[w].case));
+    let damages = these.iter().map(|&w| fault_text(witnesses[w].case));
     let mut damages: Vec<&str> = damages.collect();
     damages.sort_unstable();
     damages.dedup();

@@ -121,7 +121,7 @@ fn difference(
     reading: &Reading,
 ) -> Option<String> {
     let other = match streams {
-        Some(streams) => streams.stored(reading),
+        Some(streams) => streams.reconstruct_map(reading),
         None => open_as(dissection.file, reading, &Limits::default()),
     };
     match other {
