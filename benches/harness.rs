@@ -128,7 +128,9 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
     let servers = Servers::new(decoder, scratch, 1);
     let ask = |request: &Request<'_>, job: usize| {
         let mut recorded = recorded.lock().expect("no worker panics");
-        let path = scratch.works().join(format!("bare-{}.ptm", recorded.len()));
+        let path = scratch
+            .work_directory()
+            .join(format!("bare-{}.ptm", recorded.len()));
         if !request.alone {
             fs::write(&path, request.file).expect("a file");
             recorded.push((request.view.to_string(), path));

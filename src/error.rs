@@ -1,7 +1,7 @@
-//! Errors: what is wrong, which clause, which byte.
+//! Errors of the decoder: the fault, the violated clause, and the byte offset.
 //!
-//! A fault of the file ([`Class::Malformed`]), a feature that this reader lacks ([`Class::Unsupported`]) and an exceeded limit
-//! ([`Class::Limit`]) are separate classes, with separate exit statuses of the program.
+//! A fault of the file ([`Class::Malformed`]), a feature that this decoder lacks ([`Class::Unsupported`]) and an
+//! exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
 
 use std::fmt;
 
@@ -13,99 +13,99 @@ pub struct Error {
     kind: Kind,
 }
 
-/// The kind of fault of an [`Error`].
+/// The class of an [`Error`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
-    /// The file breaks a rule of the text.
+    /// The file violates a rule of the text.
     Malformed,
-    /// The file may be valid, but this reader does not support its kind.
+    /// The file may be valid, but uses a feature that this decoder does not support.
     Unsupported,
     /// The file needs more memory than [`crate::ptm::Limits`] allow.
     Limit,
 }
 
-/// The fault, with what was found.
+/// The fault, with details.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Something else was found instead of `what`; `found` is its beginning, printable.
+    /// Something other than `what` was found.
     Expected {
-        /// The expected part.
+        /// Description of the expected part.
         what: &'static str,
-        /// The beginning of what was found.
+        /// Start of what was found, escaped for printing.
         found: String,
     },
     /// The file ends before `what`.
     Ended {
-        /// The expected part.
+        /// Description of the expected part.
         what: &'static str,
     },
     /// `what` needs more bytes than the file has left.
     Short {
-        /// The part of the file.
+        /// Description of the part.
         what: &'static str,
-        /// Bytes it needs; 2⁶⁴ − 1 on overflow.
+        /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
         needs: u64,
-        /// Bytes from here to the end of the file.
+        /// Number of bytes from here to the end of the file.
         remain: usize,
     },
-    /// An index points past the last entry of the table.
+    /// An index is past the last entry of the table.
     IndexOutOfRange {
-        /// The index.
+        /// Index that is out of range.
         index: usize,
-        /// The number of entries.
+        /// Number of entries in the table.
         entries: usize,
     },
-    /// The planes would take more memory than allowed.
+    /// The planes need more memory than allowed.
     TooLarge {
-        /// Bytes needed; 2⁶⁴ − 1 on overflow.
+        /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
         needs: u64,
-        /// Bytes allowed.
+        /// Maximum number of bytes.
         limit: usize,
     },
-    /// A plane is predicted from one that does not exist.
+    /// A plane is predicted from a plane that does not exist.
     NotAPlane {
-        /// The plane.
+        /// Index of the predicted plane.
         plane: usize,
-        /// The plane it names as its reference.
+        /// Index of the nonexistent reference.
         reference: i64,
         /// Number of planes.
         planes: usize,
     },
-    /// A plane is predicted from one that is not decoded before it.
+    /// A plane is predicted from a plane that is not decoded before it.
     NotCausal {
-        /// The plane.
+        /// Index of the predicted plane.
         plane: usize,
-        /// Its rank.
+        /// Rank of the predicted plane.
         rank: i64,
-        /// Its reference.
+        /// Index of the reference.
         reference: usize,
-        /// The reference's rank.
+        /// Rank of the reference.
         reference_rank: i64,
     },
-    /// The stream of a plane violates its standard, or does not fit the plane.
+    /// The stream of a plane violates its standard or does not match the plane.
     Stream {
-        /// The plane.
+        /// Index of the plane.
         plane: usize,
-        /// True if the stream may be legal but is of an unsupported kind.
+        /// True if the stream may be legal, but uses an unsupported feature.
         unsupported: bool,
-        /// The fault of the stream.
+        /// Fault of the stream.
         what: String,
     },
-    /// Side information that does not consist of whole records.
+    /// The size of the side information is not a multiple of the record size.
     PartialRecord {
-        /// Its bytes.
+        /// Size of the side information in bytes.
         bytes: usize,
     },
     /// A record corrects a texel that does not exist.
     PositionOutOfRange {
-        /// The position.
+        /// Position in the record.
         position: u32,
         /// Number of texels.
         texels: usize,
     },
-    /// A legal feature that this reader does not support.
+    /// The file uses a legal feature that this decoder does not support.
     NotRead {
-        /// The feature.
+        /// Name of the feature.
         what: &'static str,
     },
 }
@@ -119,19 +119,19 @@ impl Error {
         }
     }
 
-    /// Returns the error with another clause, if the clause of the field is not the one that is broken.
+    /// Returns the error with a different clause, if the field's clause is not the violated one.
     pub(crate) const fn with_clause(mut self, clause: &'static str) -> Error {
         self.clause = clause;
         self
     }
 
-    /// Returns the clause that is broken, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
+    /// Returns the violated clause, as numbered in `spec-cases/clauses.yaml`: `2.5/2`.
     #[must_use]
     pub const fn clause(&self) -> &'static str {
         self.clause
     }
 
-    /// Returns the section of that clause: `2.5`.
+    /// Returns the section of the violated clause: `2.5`.
     #[must_use]
     pub fn section(&self) -> &'static str {
         self.clause
@@ -139,13 +139,13 @@ impl Error {
             .map_or(self.clause, |(section, _)| section)
     }
 
-    /// Returns the byte of the file, counted from 0, at which the error was found.
+    /// Returns the zero-based offset of the byte at which the error was detected.
     #[must_use]
     pub const fn offset(&self) -> usize {
         self.offset
     }
 
-    /// Returns the fault.
+    /// Returns the fault with its details.
     #[must_use]
     pub const fn kind(&self) -> &Kind {
         &self.kind
@@ -175,7 +175,7 @@ impl Error {
     }
 }
 
-/// Returns the title of a section, in the words of the text.
+/// Returns the title of a section, as in the text.
 #[must_use]
 pub fn section_title(section: &str) -> &'static str {
     match section {
@@ -208,7 +208,7 @@ impl fmt::Display for Error {
 
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // A saturated number of bytes is not printed as a number.
+        // Do not print a saturated number of bytes.
         let bytes = |n: u64| {
             if n == u64::MAX {
                 "more bytes than can be counted".to_owned()
@@ -267,5 +267,5 @@ impl fmt::Display for Kind {
 
 impl std::error::Error for Error {}
 
-/// The result of the decoder.
+/// Result type of the decoder.
 pub type Result<T> = std::result::Result<T, Error>;

@@ -1,35 +1,35 @@
-//! Planes → final coefficients (2.4) → color under a light (1.0).
+//! Evaluation of a map: planes → final coefficients (2.4) → color under a light (1.0).
 //!
 //! Format notes
-//! - A final coefficient is a real number; nothing is rounded before the end (ruling `final-coefficient`).
-//! - One set of scales and biases applies to all polynomials; colors, Cr and Cb are used unscaled.
-//! - Luminance times color is divided by 255, and only then clamped (ruling `color`).
+//! - A final coefficient is a real number. Nothing is rounded before the end (ruling `final-coefficient`).
+//! - All polynomials share one set of scales and biases. Colors, Cr and Cb are used unscaled.
+//! - Luminance times color is divided by 255 first and clamped afterwards (ruling `color`).
 
 use crate::ptm::{ColorMatrix, Planes, ScaleBias, Shape, Size};
 use crate::reading::Reading;
 
-/// Final values: coefficients after scale and bias, the other channels as plain numbers.
+/// Final values of a map: coefficients after scale and bias, and the other channels unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coefficients {
     /// Width and height.
     pub size: Size,
-    /// The meaning of the channels.
+    /// Meaning of the channels.
     pub shape: Shape,
-    /// `height * width * channels` values in the order of [`Planes::samples`].
+    /// `height * width * channels` values, in the order of [`Planes::samples`].
     pub values: Vec<f64>,
 }
 
-/// The map under one light.
+/// Image of a map under one light.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct RelitImage {
     /// Width and height.
     pub size: Size,
-    /// `height * width * 3` values from 0 to 255, red, green and blue of every texel, top row first; not rounded.
+    /// `height * width * 3` unrounded values from 0 to 255: red, green and blue of every texel, top row first.
     pub values: Vec<f64>,
 }
 
-impl Picture {
-    /// Returns the image in whole numbers, rounded to nearest. The text names no rounding, so no verdict depends on it.
+impl RelitImage {
+    /// Rounds the values to the nearest integers. The text does not specify rounding, so no verdict depends on it.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
         self.values
@@ -39,8 +39,12 @@ impl Picture {
     }
 }
 
-/// Computes coefficients from planes.
-pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) -> Coefficients {
+/// Computes the final coefficients from planes.
+pub(crate) fn compute_coefficients(
+    scale_bias: &ScaleBias,
+    planes: &Planes,
+    reading: &Reading,
+) -> Coefficients {
     Coefficients {
         size: planes.size,
         shape: planes.shape,
@@ -48,13 +52,13 @@ pub(crate) fn apply(scale_bias: &ScaleBias, planes: &Planes, reading: &Reading) 
     }
 }
 
-/// Computes an image from coefficients.
+/// Computes the image under a light from the final coefficients.
 pub(crate) fn evaluate(
     coefficients: &Coefficients,
     lu: f64,
     lv: f64,
     reading: &Reading,
-) -> Picture {
+) -> RelitImage {
     let (lu, lv) = (reading.light)(lu, lv);
     let polynomial = |a: &[f64]| (reading.polynomial)(a, lu, lv);
     let color = |texel: &[f64]| match coefficients.shape {
@@ -75,13 +79,13 @@ pub(crate) fn evaluate(
         .values
         .chunks_exact(coefficients.shape.channels());
     let values = texels.flat_map(color).map(reading.clamp).collect();
-    Picture {
+    RelitImage {
         size: coefficients.size,
         values,
     }
 }
 
-/// Computes matrix times (Y, Cr, Cb, 1) (clauses 2.6/4–5).
+/// Multiplies the matrix by (Y, Cr, Cb, 1) (clauses 2.6/4–5).
 pub(crate) fn lum_color(
     matrix: &ColorMatrix,
     y: f64,
@@ -94,23 +98,23 @@ pub(crate) fn lum_color(
         .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
 }
 
-/// Returns the light unchanged: +u right, +v up (clause 1.0/2, ruling `light`).
+/// Returns the light unchanged: +u is right, +v is up (clause 1.0/2, ruling `light`).
 pub(crate) fn light(lu: f64, lv: f64) -> (f64, f64) {
     (lu, lv)
 }
 
-/// Evaluates the polynomial of 1.0 (clause 1.0/1).
+/// Evaluates the polynomial of §1.0 (clause 1.0/1).
 pub(crate) fn polynomial(a: &[f64], lu: f64, lv: f64) -> f64 {
     a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
 }
 
-/// Computes (raw − bias) · scale (clause 2.4/8), with the same six for all polynomials (clause 2.4/9).
+/// Computes (raw − bias) · scale (clause 2.4/8). All polynomials share the same six scales and biases (clause 2.4/9).
 pub(crate) fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
     (f64::from(raw) - set.bias[channel % 6]) * set.scale[channel % 6]
 }
 
-/// Applies scale and bias to coefficients; colors, Cr and Cb are plain numbers (clause 2.4/9).
-pub(crate) fn finals(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
+/// Applies scale and bias to the coefficients. Colors, Cr and Cb remain unchanged (clause 2.4/9).
+pub(crate) fn final_values(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
     let coefficients = planes.shape.coefficients();
     let mut values = Vec::with_capacity(planes.samples.len());
     for texel in planes.texels() {
@@ -125,22 +129,22 @@ pub(crate) fn finals(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec
     values
 }
 
-/// Returns Y, Cr, Cb (ruling `lum-vector`).
+/// Returns the vector Y, Cr, Cb (ruling `lum-vector`).
 pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [y, cr, cb]
 }
 
-/// Returns Cr, Y, Cb: the other reading of `lum-vector`.
+/// Returns the vector Cr, Y, Cb (alternative for ruling `lum-vector`).
 pub(crate) fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [cr, y, cb]
 }
 
-/// Returns the translation in the range of the values, 0 to 255 (ruling `lum-range`).
+/// Returns the translation unchanged, in the range 0 … 255 of the values (ruling `lum-range`).
 pub(crate) fn lum_translation(t: f64) -> f64 {
     t
 }
 
-/// Scales a translation from 0 … 1 to 0 … 255: the other reading of `lum-range`.
+/// Scales a translation from 0 … 1 to 0 … 255 (alternative for ruling `lum-range`).
 pub(crate) fn lum_translation_unit(t: f64) -> f64 {
     t * 255.0
 }
@@ -150,7 +154,7 @@ pub(crate) fn modulate(luminance: f64, color: f64) -> f64 {
     luminance * color / 255.0
 }
 
-/// Clamps to 0 … 255, at the end (clause 2.7.3/5, ruling `color`).
+/// Clamps a final color to 0 … 255 (clause 2.7.3/5, ruling `color`).
 pub(crate) fn clamp(value: f64) -> f64 {
     value.clamp(0.0, 255.0)
 }

@@ -1,19 +1,19 @@
-//! Reading methods over a file that keep track of the position.
+//! A reader for the bytes of a file that tracks its position.
 //!
-//! A header line is made of *tokens* separated by *gaps* and ended by a *line end*:
+//! A header line consists of *tokens*, which are separated by *gaps* and terminated by a *line end*:
 //!
-//! - a token is a run of bytes without space and line feed;
-//! - a gap is one or more spaces (ruling `size-spelling`);
-//! - a line end is one line feed, before which one space may stand (clause 2.0/2, ruling `header-line-end`).
+//! - A token is a run of bytes other than space and line feed.
+//! - A gap is one or more spaces (ruling `size-spelling`).
+//! - A line end is a line feed, optionally preceded by one space (clause 2.0/2, ruling `header-line-end`).
 //!
-//! Tabs, carriage returns, leading blanks, empty lines and additional spaces are not allowed (ruling `header-blanks`).
+//! Tabs, carriage returns, leading blanks, empty lines and extra spaces are errors (ruling `header-blanks`).
 
 use std::ops::Range;
 
 use crate::error::{Error, Kind, Result};
 use crate::ptm::Field;
 
-/// A file and the current position.
+/// A file, the current position, and the fields read so far.
 #[derive(Debug)]
 pub struct Input<'a> {
     file: &'a [u8],
@@ -43,7 +43,7 @@ impl<'a> Input<'a> {
         &self.file[self.at..]
     }
 
-    /// Reads the next token.
+    /// Reads the next token and records it as a field.
     pub(crate) fn token(&mut self, clause: &'static str, name: &'static str) -> Result<&'a [u8]> {
         let rest = self.rest();
         let length = rest
@@ -51,7 +51,7 @@ impl<'a> Input<'a> {
             .position(|byte| matches!(byte, b' ' | b'\n'))
             .unwrap_or(rest.len());
         if length == 0 {
-            return Err(self.wrong(clause, name));
+            return Err(self.unexpected(clause, name));
         }
         self.fields.push(Field {
             clause,
@@ -62,62 +62,62 @@ impl<'a> Input<'a> {
         Ok(&rest[..length])
     }
 
-    /// Reads the token `word`, and no other.
+    /// Reads a token that must equal `word`.
     pub(crate) fn word(&mut self, clause: &'static str, word: &'static str) -> Result<()> {
         let start = self.at;
         if self.token(clause, word)? == word.as_bytes() {
             return Ok(());
         }
         self.at = start;
-        Err(self.wrong(clause, word))
+        Err(self.unexpected(clause, word))
     }
 
     /// Reads a finite decimal number (ruling `numbers`).
     pub(crate) fn number(&mut self, clause: &'static str, name: &'static str) -> Result<f64> {
         let start = self.at;
         let value = decimal(self.token(clause, name)?);
-        value.ok_or_else(|| self.wrong_at(start, clause, name))
+        value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 
-    /// Reads a whole number from 0 to 2³² − 1, written in digits with or without a sign.
+    /// Reads an integer from 0 to 2³² − 1, in decimal digits with an optional sign.
     pub(crate) fn integer(&mut self, clause: &'static str, name: &'static str) -> Result<u32> {
         let start = self.at;
         let token = self.token(clause, name)?;
         let value = std::str::from_utf8(token)
             .ok()
             .and_then(|digits| digits.parse().ok());
-        value.ok_or_else(|| self.wrong_at(start, clause, name))
+        value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 
-    /// Reads a whole number of any sign.
+    /// Reads a signed integer.
     pub(crate) fn signed(&mut self, clause: &'static str, name: &'static str) -> Result<i64> {
         let start = self.at;
         let token = self.token(clause, name)?;
         let value = std::str::from_utf8(token)
             .ok()
             .and_then(|digits| digits.parse().ok());
-        value.ok_or_else(|| self.wrong_at(start, clause, name))
+        value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 
-    /// Reads one or more spaces.
+    /// Reads a gap: one or more spaces.
     pub(crate) fn gap(&mut self, clause: &'static str) -> Result<()> {
         let spaces = self.rest().iter().take_while(|&&byte| byte == b' ').count();
         if spaces == 0 {
-            return Err(self.wrong(clause, "a space"));
+            return Err(self.unexpected(clause, "a space"));
         }
         self.at += spaces;
         Ok(())
     }
 
-    /// Reads one line feed, optionally preceded by one space.
+    /// Reads a line end: a line feed, optionally preceded by one space.
     pub(crate) fn line_end(&mut self, clause: &'static str) -> Result<()> {
         if !self.skip_line_end() {
-            return Err(self.wrong(clause, "the end of the line"));
+            return Err(self.unexpected(clause, "the end of the line"));
         }
         Ok(())
     }
 
-    /// Reads a gap, or a line end where the text allows either.
+    /// Reads a gap or a line end, where the text allows either.
     pub(crate) fn gap_or_line_end(&mut self, clause: &'static str) -> Result<()> {
         if self.skip_line_end() {
             Ok(())
@@ -126,14 +126,14 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// Reads the next `count` bytes of the payload.
+    /// Reads the next `count` bytes of the payload as one field.
     pub(crate) fn take(
         &mut self,
         clause: &'static str,
         name: &'static str,
         count: u64,
     ) -> Result<&'a [u8]> {
-        let rest = self.announced(clause, name, count)?;
+        let rest = self.peek_bytes(clause, name, count)?;
         self.fields.push(Field {
             clause,
             name,
@@ -143,7 +143,8 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// Reads the next `count` bytes of the payload and records the meaning of some: ranges relative to the current position.
+    /// Reads the next `count` bytes of the payload. Records several fields, with ranges relative to the current
+    /// position.
     pub(crate) fn take_parts(
         &mut self,
         clause: &'static str,
@@ -151,7 +152,7 @@ impl<'a> Input<'a> {
         count: u64,
         parts: impl Iterator<Item = (&'static str, &'static str, Range<usize>)>,
     ) -> Result<&'a [u8]> {
-        let rest = self.announced(clause, name, count)?;
+        let rest = self.peek_bytes(clause, name, count)?;
         let from = self.at;
         self.fields.extend(parts.map(|(clause, name, range)| Field {
             clause,
@@ -162,8 +163,9 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// Returns the next `needs` bytes, if the file has so many. A file may declare more than this machine can count in memory.
-    fn announced(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
+    /// Returns the next `needs` bytes without consuming them, or an error if the file is too short. The number may
+    /// exceed the address space.
+    fn peek_bytes(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
         let rest = self.rest();
         let remain = rest.len();
         let there = usize::try_from(needs)
@@ -179,13 +181,13 @@ impl<'a> Input<'a> {
         })
     }
 
-    /// Returns the error that something other than `what` was found here.
-    pub(crate) fn wrong(&self, clause: &'static str, what: &'static str) -> Error {
-        self.wrong_at(self.at, clause, what)
+    /// Returns the error for something other than `what` at the current position.
+    pub(crate) fn unexpected(&self, clause: &'static str, what: &'static str) -> Error {
+        self.unexpected_at(self.at, clause, what)
     }
 
-    fn wrong_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
-        // Enough of the line to recognize it: at most 24 bytes, and at least one.
+    fn unexpected_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
+        // Quote at least one and at most 24 bytes of the line, to make it recognizable.
         let there = &self.file[offset..];
         let end = there
             .iter()
@@ -218,7 +220,8 @@ impl<'a> Input<'a> {
 
 /// Parses `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?` with a finite value.
 fn decimal(token: &[u8]) -> Option<f64> {
-    // The standard library accepts this grammar and, in addition, only names: `inf`, `infinity`, `nan`.
+    // For these characters, the standard library accepts exactly this grammar. The check excludes names: `inf`,
+    // `infinity`, `nan`.
     let text = std::str::from_utf8(token).ok()?;
     if text
         .bytes()

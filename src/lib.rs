@@ -1,7 +1,7 @@
 //! Reference decoder, generator and conformance harness for Polynomial Texture Maps (PTM 1.2, HP Labs 2001).
 //!
-//! A PTM stores six coefficients of a polynomial for each texel, so that an image can be relit. Reading one takes four steps,
-//! each a public function and a point at which two decoders can be compared:
+//! A PTM stores six coefficients of a polynomial for each texel, so that an image can be relit. Decoding takes a few
+//! steps. Each is a public function, and a point where two decoders can be compared:
 //!
 //! ```text
 //! &[u8] ──decode──→ Header, Planes ──coefficients──→ Coefficients ──evaluate──→ Picture
@@ -16,31 +16,31 @@
 //! # Ok::<(), ptm_conform::Error>(())
 //! ```
 //!
-//! # The map, in reading order
+//! # Modules, in reading order
 //!
-//! - [`ptm`]: the types and the glossary. [`error`]: what is wrong, which clause, which byte.
-//! - [`reading`]: the decisions that the text requires of a reader, each an exchangeable function; `parts` and `input` are
-//!   the arguments of these functions.
+//! - [`ptm`]: the types and the glossary. [`error`]: the fault, the violated clause, the byte offset.
+//! - [`reading`]: the decisions that the text leaves to a decoder, each a replaceable function. `parts` and `input`
+//!   contain the arguments of these functions.
 //! - [`evaluate`]: planes → coefficients → color.
-//! - [`decode`](mod@decode): bytes → header → planes, a file for each section of the text. `decode/spec.rs` is the reading of
-//!   the reference.
-//! - [`codec`]: JPEG and JPEG-LS, the standards that the text borrows for planes.
+//! - [`decode`](mod@decode): bytes → header → planes, with a file for each section of the text. `decode/spec.rs`
+//!   defines the reading of the reference.
+//! - [`codec`]: JPEG and JPEG-LS, the standards that PTM uses for planes.
 //! - [`texture`]: results of the `PEXlib` texture mapping table for an image, such as a PTM under a light.
-//! - `generate` (feature `generate`): the mirror of `decode`, values → bytes; recipes, spellings, damage.
+//! - `generate` (feature `generate`): the mirror of `decode`, values → bytes, with recipes, spellings and damages.
 //! - `harness` (feature `harness`): cases → run → compare → judge → diagnose → report.
-//! - `readers` (feature `tools`): predicted results of public readers for a file.
-//! - `tools` (feature `tools`): the parts of a file, its oddities, its appearance, and conversion to other formats.
-//! - `writers` (feature `cli`): the inverse of the suite, for programs that write files.
-//! - `site` (feature `cli`): all of that as web pages, with the format explained clause by clause.
+//! - `readers` (feature `tools`): predicts the results of public decoders for a file.
+//! - `tools` (feature `tools`): inspects, checks, renders and converts files.
+//! - `writers` (feature `cli`): the counterpart of the suite for programs that write files.
+//! - `site` (feature `cli`): the website, which explains the format clause by clause.
 //!
-//! The modules of the harness and of the program are hidden here: they are public only for the program and its tests, and change
-//! without notice. `protocol` and `misreadings` (feature `harness`) are what a decoder of your own needs to make mistakes on purpose, as
-//! `examples/misread.rs` does.
+//! The modules of the harness and of the program are hidden here. They are public only for the program and its tests,
+//! and may change without notice. Use `protocol` and `misreadings` (feature `harness`) to write a decoder that makes
+//! mistakes on purpose, as in `examples/misread.rs`.
 //!
 //! # Guarantees
 //!
-//! `decode` does no I/O and never uses a file name. `generate` never uses `decode`. There is no `unsafe` code. The same recipe
-//! gives the same bytes everywhere. The harness judges output, never speed.
+//! `decode` does no I/O and never uses a file name. `generate` never uses `decode`. There is no `unsafe` code. A
+//! recipe produces the same bytes on every platform. The harness judges output, never speed.
 
 pub mod ptm;
 

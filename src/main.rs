@@ -1,4 +1,4 @@
-//! The program: its commands, each carried out by a file of [`cli`].
+//! The program. Each command is implemented in a module of [`cli`].
 
 mod cli;
 
@@ -56,7 +56,8 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// Waits until standard input ends, then kills the rest of process RUN and of DIRECTORIES, and removes the directories.
+    /// Waits for the end of standard input, then kills the remaining processes of RUN and DIRECTORIES, and removes
+    /// the directories.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {

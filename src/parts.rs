@@ -1,5 +1,4 @@
-//! The parts of a file about which a reader makes decisions: arguments and results of the decisions of
-//! [`crate::reading::Reading`], section by section.
+//! The parts of a file: arguments and results of the decisions of [`crate::reading::Reading`], section by section.
 //!
 //! The types of the result, mainly [`crate::ptm::Planes`], are in [`crate::ptm`].
 
@@ -9,27 +8,27 @@ use crate::ptm::{Coding, Size};
 
 // 2.5
 
-/// The lookup table as it is stored.
+/// The lookup table, as stored.
 #[derive(Clone, Copy, Debug)]
 pub struct LookupTable<'a> {
     /// Number of entries.
     pub entries: usize,
-    /// Bytes per entry: 6 or 9.
+    /// Number of bytes per entry, 6 or 9.
     pub entry_size: usize,
-    /// `entries * entry_size` bytes.
+    /// Entries, `entries * entry_size` bytes.
     pub bytes: &'a [u8],
 }
 
 // 2.7
 
-/// A run of bytes that holds some channels of every texel.
+/// A run of bytes that contains some channels of every texel.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// Its first channel.
+    /// Index of the first channel.
     pub channel: usize,
     /// Number of adjacent channels.
     pub channels: usize,
-    /// The clause that requires it.
+    /// Clause that requires the block.
     #[cfg_attr(
         not(feature = "harness"),
         expect(
@@ -42,111 +41,111 @@ pub struct Block {
 
 // 2.8
 
-/// The indices of all texels as they are stored.
+/// Indices of all texels, as stored.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexBlock<'a> {
-    /// `width` bytes for each texel.
+    /// Indices, `width` bytes per texel.
     pub bytes: &'a [u8],
-    /// Bytes per index.
+    /// Number of bytes per index.
     pub width: usize,
 }
 
 // 2.9
 
-/// The numbers of 2.9.1–2.9.7 as stored in the file.
+/// Numbers of 2.9.1–2.9.7, as stored.
 #[derive(Clone, Debug)]
 pub struct RawLists {
-    /// The number of planes.
+    /// Number of planes.
     pub planes: usize,
-    /// 2.9.1: the parameter of the encoder.
+    /// Parameter of the encoder (2.9.1).
     pub parameter: Number,
-    /// 2.9.2: for each plane, the transform of its reference.
+    /// Transform of each plane's reference (2.9.2).
     pub transforms: Vec<Number>,
-    /// 2.9.3: for each plane a displacement along x; then for each plane one along y.
+    /// Displacements of all planes along x, then along y (2.9.3).
     pub motion: Vec<Number>,
-    /// 2.9.4: for each plane, its rank.
+    /// Rank of each plane (2.9.4).
     pub order: Vec<Number>,
-    /// 2.9.5: for each plane, its reference.
+    /// Reference of each plane (2.9.5).
     pub references: Vec<Number>,
-    /// 2.9.6: for each plane, the bytes of its stream.
+    /// Number of bytes in each plane's stream (2.9.6).
     pub sizes: Vec<Number>,
-    /// 2.9.7: for each plane, the bytes of its side information.
+    /// Number of bytes in each plane's side information (2.9.7).
     pub side_sizes: Vec<Number>,
 }
 
-/// A number and its position in the file.
+/// A number with its position in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Number {
-    /// The number.
+    /// Value of the number.
     pub value: i64,
-    /// The byte of the file at which it begins.
+    /// Offset of the first digit or sign in the file.
     pub at: usize,
 }
 
-/// The decoding plan of the lists. Every plan can be carried out: references exist and come first, sizes count bytes.
+/// A decoding plan. Every plan is valid: references exist and are decoded first, and sizes are nonnegative.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// The compression parameter.
+    /// Compression parameter.
     pub parameter: i64,
-    /// The prediction of each plane, by plane.
+    /// Prediction step of each plane, indexed by plane.
     pub steps: Vec<Step>,
-    /// The planes in the order in which they are decoded.
+    /// Plane indices in the order of decoding.
     pub sequence: Vec<usize>,
-    /// The place of each plane, counted from the first byte after the lists, by plane.
+    /// Byte ranges of each plane, relative to the first byte after the lists, indexed by plane.
     pub extents: Vec<Extent>,
 }
 
-/// The prediction of a plane.
+/// Prediction of a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// The reference, or None for an intra coded plane.
+    /// Index of the reference, or `None` for an intra plane.
     pub reference: Option<usize>,
-    /// True if the reference is inverted first.
+    /// True if the reference is inverted.
     pub inverted: bool,
-    /// True if the reference is displaced before it is used as the predictor.
+    /// True if the reference is displaced.
     pub moved: bool,
-    /// The displacement along x and y, in half texels.
+    /// Displacement along x and y, in half texels.
     pub motion: (i64, i64),
 }
 
-/// The place of a plane.
+/// Byte ranges of a plane.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
-    /// Its stream.
+    /// Range of the stream.
     pub stream: Range<usize>,
-    /// Its side information.
+    /// Range of the side information.
     pub side: Range<usize>,
 }
 
-/// All planes of a file, still compressed, and their decoding plan.
+/// All planes of a file before decoding, with their decoding plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Coded<'a> {
-    /// The standard of the streams.
+    /// Standard of the streams.
     pub coding: Coding,
-    /// The size of every plane.
+    /// Size of every plane.
     pub size: Size,
-    /// The decoding plan.
+    /// Decoding plan.
     pub plan: &'a Plan,
-    /// The position of `payload` in the file.
+    /// Offset of `payload` in the file.
     pub at: usize,
-    /// All streams and their side information, to which `plan.extents` refers.
+    /// All streams and their side information. `plan.extents` refers to these bytes.
     pub payload: &'a [u8],
 }
 
-/// The stream of one plane.
+/// Stream of one plane.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneStream<'a> {
-    /// Its standard.
+    /// Standard of the stream.
     pub coding: Coding,
-    /// The plane, for errors.
+    /// Index of the plane, for errors.
     pub plane: usize,
-    /// The position of the stream in the file, for errors.
+    /// Offset of the stream in the file, for errors.
     pub at: usize,
-    /// The stream.
+    /// Bytes of the stream.
     pub bytes: &'a [u8],
-    /// The required size of the image.
+    /// Required size of the image.
     pub size: Size,
 }
 
-/// A record of side information: a position in the stored plane and the value of that texel.
+/// A record of side information: a position in the stored plane, and the value of that texel.
 pub type Record = (u32, u8);

@@ -1,13 +1,14 @@
-//! The types of the format, with a glossary.
+//! Types of the format, with a glossary.
 //!
-//! - **texel**: one position of the map.
-//! - **plane**: one byte for every texel; the planes of a map come in the order of the specification.
-//! - **coefficient**: one of the six values a0…a5 of a polynomial. *Raw* as stored, *final* after scale and bias (2.4).
-//! - **channel**: one plane seen as a component of a texel; a texel of an RGB map has 18 of them.
-//! - **entry**, **index**: a row of the lookup table (2.5) and its number (2.8).
-//! - **`lu`, `lv`**: the light, projected into the plane of the texture (1.0).
+//! - **texel**: one position in the map.
+//! - **plane**: one byte for every texel. The planes of a map are in the order of the specification.
+//! - **coefficient**: one of the six values a0…a5 of a polynomial, *raw* as stored or *final* after scale and bias
+//!   (2.4).
+//! - **channel**: a component of a texel, whose values form a plane. A texel of an RGB map has 18 channels.
+//! - **entry**, **index**: a row of the lookup table (2.5), and its number (2.8).
+//! - **`lu`, `lv`**: the light direction, projected onto the plane of the texture (1.0).
 //!
-//! Rows count from the top and columns from the left everywhere in this library; files store the bottom row first.
+//! Everywhere in this library, rows count from the top and columns from the left. Files store the bottom row first.
 
 use std::fmt;
 use std::ops::Range;
@@ -16,7 +17,7 @@ use std::str::FromStr;
 pub use crate::codec::Coding;
 use crate::error::{self, Error, Kind};
 
-/// One of the nine formats of 2.2.
+/// One of the nine formats of §2.2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Format {
     /// `PTM_FORMAT_RGB`: a polynomial for each of red, green and blue.
@@ -25,7 +26,7 @@ pub enum Format {
     Lum,
     /// `PTM_FORMAT_LRGB`: a polynomial for luminance, then a color.
     Lrgb,
-    /// `PTM_FORMAT_PTM_LUT`: polynomials in a table, colors for each texel.
+    /// `PTM_FORMAT_PTM_LUT`: polynomials in a table, and a color for each texel.
     PtmLut,
     /// `PTM_FORMAT_PTM_C_LUT`: polynomials and colors in a table.
     PtmCLut,
@@ -53,7 +54,7 @@ impl Format {
         Format::JpeglsLrgb,
     ];
 
-    /// The table of formats: the name in a file (clause 2.2/1), the shape of a texel, the storage of the planes.
+    /// Returns the name in a file (clause 2.2/1), the shape of a texel, and the storage of the planes.
     const fn definition(self) -> (&'static str, Shape<()>, Storage) {
         use Coding::{Jpeg, JpegLs};
         use Storage::{ColorTable, Streams, Table, Texels};
@@ -70,7 +71,7 @@ impl Format {
         }
     }
 
-    /// Returns the string that names the format in a file (clause 2.2/1).
+    /// Returns the name of the format in a file (clause 2.2/1).
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.definition().0
@@ -88,7 +89,7 @@ impl Format {
         self.definition().1
     }
 
-    /// Returns the storage of the planes.
+    /// Returns how the planes are stored.
     #[must_use]
     pub const fn storage(self) -> Storage {
         self.definition().2
@@ -103,13 +104,13 @@ impl Format {
         }
     }
 
-    /// Returns the format with the same shape whose planes are blocks of bytes.
+    /// Returns the uncompressed format with the same shape.
     #[cfg(feature = "harness")]
     #[cfg_attr(
         not(unix),
         allow(dead_code, reason = "its callers need Unix or the program")
     )]
-    pub(crate) fn plain(self) -> Format {
+    pub(crate) fn uncompressed(self) -> Format {
         let is_plain =
             |format: &Format| format.shape() == self.shape() && format.storage() == Storage::Texels;
         let plain = Format::ALL.into_iter().find(is_plain);
@@ -133,13 +134,13 @@ impl Format {
         }
     }
 
-    /// Returns true if the file carries a lookup table (2.5) and indices (2.8).
+    /// Returns true if the format has a lookup table (2.5) and indices (2.8).
     #[must_use]
     pub const fn has_table(self) -> bool {
         matches!(self.storage(), Storage::Table | Storage::ColorTable)
     }
 
-    /// Returns the bytes of a table entry: 6, or 9 if the table has colors.
+    /// Returns the number of bytes in a table entry: 6, or 9 if the table contains colors.
     #[must_use]
     pub const fn entry_size(self) -> usize {
         match self.storage() {
@@ -148,14 +149,14 @@ impl Format {
         }
     }
 
-    /// Returns the number of planes of a map of this format: 18, 9 or 8.
+    /// Returns the number of planes of a map in this format: 18, 9 or 8.
     #[must_use]
     pub const fn channels(self) -> usize {
         self.shape().channels()
     }
 }
 
-/// The storage of the planes of a format.
+/// How a format stores its planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
     /// Blocks of bytes (2.7).
@@ -177,7 +178,7 @@ impl fmt::Display for Format {
 impl FromStr for Format {
     type Err = String;
 
-    /// Parses a name of 2.2, with or without its prefix.
+    /// Parses a name of §2.2, with or without its prefix.
     fn from_str(name: &str) -> Result<Format, String> {
         Format::ALL
             .into_iter()
@@ -196,15 +197,15 @@ pub struct Size {
 }
 
 impl Size {
-    /// Returns the number of texels; the largest `usize` on overflow.
+    /// Returns the number of texels, or `usize::MAX` on overflow.
     #[must_use]
     pub fn texels(self) -> usize {
         (self.width as usize).saturating_mul(self.height as usize)
     }
 
-    /// Returns the number of bytes of `each` bytes per texel, as a `u64` on every machine; 2⁶⁴ − 1 on overflow.
-    pub(crate) fn bytes(self, each: usize) -> u64 {
-        (u64::from(self.width) * u64::from(self.height)).saturating_mul(each as u64)
+    /// Returns the number of bytes for `bytes_per_texel` bytes per texel, or `u64::MAX` on overflow.
+    pub(crate) fn bytes(self, bytes_per_texel: usize) -> u64 {
+        (u64::from(self.width) * u64::from(self.height)).saturating_mul(bytes_per_texel as u64)
     }
 }
 
@@ -217,7 +218,7 @@ impl fmt::Display for Size {
 impl FromStr for Size {
     type Err = String;
 
-    /// Parses `WIDTHxHEIGHT`, both at least 1.
+    /// Parses `WIDTHxHEIGHT`. Both must be at least 1.
     fn from_str(text: &str) -> Result<Size, String> {
         let wrong = || format!("expected a size such as 8x5, found {text:?}");
         let (width, height) = text.split_once('x').ok_or_else(wrong)?;
@@ -228,40 +229,40 @@ impl FromStr for Size {
     }
 }
 
-/// The six scales and six biases of 2.4; element i belongs to coefficient a*i* of every polynomial.
+/// The six scales and six biases of §2.4. Element i belongs to coefficient a*i* of every polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleBias {
-    /// Any finite reals, including zero and negative ones.
+    /// Scales: finite real numbers, including zero and negative ones.
     pub scale: [f64; 6],
-    /// Whole numbers of any sign.
+    /// Biases: integers of any sign.
     pub bias: [f64; 6],
 }
 
-/// The sixteen numbers of 2.6 as stored in the file.
+/// The sixteen numbers of §2.6, as stored.
 ///
-/// Column-major: element `4 * column + row`; the translation is elements 12, 13 and 14.
+/// Column-major: row and column correspond to element `4 * column + row`. Elements 12, 13 and 14 are the translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorMatrix(pub [f64; 16]);
 
-/// The values of 2.1–2.4 of a map. Every `Header` is legal.
+/// The header of a map (2.1–2.4). Every `Header` is legal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// The format (2.2).
+    /// Format (2.2).
     pub format: Format,
     /// Width and height (2.3).
     pub size: Size,
-    /// Scale and bias, which turn raw coefficients into final ones (2.4).
+    /// Scale and bias, which convert raw coefficients to final ones (2.4).
     pub scale_bias: ScaleBias,
 }
 
-/// The shape of a texel. Nine formats have three shapes; the code after the planes does not use the format.
+/// The shape of a texel. The nine formats have three shapes. After decoding, only the shape matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape<Matrix = ColorMatrix> {
-    /// 18 channels: a0…a5 of red, of green, of blue.
+    /// 18 channels: a0…a5 of red, green and blue.
     Rgb,
     /// 9 channels: a0…a5 of luminance, then R, G, B.
     Lrgb,
-    /// 8 channels: a0…a5 of Y, then Cr and Cb; with the matrix that computes a color.
+    /// 8 channels: a0…a5 of Y, then Cr and Cb, with the matrix that converts them to a color.
     Lum(Matrix),
 }
 
@@ -276,7 +277,7 @@ impl<Matrix> Shape<Matrix> {
         }
     }
 
-    /// Returns the number of coefficients among the channels; they come first.
+    /// Returns the number of coefficients in a texel, which are its first channels.
     #[must_use]
     pub const fn coefficients(&self) -> usize {
         match self {
@@ -287,7 +288,7 @@ impl<Matrix> Shape<Matrix> {
 }
 
 impl Shape<()> {
-    /// Returns the shape with the color matrix that `read` returns, if it has one.
+    /// Returns the shape with its color matrix. Calls `read` only if the shape has a matrix.
     pub(crate) fn with_matrix<E>(
         self,
         read: impl FnOnce() -> Result<ColorMatrix, E>,
@@ -300,7 +301,7 @@ impl Shape<()> {
     }
 }
 
-/// Returns the name of channel `channel` of a texel with `channels` channels: `a3 of green`, `a0`, `R`, `Cb`.
+/// Returns the name of a channel in a texel with `channels` channels: `a3 of green`, `a0`, `R`, `Cb`.
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
     match (channels, channel) {
@@ -316,14 +317,14 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
     }
 }
 
-/// The stored values of a map, after table lookup, decompression, prediction and correction.
+/// Stored values of a map, after table lookup, decompression, prediction and correction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     /// Width and height.
     pub size: Size,
-    /// The meaning of the channels.
+    /// Meaning of the channels.
     pub shape: Shape,
-    /// `height * width * channels` bytes: texel after texel, top row first, the channels of a texel adjacent.
+    /// `height * width * channels` bytes, texel by texel, top row first. The channels of a texel are adjacent.
     pub samples: Vec<u8>,
 }
 
@@ -334,19 +335,19 @@ impl Planes {
     }
 }
 
-/// A whole file, decoded.
+/// A decoded file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ptm {
-    /// The header.
+    /// Header of the file.
     pub header: Header,
-    /// The stored values, top row first.
+    /// Stored values, top row first.
     pub planes: Planes,
 }
 
 /// Limits on the resources that a file may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes that the planes may take; 1 GiB by default.
+    /// Maximum number of bytes for the planes, 1 GiB by default.
     pub memory: usize,
 }
 
@@ -357,7 +358,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Checks that `needs` bytes are within the limit; `at` is the byte of the file that declares them.
+    /// Checks that `needs` bytes are within the limit. `at` is the offset of the declaration, for errors.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
@@ -371,13 +372,13 @@ impl Limits {
     }
 }
 
-/// A part of a file and its meaning.
+/// A part of a file, with its meaning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// The clause that requires it.
+    /// Clause that requires the field.
     pub clause: &'static str,
-    /// Its name: `width`, `scale`, `table`.
+    /// Name of the field: `width`, `scale`, `table`.
     pub name: &'static str,
-    /// Its bytes, counted from the beginning of the file.
+    /// Byte range in the file.
     pub range: Range<usize>,
 }

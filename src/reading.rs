@@ -1,9 +1,9 @@
-//! The decisions that the text requires of its reader.
+//! The decisions that the text leaves to a decoder.
 //!
-//! A [`Reading`] has one function for each decision. [`Reading::SPEC`] is the reading of the reference: for each decision it
-//! names the function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder
-//! calls that function and nothing else: another reading of an open point, or a deliberate mistake, is another function in its
-//! place.
+//! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each
+//! decision is the function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause.
+//! The decoder calls only these functions. For a different reading of an open point, or for a deliberate mistake,
+//! replace the function.
 
 use std::borrow::Cow;
 
@@ -22,9 +22,9 @@ pub(crate) type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> R
 pub(crate) type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];
 pub(crate) type ReadRecords = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>;
 
-/// A way to read files: one function for each decision that the text requires, in the order of the text.
+/// A way to read files: one function for each decision, in the order of the text.
 #[derive(Clone, Copy)]
-#[allow(missing_docs)] // each is documented at the function SPEC names
+#[allow(missing_docs)] // each is documented at the function in SPEC
 pub struct Reading {
     // 1.0
     pub(crate) light: fn(lu: f64, lv: f64) -> (f64, f64),
@@ -57,7 +57,7 @@ pub struct Reading {
     pub(crate) motion_sign: fn(displacement: i64) -> i64,
     pub(crate) motion_vertical: fn(my: i64) -> i64,
     pub(crate) motion_half: fn(samples: [u8; 4]) -> u8,
-    /// Readings differ only outside the plane. Inside, where most samples are, it is the sample itself.
+    /// Returns the sample at (x, y). Readings only differ outside the plane.
     pub(crate) motion_border: fn(plane: &[u8], Size, x: i64, y: i64) -> u8,
     // 2.9.5
     pub(crate) predict: fn(residuals: &mut [u8], predictor: &[u8]),

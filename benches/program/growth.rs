@@ -6,7 +6,7 @@ use std::process::Command;
 use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Format;
 
-use crate::measure::{memory_of, repeated, slope};
+use crate::measure::{memory_of_call, repeated, slope};
 use crate::{common, put, reference, to_file};
 
 /// Widths and heights; each has twice as many texels as the previous one.
@@ -49,12 +49,12 @@ fn one(format: Format, view: &str, directory: &Path) {
         let [spent] = repeated(9, &mut [&mut || to_file(reference(view, &map), &out)]);
         spent.processor
     };
-    let (time, memory) = (spent(1, 1), memory_of(&mut command(1, 1)) as f64);
+    let (time, memory) = (spent(1, 1), memory_of_call(&mut command(1, 1)) as f64);
     let times = SIZES.map(|(w, h)| (f64::from(w * h), spent(w, h) - time));
     let memories = SIZES.map(|(w, h)| {
         (
             f64::from(w * h),
-            memory_of(&mut command(w, h)) as f64 - memory,
+            memory_of_call(&mut command(w, h)) as f64 - memory,
         )
     });
     println!(

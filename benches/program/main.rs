@@ -20,7 +20,7 @@ use std::process::{Command, Stdio};
 
 use ptm_conform::ptm::Format;
 
-use measure::{Spent, memory_of, own_time, repeated, time_of};
+use measure::{Spent, memory_of_call, own_time, repeated, time_of};
 
 const SIDE: u32 = 4096;
 
@@ -119,7 +119,7 @@ fn against_cp(format: Format, directory: &Path) {
         ours.processor / cp.processor,
         ours.wall / cp.wall,
         ours.processor / memcpy.processor,
-        memory_of(&mut reference("raw", &file)) as f64 / bytes as f64,
+        memory_of_call(&mut reference("raw", &file)) as f64 / bytes as f64,
     );
 }
 
@@ -191,7 +191,7 @@ fn against_others(format: Format, directory: &Path) {
     }
     println!(
         "\nmemory / output: {:.2}; threads: {}\n",
-        memory_of(&mut reference("raw", &file)) as f64 / bytes as f64,
+        memory_of_call(&mut reference("raw", &file)) as f64 / bytes as f64,
         std::thread::available_parallelism().map_or(1, usize::from),
     );
 }

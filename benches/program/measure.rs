@@ -82,7 +82,7 @@ fn of_children() -> f64 {
 }
 
 /// Returns the peak memory of a program in bytes, read before its output ends: it cannot exit before all is read.
-pub fn memory_of(command: &mut Command) -> u64 {
+pub fn memory_of_call(command: &mut Command) -> u64 {
     let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
     let mut out = child.stdout.take().expect("its output");
     let status = format!("/proc/{}/status", child.id());

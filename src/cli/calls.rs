@@ -48,7 +48,7 @@ impl LimitArgs {
     /// Returns the limits in force, in words.
     pub fn limits_to_text(&self) -> Vec<String> {
         let (seconds, size) = (self.timeout, self.memory >> 20);
-        let memory = match processes::can_be_watched() {
+        let memory = match processes::can_inspect_processes() {
             true => {
                 format!(
                     "memory: {size} MiB for the resident sets of all processes of a call, sampled"

@@ -121,7 +121,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     if args.written.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
-    let given_up = servers.filter(Servers::have_given_up);
+    let given_up = servers.filter(Servers::is_serve_mode_disabled);
     let notes = capabilities.remarks.iter();
     let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
     let locale = locale_remark(&suite, &run, &subject, scratch);

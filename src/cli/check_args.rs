@@ -161,7 +161,7 @@ impl CheckArgs {
         if self.caller.is_some() {
             return vec!["none: the decoder is a function of the calling process".to_owned()];
         }
-        let left = match processes::can_be_watched() {
+        let left = match processes::can_inspect_processes() {
             true => ", and what has left it, are",
             false => " is",
         };

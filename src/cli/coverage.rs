@@ -42,7 +42,7 @@ pub fn run(args: &CoverageArgs) -> CommandResult {
         coverage.to_text(&suite)
     });
     if let Some(path) = &args.write_smoke {
-        let chosen = smoke::choose(&suite, &rows);
+        let chosen = smoke::choose_cases(&suite, &rows);
         write_whole(path, smoke::to_yaml(&suite, &chosen))?;
         if !args.yaml {
             print(&format!("{} cases in {}\n", chosen.len(), path.display()));

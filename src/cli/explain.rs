@@ -22,7 +22,7 @@ use ptm_conform::ptm::Format;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
-use ptm_conform::strength::matrix::ask_all;
+use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::address;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::clauses::{self, Clause, Ruling};
@@ -269,7 +269,7 @@ fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
 fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let bar = bar(None, "{spinner} reading every case with this mistake");
     bar.enable_steady_tick(Duration::from_millis(200));
-    let (run, _) = ask_all(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
+    let (run, _) = run_with_mistakes(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();
     let failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let size = |place: usize| {

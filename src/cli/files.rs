@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::Failed;
 use ptm_conform::error::Class;
-use ptm_conform::kit::without_code;
+use ptm_conform::kit::strip_os_error_code;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_conform::ptm::Ptm;
 use ptm_conform::tools::dissection::Dissection;
@@ -17,7 +17,7 @@ const MAX_STREAM_BYTES: u64 = 1 << 28;
 
 /// Returns a function that names the file of an error.
 pub fn with_path<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
-    move |error| format!("{}: {}", path.display(), without_code(&error))
+    move |error| format!("{}: {}", path.display(), strip_os_error_code(&error))
 }
 
 /// Converts a path, which may have any bytes on Unix systems.

@@ -48,7 +48,7 @@ impl Guarded {
 
 impl Drop for Guarded {
     fn drop(&mut self) {
-        processes::kill_all(self.scratch.works());
+        processes::kill_all(self.scratch.work_directory());
         if let Some(watcher) = &mut self.watcher {
             drop(watcher.stdin.take());
             let _ = watcher.wait();

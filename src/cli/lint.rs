@@ -16,13 +16,13 @@ use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, Machine};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
-use ptm_conform::kit::parallel::in_turn;
-use ptm_conform::kit::without_code;
+use ptm_conform::kit::parallel::process_in_order;
+use ptm_conform::kit::strip_os_error_code;
 use ptm_conform::kit::yaml;
 use ptm_conform::readers::ReaderProfile;
 use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::lint::codes::{ALL, Severity};
-use ptm_conform::tools::lint::names::printable;
+use ptm_conform::tools::lint::names::escape_controls;
 use ptm_conform::tools::lint::settings::Settings;
 use ptm_conform::tools::lint::status::{MAGIC, Status};
 
@@ -129,7 +129,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut worst = 0;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
-    in_turn(walk, jobs, &|met| judge.look(met), |row| {
+    process_in_order(walk, jobs, &|met| judge.look(met), |row| {
         let status = status(&row, &settings);
         worst = std::cmp::min_by_key(worst, status, |status| {
             STATUSES_WORST_FIRST.iter().position(|one| one == status)
@@ -169,7 +169,7 @@ fn status(row: &Row, settings: &Settings) -> u8 {
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {
     let file = match &args.config {
-        Some(path) => yaml::from_yaml(&yaml::text_of(path)?).map_err(with_path(path))?,
+        Some(path) => yaml::from_yaml(&yaml::read_text(path)?).map_err(with_path(path))?,
         None => Settings::default(),
     };
     let settings = file.and(Settings {
@@ -227,7 +227,11 @@ impl Judge<'_> {
     /// Reads and checks a file. An internal error affects only this file.
     fn look(&self, met: Met) -> Row {
         let unread = |path: &Path, reason: &str| {
-            Lint::unread(&printable(path.as_os_str()), None, Some(reason.to_owned()))
+            Lint::unread(
+                &escape_controls(path.as_os_str()),
+                None,
+                Some(reason.to_owned()),
+            )
         };
         let (path, judged) = match met {
             Met::File(path) => {
@@ -240,14 +244,14 @@ impl Judge<'_> {
             Met::Unreadable(path, error) => (path, Err(error)),
         };
         let failed = judged.is_err();
-        let lint = judged.unwrap_or_else(|error| unread(&path, &without_code(&error)));
+        let lint = judged.unwrap_or_else(|error| unread(&path, &strip_os_error_code(&error)));
         let lint = self.settings.select(lint);
         Row { path, lint, failed }
     }
 
     /// Checks a file, a PTM as soon as there is room for it and its planes.
     fn judge(&self, path: &Path) -> io::Result<Lint> {
-        let (name, limit) = (printable(path.as_os_str()), self.limit);
+        let (name, limit) = (escape_controls(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
             let reason = format!("larger than the limit of {limit} bytes");
             Lint::unread(&name, length, Some(reason))

@@ -12,7 +12,7 @@ use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{Guarded, check_trouble, stop_on_signals};
 use super::output::{bar, print};
 
-use ptm_conform::diagnose::alike;
+use ptm_conform::diagnose::equal_up_to_rounding;
 use ptm_conform::fuzz::reduce;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, View};
@@ -107,7 +107,9 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
         answers.iter().all(|(file, answer)| {
             let made = misreadings::answer(&[*misreading], Reading::SPEC, file, view);
             match (made, answer) {
-                (Answer::Decoded(made), Answer::Decoded(shown)) => alike(&made, shown),
+                (Answer::Decoded(made), Answer::Decoded(shown)) => {
+                    equal_up_to_rounding(&made, shown)
+                }
                 (made, answer) => made.is_of_kind(answer),
             }
         })
@@ -131,7 +133,7 @@ const MAX_CAUSES: usize = 3;
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
-            let is_equivalent = alike(&Frame::render(&ptm, view), frame);
+            let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
             (!is_equivalent).then_some("another image")
         }
         (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),

@@ -16,7 +16,7 @@ use super::names::did_you_mean;
 pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
-        Some(path) => profiles_of(&yaml::text_of(path)?).map_err(with_path(path)),
+        Some(path) => profiles_of(&yaml::read_text(path)?).map_err(with_path(path)),
     }
 }
 

@@ -105,7 +105,7 @@ impl Subject {
         args: &CheckArgs,
         suite: &Suite,
     ) -> Result<(), String> {
-        if !template.names_view() {
+        if !template.has_view() {
             if self.views.is_empty() {
                 self.views.push("rgb".to_owned());
             }
@@ -115,7 +115,7 @@ impl Subject {
                         .to_owned(),
                 );
             }
-            if self.views == ["rgb"] && !template.names_light() {
+            if self.views == ["rgb"] && !template.has_light() {
                 return Err("--cmd: view rgb needs the light: {lu} and {lv}, or {view}".to_owned());
             }
         }

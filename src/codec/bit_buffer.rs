@@ -1,24 +1,24 @@
-//! The bits of an entropy-coded segment, many at a time.
+//! Buffered access to the bits of an entropy-coded segment.
 //!
-//! A faster version of [`Bits`], with a window of 64 bits that is filled eight bytes at once if none of them is 0xFF. A Huffman
-//! code is then a table lookup, and a prefix of zeros one instruction. Rare operations (offsets, the end of the segment) are
-//! left to [`Bits`].
+//! This is a faster version of [`Bits`]. A 64-bit window is filled with eight bytes at once if none of them is 0xFF.
+//! Decoding a Huffman code then takes one table lookup, and counting a prefix of zeros one instruction. Rare
+//! operations (offsets, the end of the segment) are delegated to [`Bits`].
 //!
 //! ```text
 //! stream   … A1 B2 | C3 D4 FF 00 E5 …     the next byte to load is C3
-//! window   0001 1011 0010 0000 …          four bits of A1 are read: count = 12
+//! window   0001 1011 0010 0000 …          four bits of A1 were consumed: count = 12
 //! ```
 
-use super::bits::{Bits, ReadBits, data_bits, truncated};
+use super::bits::{Bits, ReadBits, data_bits, truncated_error};
 use super::stream_error::StreamResult;
 
 pub(super) struct BitBuffer<'a, const AFTER_FF: u32> {
     stream: &'a [u8],
-    /// The start of the segment.
+    /// Offset of the first byte of the segment.
     start: usize,
-    /// The next byte to load.
+    /// Offset of the next byte to load.
     at: usize,
-    /// The next bits, left-aligned, followed by zeros.
+    /// Unread bits, left-aligned and followed by zeros.
     window: u64,
     /// Number of bits in the window.
     count: u32,
@@ -43,9 +43,9 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
         Ok(number)
     }
 
-    /// Moves back over the bytes in the window.
+    /// Computes the position by moving back over the bytes in the window.
     #[cold]
-    fn plain(&self) -> Bits<'a, AFTER_FF> {
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF> {
         let (mut at, mut unread) = (self.at, self.count);
         while at > self.start {
             let after_ff = at - 1 > self.start && self.stream[at - 2] == 0xFF;
@@ -65,7 +65,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
 }
 
 impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
-    /// Makes sure that at least `count` bits, up to 57, are in the window if the segment has them.
+    /// Ensures that the window contains at least `count` bits (at most 57), unless the segment ends before.
     #[inline]
     pub fn require(&mut self, count: u32) {
         if self.count < count {
@@ -73,26 +73,27 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         }
     }
 
-    /// Returns the next bits, left-aligned, with zeros after the end. Only the required bits are certain.
+    /// Returns the next bits, left-aligned, with zeros after the end. Only bits that were passed to `require` are
+    /// guaranteed to be present.
     #[inline]
-    pub fn window(&self) -> u64 {
+    pub fn peek_window(&self) -> u64 {
         self.window
     }
 
-    /// Skips bits that were required, if they exist.
+    /// Skips `bits` bits, which must have been required before. Returns an error if the segment ends before.
     #[inline]
     pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {
-            return Err(truncated(self.at));
+            return Err(truncated_error(self.at));
         }
         self.window <<= bits;
         self.count -= bits;
         Ok(())
     }
 
-    /// Fills the window: at least 57 bits, unless the segment ends.
+    /// Fills the window with at least 57 bits, unless the segment ends before.
     fn fill(&mut self) {
-        // After a byte 0xFF, the first of the eight would be a stuffed one.
+        // After a 0xFF byte, the first of the eight bytes would be a stuffed one.
         if let Some(&[before, ref eight @ ..]) = self.stream[self.at - 1..].first_chunk::<9>()
             && before != 0xFF
             && !contains_ff(*eight)
@@ -107,7 +108,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         while self.count <= 56
             && let Some(bits) = data_bits::<AFTER_FF>(self.stream, self.at)
         {
-            // In two steps, because a byte without data bits would need a shift by 64.
+            // Shift in two steps, because a byte without data bits would require a shift by 64.
             let byte = u64::from(self.stream[self.at]) << 56 << (8 - bits);
             self.window |= byte >> self.count;
             self.count += bits;
@@ -116,15 +117,15 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
     }
 }
 
-/// Returns the first bits of a window as a number.
+/// Returns the first `bits` bits of a window as a number.
 #[inline]
 pub(super) fn leading_bits(window: u64, bits: u32) -> u32 {
-    // In two steps, because a count of zero would need a shift by 64.
+    // Shift in two steps, because zero bits would require a shift by 64.
     (window >> 1 >> (63 - bits)) as u32
 }
 
-/// Finds a byte 0xFF as a zero byte of the complement: subtracting one from each byte borrows into the high bit of exactly
-/// those (and of some above a true one).
+/// Returns true if one of the bytes is 0xFF. Finds it as a zero byte of the complement: subtracting one from each
+/// byte borrows into the high bit of every zero byte (and possibly of bytes above it).
 #[inline]
 fn contains_ff(eight: [u8; 8]) -> bool {
     let complement = !u64::from_be_bytes(eight);
@@ -138,8 +139,8 @@ mod tests {
     use super::super::bits::{Bits, ReadBits};
     use super::BitBuffer;
 
-    /// Reads numbers of these sizes and then the end, and returns all results.
-    fn reads<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
+    /// Reads numbers of these sizes, then the end of the segment, and returns all results.
+    fn read_numbers<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],
     ) -> Vec<String> {
@@ -151,9 +152,12 @@ mod tests {
                 results.push(format!("{number:?}"));
                 return results;
             }
-            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+            results.push(format!(
+                "{number:?}, then byte {}",
+                bits.plain_bits().offset()
+            ));
         }
-        results.push(format!("{:?}", bits.plain().finish()));
+        results.push(format!("{:?}", bits.plain_bits().finish()));
         results
     }
 
@@ -165,12 +169,12 @@ mod tests {
         ) {
             let stream = [vec![0], data].concat();
             prop_assert_eq!(
-                reads::<0, BitBuffer<0>>(&stream, &sizes),
-                reads::<0, Bits<0>>(&stream, &sizes)
+                read_numbers::<0, BitBuffer<0>>(&stream, &sizes),
+                read_numbers::<0, Bits<0>>(&stream, &sizes)
             );
             prop_assert_eq!(
-                reads::<7, BitBuffer<7>>(&stream, &sizes),
-                reads::<7, Bits<7>>(&stream, &sizes)
+                read_numbers::<7, BitBuffer<7>>(&stream, &sizes),
+                read_numbers::<7, Bits<7>>(&stream, &sizes)
             );
         }
     }

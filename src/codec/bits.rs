@@ -1,9 +1,9 @@
 //! T.81 B.1.1.5, F.1.2.3 and T.87 A.1, C.1.1: the bits of an entropy-coded segment
 //!
-//! Codes are packed into bytes without gaps, the first bit of a code into the highest free bit of a byte. So that markers can
-//! be found without decoding, a byte 0xFF of the data is followed by *stuffing*: a byte 0x00 in T.81, a single zero bit in
-//! T.87. In general, the byte after 0xFF carries only `AFTER_FF` bits of data, 0 in T.81 and 7 in T.87, and the bits above them
-//! are zeros. If they are not, 0xFF is the first byte of a marker, and the segment has ended before it.
+//! Codes are packed into bytes without gaps, most significant bit first. To allow finding markers without decoding, a
+//! 0xFF byte in the data is followed by *stuffing*: a 0x00 byte in T.81, a single zero bit in T.87. In general, the
+//! byte after 0xFF contains only `AFTER_FF` bits of data (0 in T.81 and 7 in T.87), and the bits above them are
+//! zeros. If these bits are not zero, 0xFF is the first byte of a marker, which ends the segment.
 //!
 //! Worked example, sixteen bits of data in each standard:
 //!
@@ -14,33 +14,34 @@
 //! ```
 //!
 //! Format notes
-//! - The last byte is padded. T.81 requires ones (F.1.2.3), T.87 says nothing; no decoder
-//!   checks them, and neither does this one.
-//! - Less than a byte may be left over. If there is more, the decoder has lost synchronization or the encoder
-//!   has written samples that do not exist.
+//! - The last byte is padded. T.81 requires ones (F.1.2.3), T.87 says nothing. No decoder checks the padding, and
+//!   neither does this one.
+//! - Less than one byte may be left over. If there is more, the decoder lost synchronization, or the encoder wrote
+//!   too many samples.
 
 use super::stream_error::{StreamError, StreamResult, malformed};
 
-/// The operations of a decoder on an entropy-coded segment. [`Bits`] implements them as the standards describe,
-/// [`BitBuffer`](super::bit_buffer::BitBuffer) faster.
+/// Operations on an entropy-coded segment. [`Bits`] implements them as the standards describe them, and
+/// [`BitBuffer`](super::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
-    /// Starts at the segment that begins at byte `at`, after a marker or a marker segment. The byte before must not be 0xFF.
+    /// Creates a reader for the segment that starts at byte `at`, after a marker or a marker segment. The preceding
+    /// byte must not be 0xFF.
     fn new(stream: &'a [u8], at: usize) -> Self;
 
-    /// RECEIVE (T.81 F.2.2.4): reads the next `count` bits, at most 16, as a number.
+    /// RECEIVE (T.81 F.2.2.4): reads the next `count` bits (at most 16) as a number.
     fn receive(&mut self, count: u32) -> StreamResult<u32>;
 
-    /// Returns the same position as [`Bits`], for rare operations: offsets of errors and the end of the segment.
-    fn plain(&self) -> Bits<'a, AFTER_FF>;
+    /// Returns a [`Bits`] at the same position, for rare operations: offsets of errors and the end of the segment.
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF>;
 }
 
-/// A reader of single bits.
+/// Bit-by-bit reader, as the standards describe it.
 #[derive(Clone)]
 pub(super) struct Bits<'a, const AFTER_FF: u32> {
     pub stream: &'a [u8],
-    /// The next byte to load.
+    /// Offset of the next byte to load.
     pub at: usize,
-    /// Number of unread bits of the previous byte.
+    /// Number of unread bits in the previous byte.
     pub unread: u32,
 }
 
@@ -53,35 +54,35 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
     fn receive(&mut self, count: u32) -> StreamResult<u32> {
         let mut number = 0;
         for _ in 0..count {
-            number = number << 1 | self.bit()?;
+            number = number << 1 | self.read_bit()?;
         }
         Ok(number)
     }
 
-    fn plain(&self) -> Bits<'a, AFTER_FF> {
+    fn plain_bits(&self) -> Bits<'a, AFTER_FF> {
         self.clone()
     }
 }
 
 impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     /// NEXTBIT (T.81 F.2.2.5): reads one bit.
-    pub fn bit(&mut self) -> StreamResult<u32> {
+    pub fn read_bit(&mut self) -> StreamResult<u32> {
         // A loop, because the stuffed byte of T.81 has no data bits.
         while self.unread == 0 {
-            self.unread =
-                data_bits::<AFTER_FF>(self.stream, self.at).ok_or_else(|| truncated(self.at))?;
+            self.unread = data_bits::<AFTER_FF>(self.stream, self.at)
+                .ok_or_else(|| truncated_error(self.at))?;
             self.at += 1;
         }
         self.unread -= 1;
         Ok(u32::from(self.stream[self.at - 1] >> self.unread & 1))
     }
 
-    /// Returns the byte of the stream that holds the next bit.
+    /// Returns the offset of the byte that contains the next bit.
     pub fn offset(&self) -> usize {
         self.at - usize::from(self.unread > 0)
     }
 
-    /// Skips the bits that pad the last byte. Returns the position of the marker that ends the segment.
+    /// Skips the padding of the last byte. Returns the offset of the marker that ends the segment.
     pub fn finish(self) -> StreamResult<usize> {
         let (mut at, mut padding) = (self.at, self.unread);
         while let Some(bits) = data_bits::<AFTER_FF>(self.stream, at) {
@@ -96,8 +97,8 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     }
 }
 
-/// Returns the number of data bits of the byte at `at`; None if the segment has ended: at a marker, or at the end of the
-/// stream, even after a single 0xFF.
+/// Returns the number of data bits in the byte at `at`, or `None` if the segment has ended: at a marker, or at the
+/// end of the stream (even after a single 0xFF).
 #[inline]
 pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
     let starts_marker = |next: Option<&u8>| next.is_none_or(|&next| next >> AFTER_FF != 0);
@@ -108,8 +109,8 @@ pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option
     }
 }
 
-/// Returns the error for a segment that is too short.
-pub(super) fn truncated(at: usize) -> StreamError {
+/// Returns the error for a segment that ends too early.
+pub(super) fn truncated_error(at: usize) -> StreamError {
     malformed(at, "the entropy-coded segment ends too early")
 }
 

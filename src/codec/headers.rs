@@ -1,7 +1,8 @@
 //! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
 //!
-//! The frame header has the size of the image, the precision of its samples and its components; the scan header names the
-//! components in the entropy-coded data that follows. A plane has one component, so both headers have a fixed length here.
+//! The frame header contains the size of the image, the precision of its samples and its components. The scan header
+//! names the components in the entropy-coded data that follows. A plane has one component, so both headers have a
+//! fixed length here.
 //!
 //! ```text
 //! SOF  00 0B  08         00 08   00 10  01          01    11            00
@@ -12,42 +13,41 @@
 //!
 //! Format notes
 //! - Height precedes width. A height of zero means "defined later, by DNL" (B.2.5).
-//! - Sampling factors are relative: they set the size of a component compared to the *other* components
-//!   (A.1.1), and a scan of one component has its blocks in plain raster order regardless of them
-//!   (A.2.2). So all legal factors have the same meaning here.
+//! - Sampling factors are relative: they set the size of a component compared to the *other* components (A.1.1), and
+//!   a scan of one component has its blocks in plain raster order regardless of them (A.2.2). So all legal factors
+//!   are equivalent here.
 //! - The id of a component is any byte. It must be the same in both headers.
-//! - The three parameters of a scan differ between the standards: in T.81 they are the range of the
-//!   spectrum and the successive approximation, in T.87 NEAR, the interleave mode and the point
-//!   transform.
+//! - The three parameters of a scan depend on the standard. In T.81 they are the start and end of the spectrum and
+//!   the successive approximation, in T.87 NEAR, the interleave mode and the point transform.
 
 use super::markers::Cursor;
 use super::stream_error::{StreamResult, malformed, unsupported};
 
-/// The frame header (T.81 B.2.2), without the values that are known of a plane.
+/// Frame header (T.81 B.2.2), without the values that are fixed for a plane.
 pub(super) struct FrameHeader {
-    /// The id that the scan header must repeat.
+    /// Component id, which the scan header must repeat.
     component: u8,
-    /// The quantization table of the component, in T.81 only.
+    /// Index of the quantization table (T.81 only).
     pub quantization_table: u8,
 }
 
 impl FrameHeader {
-    /// Reads the header of a frame that must be `width` × `height`, one component, 8 bits.
+    /// Reads a frame header. The frame must have `width` × `height` samples, one component and 8 bits.
     ///
-    /// `other_precisions` are those that the standard allows but this decoder does not implement.
+    /// `other_precisions` lists the precisions that the standard allows but this decoder does not implement.
     pub fn read(
         stream: &mut Cursor,
         width: u32,
         height: u32,
         other_precisions: &[u8],
     ) -> StreamResult<FrameHeader> {
-        let mut header = stream.segment("the frame header")?;
+        let mut header = stream.read_segment("the frame header")?;
         expect_8_bits(&mut header, other_precisions)?;
         expect_size(&mut header, width, height)?;
         expect_one_component(&mut header)?;
-        let component = header.byte("the name of the component")?;
+        let component = header.read_byte("the name of the component")?;
         check_sampling_factors(&mut header)?;
-        let quantization_table = header.byte("the quantization table of the component")?;
+        let quantization_table = header.read_byte("the quantization table of the component")?;
         header.expect_end()?;
         Ok(FrameHeader {
             component,
@@ -58,7 +58,7 @@ impl FrameHeader {
 
 fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<()> {
     let at = header.at;
-    match header.byte("the sample precision")? {
+    match header.read_byte("the sample precision")? {
         8 => Ok(()),
         bits if other_precisions.contains(&bits) => Err(unsupported(
             at,
@@ -71,10 +71,14 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
     }
 }
 
-/// plane-stream: a plane has the size of its PTM. Nothing has been allocated yet.
+/// Checks the size of a plane against the size in the PTM header (ruling `plane-stream`), before anything is
+/// allocated.
 fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()> {
     let at = header.at;
-    let (rows, columns) = (header.u16("the height")?, header.u16("the width")?);
+    let (rows, columns) = (
+        header.read_u16("the height")?,
+        header.read_u16("the width")?,
+    );
     if rows == 0 {
         let what = "a height defined by DNL is not implemented";
         return Err(unsupported(at, what));
@@ -88,7 +92,7 @@ fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()>
 
 fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
-    match header.byte("the number of components")? {
+    match header.read_byte("the number of components")? {
         1 => Ok(()),
         components => Err(malformed(
             at,
@@ -97,10 +101,10 @@ fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
     }
 }
 
-/// Checks horizontal and vertical factor, four bits each (B.2.2): legal ones have no effect.
+/// Checks the horizontal and vertical sampling factor, four bits each (B.2.2). Legal factors have no effect.
 fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
-    let factors = header.byte("the sampling factors")?;
+    let factors = header.read_byte("the sampling factors")?;
     let (horizontal, vertical) = (factors >> 4, factors & 15);
     if !(1..=4).contains(&horizontal) || !(1..=4).contains(&vertical) {
         let what = format!("sampling factors {horizontal} x {vertical} are not within 1 to 4");
@@ -109,20 +113,20 @@ fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     Ok(())
 }
 
-/// The scan header (T.81 B.2.3): the tables of the one component and three parameters.
+/// Scan header (T.81 B.2.3): the tables of the single component and three parameters.
 pub(super) struct ScanHeader {
     pub tables: u8,
     pub parameters: [u8; 3],
-    /// The position of `tables`, directly followed by `parameters`.
+    /// Offset of `tables`, directly followed by `parameters`.
     pub at: usize,
 }
 
 impl ScanHeader {
     pub fn read(stream: &mut Cursor, frame: &FrameHeader) -> StreamResult<ScanHeader> {
-        let mut header = stream.segment("the scan header")?;
+        let mut header = stream.read_segment("the scan header")?;
         expect_one_component(&mut header)?;
         let at = header.at;
-        let component = header.byte("the name of the component")?;
+        let component = header.read_byte("the name of the component")?;
         if component != frame.component {
             let only = frame.component;
             let what =
@@ -130,10 +134,10 @@ impl ScanHeader {
             return Err(malformed(at, what));
         }
         let at = header.at;
-        let tables = header.byte("the tables of the component")?;
+        let tables = header.read_byte("the tables of the component")?;
         let mut parameters = [0; 3];
         for parameter in &mut parameters {
-            *parameter = header.byte("its parameters")?;
+            *parameter = header.read_byte("its parameters")?;
         }
         header.expect_end()?;
         Ok(ScanHeader {
@@ -144,11 +148,11 @@ impl ScanHeader {
     }
 }
 
-/// Allocates the samples of a scan whose entropy-coded data begins at the cursor, with zeros.
+/// Allocates zeroed samples for a scan whose entropy-coded data starts at the cursor.
 ///
-/// A scan has at least `least_bits`, so that a short stream cannot declare a large image. If memory is insufficient, the result
-/// is an error instead of an abort.
-pub(super) fn room_for_samples(
+/// A scan has at least `least_bits` bits, so that a short stream cannot declare a large image. Returns an error
+/// instead of aborting if memory is insufficient.
+pub(super) fn allocate_samples(
     stream: &Cursor,
     width: u32,
     height: u32,
@@ -160,7 +164,7 @@ pub(super) fn room_for_samples(
             format!("{width} x {height} samples cannot be coded in the {remaining} bytes left");
         return Err(malformed(stream.at, what));
     }
-    // Neither side is over 65,535, or the frame header would have been refused.
+    // Both sides are at most 65,535. The frame header cannot represent larger ones.
     let count = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     let mut samples = Vec::new();
     if samples.try_reserve_exact(count).is_err() {

@@ -1,10 +1,10 @@
 //! T.81 B.1.1 (T.87 C.1): markers and marker segments
 //!
-//! A stream is a sequence of *markers*: a byte 0xFF and a code that is neither 0x00 nor 0xFF. Some markers stand alone; the
-//! others open a *marker segment*, whose first two bytes hold its length. The scan header is followed by entropy-coded data,
-//! which has no length: it ends at the next marker.
+//! A stream is a sequence of *markers*: a byte 0xFF and a code that is neither 0x00 nor 0xFF. Some markers are
+//! standalone. The others start a *marker segment*, whose first two bytes are its length. The scan header is followed
+//! by entropy-coded data, which has no length and ends at the next marker.
 //!
-//! Worked example, a stream of 4 × 1 zeros in JPEG-LS:
+//! Worked example: a JPEG-LS stream of 4 × 1 zeros.
 //!
 //! ```text
 //! FF D8                                      SOI, start of image
@@ -15,8 +15,8 @@
 //! ```
 //!
 //! Format notes
-//! - A length counts its own two bytes and not the marker (B.1.1.4): 00 0B covers eleven bytes, and
-//!   the shortest segment, 00 02, is empty.
+//! - A length includes its own two bytes, but not the marker (B.1.1.4): 00 0B covers eleven bytes, and the shortest
+//!   segment, 00 02, is empty.
 //! - Numbers of two bytes are stored high byte first (B.1.1.1).
 //! - Any number of bytes 0xFF may precede a marker (B.1.1.2), but not the first one.
 //! - Bytes after EOI are ignored.
@@ -25,7 +25,7 @@ use std::fmt;
 
 use super::stream_error::{StreamResult, malformed};
 
-// The markers that both standards use, by their second byte (T.81 Table B.1, T.87 Table C.1).
+// Second bytes of the markers that both standards use (T.81 Table B.1, T.87 Table C.1).
 pub(super) const RST0: u8 = 0xD0;
 pub(super) const SOI: u8 = 0xD8;
 pub(super) const EOI: u8 = 0xD9;
@@ -36,7 +36,7 @@ pub(super) const APP0: u8 = 0xE0;
 const APP15: u8 = 0xEF;
 const COM: u8 = 0xFE;
 
-/// A marker and the position of its 0xFF.
+/// A marker code, and the offset of its 0xFF.
 #[derive(Clone, Copy)]
 pub(crate) struct Marker {
     pub code: u8,
@@ -49,24 +49,24 @@ impl fmt::Display for Marker {
     }
 }
 
-/// A stream, or one marker segment of it, and the next byte to read.
+/// A read position in a stream or in one of its marker segments.
 ///
-/// A segment is the same stream with an earlier end, so that all offsets are relative to the same zero.
+/// A segment is the same stream with an earlier end, so that all offsets have the same origin.
 pub(crate) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
-    /// The name of the part that ends with `stream`, for error messages.
+    /// Name of the part that ends with `stream`, for error messages.
     name: &'static str,
 }
 
 impl<'a> Cursor<'a> {
-    /// Makes a cursor at byte `at` of a stream.
+    /// Creates a cursor at byte `at` of a stream.
     pub fn new(stream: &'a [u8], at: usize) -> Self {
         let name = "the stream";
         Cursor { stream, at, name }
     }
 
-    /// Reads the first marker, SOI, which is at the first byte (B.2.1).
+    /// Creates a cursor after the first marker, which must be SOI (B.2.1).
     pub fn open(stream: &'a [u8]) -> StreamResult<Self> {
         match stream {
             [] => Err(malformed(0, "the stream is empty")),
@@ -78,7 +78,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    pub fn byte(&mut self, what: &str) -> StreamResult<u8> {
+    pub fn read_byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
             return Err(malformed(
                 self.at,
@@ -89,15 +89,18 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
-    pub fn u16(&mut self, what: &str) -> StreamResult<u16> {
-        Ok(u16::from_be_bytes([self.byte(what)?, self.byte(what)?]))
+    pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
+        Ok(u16::from_be_bytes([
+            self.read_byte(what)?,
+            self.read_byte(what)?,
+        ]))
     }
 
     pub fn at_end(&self) -> bool {
         self.at == self.stream.len()
     }
 
-    /// Checks that no bytes are left in a segment.
+    /// Checks that no bytes are left in the segment.
     pub fn expect_end(&self) -> StreamResult<()> {
         match self.stream.len() - self.at {
             0 => Ok(()),
@@ -109,43 +112,43 @@ impl<'a> Cursor<'a> {
     }
 
     /// Reads the next marker, after any fill bytes (B.1.1.2).
-    pub fn marker(&mut self) -> StreamResult<Marker> {
-        let first = self.byte("a marker")?;
+    pub fn read_marker(&mut self) -> StreamResult<Marker> {
+        let first = self.read_byte("a marker")?;
         if first != 0xFF {
             let what = format!("expected a marker, found byte {first:02X}");
             return Err(malformed(self.at - 1, what));
         }
         let mut code = 0xFF;
         while code == 0xFF {
-            code = self.byte("the code of a marker")?;
+            code = self.read_byte("the code of a marker")?;
         }
-        // Of several bytes 0xFF the last belongs to the marker.
+        // Of several 0xFF bytes, the last one belongs to the marker.
         let at = self.at - 2;
         Ok(Marker { code, at })
     }
 
-    /// Reads the next marker other than those of comments and application data, which are skipped (B.2.4.5, B.2.4.6).
-    pub fn marker_after_comments(&mut self) -> StreamResult<Marker> {
-        let mut marker = self.marker()?;
+    /// Reads the next marker. Skips comments and application data (B.2.4.5, B.2.4.6).
+    pub fn read_marker_after_comments(&mut self) -> StreamResult<Marker> {
+        let mut marker = self.read_marker()?;
         while matches!(marker.code, COM | APP0..=APP15) {
-            self.segment("a comment or application segment")?;
-            marker = self.marker()?;
+            self.read_segment("a comment or application segment")?;
+            marker = self.read_marker()?;
         }
         Ok(marker)
     }
 
-    /// Reads the next marker and its segment: the code, and the bytes after the length.
+    /// Reads the next marker and its segment. Returns the code, and the bytes after the length.
     #[cfg(feature = "generate")]
-    pub fn marker_segment(&mut self) -> StreamResult<(u8, &'a [u8])> {
-        let code = self.marker()?.code;
-        let segment = self.segment("a segment")?;
+    pub fn read_marker_segment(&mut self) -> StreamResult<(u8, &'a [u8])> {
+        let code = self.read_marker()?.code;
+        let segment = self.read_segment("a segment")?;
         Ok((code, &segment.stream[segment.at..]))
     }
 
-    /// Reads the segment of the marker that was just read (B.1.1.4); this cursor continues after it.
-    pub fn segment(&mut self, name: &'static str) -> StreamResult<Cursor<'a>> {
+    /// Reads the segment of the marker that was just read (B.1.1.4). The cursor continues after the segment.
+    pub fn read_segment(&mut self, name: &'static str) -> StreamResult<Cursor<'a>> {
         let start = self.at;
-        let length = self.u16("the length of a segment")?;
+        let length = self.read_u16("the length of a segment")?;
         if length < 2 {
             let what = format!("{name} has length {length}, which does not cover itself");
             return Err(malformed(start, what));

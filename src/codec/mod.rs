@@ -1,23 +1,23 @@
 //! The two standards that PTM uses for its planes.
 //!
-//! A compressed PTM stores each plane as a complete stream of another standard: JPEG (ITU-T T.81) or JPEG-LS (ITU-T T.87). Both
-//! are read and written here for planes, which have one component of 8 bits:
+//! A compressed PTM stores each plane as a complete stream of another standard: JPEG (ITU-T T.81) or JPEG-LS (ITU-T
+//! T.87). This module implements decoders and encoders for planes, which have one component of 8 bits:
 //!
 //! ```text
 //! &[u8] → markers and segments → parameters and tables → entropy-coded segment → samples
 //!         markers                headers, jpeg, jpeg_ls   bits, jpeg, jpeg_ls
 //! ```
 //!
-//! T.87 adopted the syntax of T.81: markers, the frame header, the scan header and, except for one number, the stuffing of the
-//! entropy-coded bits. So the files of this folder serve both standards, and `jpeg` and `jpeg_ls` contain the differences: the
-//! coding of samples.
+//! T.87 adopted the syntax of T.81: markers, the frame header, the scan header and, except for one number, the
+//! stuffing of the entropy-coded bits. The modules in this folder serve both standards. `jpeg` and `jpeg_ls` contain
+//! the differences: the coding of samples.
 //!
 //! # Plain and fast
 //!
-//! Every procedure is implemented as the standard describes it, one bit after the other. Faster versions are in separate files:
+//! Every procedure is implemented as the standard describes it, bit by bit. Faster versions are in separate files:
 //! `bit_buffer` for the bits, `jpeg::lookup` for the Huffman codes, `jpeg::narrow_dct` for the inverse DCT and
-//! `jpeg_ls::fast_golomb` for the Golomb codes. Each is selected at one place, and a property test compares it with the plain
-//! version, errors included.
+//! `jpeg_ls::fast_golomb` for the Golomb codes. Each is selected in one place, and a property test compares it with
+//! the plain version, including errors.
 
 #![forbid(unsafe_code)]
 #![allow(
@@ -53,7 +53,7 @@ pub use stream_error::{StreamError, StreamFault};
 #[cfg(feature = "generate")]
 pub use writer::Encoded;
 
-/// The standard of a stream.
+/// The compression standard of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "harness",
@@ -61,17 +61,17 @@ pub use writer::Encoded;
     serde(rename_all = "kebab-case")
 )]
 pub enum Coding {
-    /// ITU-T T.81.
+    /// JPEG (ITU-T T.81).
     Jpeg,
-    /// ITU-T T.87.
+    /// JPEG-LS (ITU-T T.87).
     JpegLs,
 }
 
 impl Coding {
-    /// Decodes a stream of one component, which must have this size.
+    /// Decodes a stream with one component of the given size.
     ///
     /// # Errors
-    /// Why the stream is malformed, unsupported or of another size, and where.
+    /// Returns the reason and the offset if the stream is malformed, unsupported or of another size.
     pub fn decode(self, stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>, StreamError> {
         match self {
             Coding::Jpeg => jpeg::decode(stream, width, height),
@@ -79,7 +79,7 @@ impl Coding {
         }
     }
 
-    /// Encodes samples with default options. `level` is the quality of JPEG or the maximum error of JPEG-LS.
+    /// Encodes samples with default options. `level` is the JPEG quality or the maximum error of JPEG-LS.
     #[cfg(feature = "harness")]
     pub(crate) fn encode(self, samples: &[u8], (width, height): (u32, u32), level: u8) -> Vec<u8> {
         let encoded = match self {

@@ -1,7 +1,7 @@
-//! T.81 B.1.1.4 (T.87 C.1): splitting and joining of the marker segments before the data
+//! T.81 B.1.1.4 (T.87 C.1): splitting a stream into marker segments, and joining them
 //!
-//! For code that writes other headers than the encoders do, or interprets headers differently from the standards. Fill bytes
-//! (B.1.1.2) belong to no segment and are not restored.
+//! For code that writes different headers than the encoders do, or interprets headers differently from the standards.
+//! Fill bytes (B.1.1.2) belong to no segment and are not preserved.
 
 use super::markers::{Cursor, SOS};
 use super::stream_error::StreamResult;
@@ -9,22 +9,22 @@ use super::writer::Writer;
 
 /// A marker segment.
 pub(crate) struct MarkerSegment {
-    /// The second byte of its marker.
+    /// Second byte of the marker.
     pub code: u8,
-    /// The bytes after its length.
+    /// Bytes after the length.
     pub content: Vec<u8>,
 }
 
-/// Splits a stream into its segments, the scan header last, and the bytes after them.
+/// Splits a stream into its segments up to the scan header, and the remaining bytes.
 ///
 /// # Errors
 ///
-/// If a marker or a segment is truncated.
+/// Returns an error if a marker or a segment is truncated.
 pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
-        let (code, content) = cursor.marker_segment()?;
+        let (code, content) = cursor.read_marker_segment()?;
         let content = content.to_vec();
         segments.push(MarkerSegment { code, content });
         if code == SOS {
@@ -33,11 +33,11 @@ pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>,
     }
 }
 
-/// Returns the stream of these segments, followed by `data`.
+/// Joins these segments and `data` into a stream.
 pub(crate) fn join_segments(segments: &[MarkerSegment], data: &[u8]) -> Vec<u8> {
     let mut writer = Writer::new();
     for segment in segments {
-        writer.segment(segment.code, &segment.content);
+        writer.write_segment(segment.code, &segment.content);
     }
-    writer.followed_by(data)
+    writer.finish_with(data)
 }

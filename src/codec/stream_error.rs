@@ -1,24 +1,24 @@
-//! The reason why a stream was not decoded, and the byte.
+//! Errors of the codecs, with the offset of the byte.
 
 use std::fmt;
 
-/// The kind of fault for which a stream was not decoded.
+/// The kind of an error in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StreamFault {
-    /// The stream violates its standard, or has other properties than requested.
+    /// The stream violates its standard, or its properties are not those that were requested.
     Malformed,
     /// The stream may be legal, but uses a feature that this decoder does not support.
     Unsupported,
 }
 
-/// The reason why a stream was not decoded, and the position.
+/// The reason why a stream was not decoded, with its offset.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamError {
     /// The kind of fault.
     pub fault: StreamFault,
-    /// The byte of the stream at which it was found, counted from 0; at most the length of the stream.
+    /// Zero-based offset of the faulty byte in the stream, at most the length of the stream.
     pub offset: usize,
-    /// The fault, as part of a sentence.
+    /// Description of the fault, as part of a sentence.
     pub what: String,
 }
 

@@ -1,15 +1,15 @@
-//! T.81 B.1.1 (T.87 C.1): markers, marker segments and entropy-coded bits, written
+//! T.81 B.1.1 (T.87 C.1): writing of markers, marker segments and entropy-coded bits
 //!
-//! The mirror of `markers`, `headers` and `bits`, for both encoders. If the standards allow several spellings, it uses one: no
-//! fill bytes, component id 1, and the table numbers of the encoder.
+//! This is the mirror of `markers`, `headers` and `bits`, for both encoders. If the standards allow several
+//! representations, it uses one: no fill bytes, component id 1, and the table indices of the encoder.
 //!
-//! Worked example: eight ones and 1010 0001, and then the end, in both standards.
+//! Worked example: eight ones and 1010 0001, then the end, in both standards.
 //!
 //! ```text
-//! T.81   FF     the next byte carries nothing: 00
+//! T.81   FF     the next byte contains no data: 00
 //!        A1     complete
-//! T.87   FF     the next byte carries seven bits: 0 and 101 0000
-//!        50 80  the last bit, filled up with zeros
+//! T.87   FF     the next byte contains seven bits: 0 and 101 0000
+//!        50 80  the last bit, padded with zeros
 //! ```
 
 use super::markers::{EOI, SOI, SOS};
@@ -19,72 +19,72 @@ use super::markers::{EOI, SOI, SOS};
 pub struct Encoded {
     /// The complete stream, from SOI to EOI.
     pub stream: Vec<u8>,
-    /// The samples that an exact decoder returns for it, in row order.
+    /// Samples that an exact decoder returns for the stream, in row order.
     ///
-    /// They are by-products of encoding; no decoder was used.
+    /// They are by-products of the encoder, not the output of a decoder.
     pub samples: Vec<u8>,
 }
 
-/// A stream that is being written.
+/// A stream under construction.
 pub(super) struct Writer {
     stream: Vec<u8>,
 }
 
 impl Writer {
-    /// Starts with SOI (B.2.1).
+    /// Creates a stream that starts with SOI (B.2.1).
     pub fn new() -> Writer {
         let stream = vec![0xFF, SOI];
         Writer { stream }
     }
 
-    /// Writes a segment; the length counts its own two bytes (B.1.1.4).
-    pub fn segment(&mut self, code: u8, content: &[u8]) {
-        self.marker(code);
+    /// Writes a marker segment. The length includes its own two bytes (B.1.1.4).
+    pub fn write_segment(&mut self, code: u8, content: &[u8]) {
+        self.write_marker(code);
         self.stream.extend((content.len() as u16 + 2).to_be_bytes());
         self.stream.extend(content);
     }
 
-    pub fn marker(&mut self, code: u8) {
+    pub fn write_marker(&mut self, code: u8) {
         self.stream.extend([0xFF, code]);
     }
 
-    /// Writes a frame header (B.2.2): 8 bits, height before width, one component with id 1, its sampling factors and the number
-    /// of its quantization table.
-    pub fn frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
+    /// Writes a frame header (B.2.2): 8 bits, height before width, and one component with id 1. `component` contains
+    /// its sampling factors and the index of its quantization table.
+    pub fn write_frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
         let mut content = vec![8];
         content.extend((height as u16).to_be_bytes());
         content.extend((width as u16).to_be_bytes());
         content.extend([1, 1]);
         content.extend(component);
-        self.segment(code, &content);
+        self.write_segment(code, &content);
     }
 
-    /// Writes a scan header (B.2.3): the one component, its tables, and the parameters of the scan.
-    pub fn scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
-        self.segment(SOS, &[1, 1, tables, first, second, third]);
+    /// Writes a scan header (B.2.3): the single component, its tables, and the parameters of the scan.
+    pub fn write_scan_header(&mut self, tables: u8, [first, second, third]: [u8; 3]) {
+        self.write_segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
-    /// Ends with bytes that were written before.
-    pub fn followed_by(mut self, data: &[u8]) -> Vec<u8> {
+    /// Finishes the stream with bytes that were encoded before.
+    pub fn finish_with(mut self, data: &[u8]) -> Vec<u8> {
         self.stream.extend(data);
         self.stream
     }
 
-    /// Ends with EOI.
+    /// Finishes the stream with EOI.
     pub fn finish(mut self) -> Vec<u8> {
-        self.marker(EOI);
+        self.write_marker(EOI);
         self.stream
     }
 }
 
-/// A writer of the bits of an entropy-coded segment: `AFTER_FF` as in `bits`.
+/// Writer for the bits of an entropy-coded segment. For `AFTER_FF`, see `bits`.
 pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     stream: &'a mut Vec<u8>,
     /// Bits that do not fill a byte yet, right-aligned.
     window: u64,
     count: u32,
-    /// Number of bits that the next byte can hold.
-    room: u32,
+    /// Number of data bits in the next byte.
+    free_bits: u32,
 }
 
 impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
@@ -93,35 +93,35 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
             stream: &mut writer.stream,
             window: 0,
             count: 0,
-            room: 8,
+            free_bits: 8,
         }
     }
 
-    /// Appends the low `count` bits of `bits`, at most 32; the bits above them are zeros.
-    pub fn put(&mut self, bits: u32, count: u32) {
+    /// Appends the low `count` bits of `bits` (at most 32). All higher bits must be zero.
+    pub fn put_bits(&mut self, bits: u32, count: u32) {
         self.window = self.window << count | u64::from(bits);
         self.count += count;
-        while self.count >= self.room {
-            self.count -= self.room;
-            let byte = (self.window >> self.count) as u8 & ((1_u32 << self.room) - 1) as u8;
+        while self.count >= self.free_bits {
+            self.count -= self.free_bits;
+            let byte = (self.window >> self.count) as u8 & ((1_u32 << self.free_bits) - 1) as u8;
             self.stream.push(byte);
-            self.room = if byte == 0xFF { AFTER_FF } else { 8 };
+            self.free_bits = if byte == 0xFF { AFTER_FF } else { 8 };
         }
     }
 
-    /// Pads the last byte with copies of `padding`, 0 or 1. Stuffing after a last 0xFF is part of the data: without it a
-    /// decoder would see a marker too early.
+    /// Pads the last byte with copies of `padding`, 0 or 1. The stuffing after a final 0xFF is part of the data.
+    /// Without it, a decoder would detect a marker too early.
     pub fn finish(mut self, padding: u32) {
-        while self.count > 0 || self.room < 8 {
-            self.put(padding, 1);
+        while self.count > 0 || self.free_bits < 8 {
+            self.put_bits(padding, 1);
         }
     }
 }
 
-/// Checks the input of both encoders.
+/// Checks the size of the input of both encoders.
 ///
 /// # Panics
-/// If there are not `width` × `height` samples, or a side is not within 1 … 65,535.
+/// Panics if the number of samples is not `width` × `height`, or a side is not within 1 … 65,535.
 pub(super) fn check_size(samples: &[u8], width: u32, height: u32) {
     assert!(
         (1..=0xFFFF).contains(&width) && (1..=0xFFFF).contains(&height),

@@ -1,9 +1,8 @@
-//! Streams that are decoded once for all readings that differ only after the codec
+//! Reuse of decoded streams under several readings
 //!
-//! Most open points of §2.9 concern steps after a stream has been decoded: how its plane is
-//! predicted, and which records correct it. To see whether a file looks different to another
-//! reader, prediction and correction are repeated; decoding the streams, which takes most of the
-//! time, is not.
+//! Most open points of §2.9 concern steps after a stream is decoded: how its plane is predicted, and which records
+//! correct it. To find out whether another decoder would decode a file differently, prediction and correction are
+//! repeated. The streams are decoded only once, because this takes most of the time.
 //!
 //! ```text
 //! stream ── codec ──> residuals ──┬── Reading::SPEC ──> planes of the reference
@@ -18,8 +17,8 @@ use crate::ptm::Shape;
 use crate::reading::Reading;
 
 impl Streams<'_> {
-    /// Returns the map under a reading that differs only after the streams are decoded.
-    pub(crate) fn stored<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
+    /// Returns the map under a reading that differs from the first only in steps after the streams are decoded.
+    pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
         let shape = match self.header.format.shape() {
@@ -30,7 +29,7 @@ impl Streams<'_> {
             header: self.header,
             shape,
             parts,
-            // The end of the last plane, where a map that is too large is refused.
+            // Offset of the end of the last plane, for the error if the map is too large.
             at: self.at + self.payload.len(),
             reading,
         })

@@ -1,8 +1,8 @@
-//! Some channels of every texel: the common form of the parts of §2.7, §2.8 and §2.9.8
+//! Some channels of every texel: the common representation of the parts of §2.7, §2.8 and §2.9.8
 //!
-//! A file has its values in up to eighteen parts: blocks of a few channels (2.7), indices that
-//! stand for entries of a table (2.8), planes (2.9.8). Each part has some channels of every texel,
-//! and its texels lie row after row, in the order in which the rows are stored.
+//! A file stores its values in up to eighteen parts: blocks of a few channels (2.7), indices of table entries (2.8),
+//! or planes (2.9.8). Each part contains some channels of every texel, row by row, in the order in which the rows are
+//! stored.
 //!
 //! ```text
 //! RGB            0…5  6…11  12…17          three blocks
@@ -19,43 +19,44 @@ use std::ops::Range;
 use crate::parts::{Block, IndexBlock, LookupTable};
 use crate::reading::Reading;
 
-/// Some channels of every texel.
+/// A part of the file: some channels of every texel.
 pub(super) struct Channels<'a> {
-    /// The channels.
+    /// Channels in this part.
     pub block: Block,
-    /// Their values.
+    /// Values of these channels.
     pub values: ValueLayout<'a>,
 }
 
-/// The form of the values: texel after texel, row after stored row.
+/// Representation of the values, texel by texel, in the stored order of rows.
 pub(super) enum ValueLayout<'a> {
     /// Plain bytes.
     Bytes(Cow<'a, [u8]>),
-    /// Entries of a table. Every index has been checked.
+    /// Table entries. Every index has been checked.
     Entries(IndexBlock<'a>, LookupTable<'a>),
 }
 
 impl Channels<'_> {
-    /// Returns the values of the stored texel `at`.
-    pub fn of_texel(&self, at: usize, reading: &Reading) -> &[u8] {
+    /// Returns the values of the texel with stored index `at`.
+    pub fn texel_values(&self, at: usize, reading: &Reading) -> &[u8] {
         match &self.values {
             ValueLayout::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
             ValueLayout::Entries(indices, table) => {
-                let entry = entry(indices, table, at, reading).expect("every index was checked");
+                let entry =
+                    table_entry(indices, table, at, reading).expect("every index was checked");
                 &table.bytes[entry * table.entry_size..][..table.entry_size]
             }
         }
     }
 
-    /// Copies the values of the stored texels `run` into `texels`, which has `size` samples per texel.
+    /// Copies the values of the stored texels in `run` into `texels`, which has `size` samples per texel.
     pub fn copy_to(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
         for (at, texel) in run.zip(texels.chunks_exact_mut(size)) {
-            let values = self.of_texel(at, reading);
+            let values = self.texel_values(at, reading);
             texel[self.block.channel..][..values.len()].copy_from_slice(values);
         }
     }
 
-    /// Returns the number of bytes that it holds in addition to the file.
+    /// Returns the number of bytes that this part occupies in addition to the file.
     pub fn held_bytes(&self) -> usize {
         match &self.values {
             ValueLayout::Bytes(Cow::Owned(bytes)) => bytes.len(),
@@ -64,8 +65,8 @@ impl Channels<'_> {
     }
 }
 
-/// Returns the number of the table entry for the stored texel `at`, or `None` if its index has no entry.
-pub(super) fn entry(
+/// Returns the index of the table entry for the stored texel `at`, or `None` if there is no such entry.
+pub(super) fn table_entry(
     indices: &IndexBlock,
     table: &LookupTable,
     at: usize,

@@ -1,6 +1,7 @@
 //! §2.6 Color Matrix
 //!
-//! Sixteen floating point numbers (clause 2.6/2) after the biases, columns first as OpenGL loads them (clause 2.6/3).
+//! Sixteen floating point numbers (clause 2.6/2) after the biases, in column-major order like in OpenGL (clause
+//! 2.6/3).
 //!
 //! ```text
 //! the numbers of the file     e0 e1 e2 e3   e4 e5 e6 e7   e8 e9 e10 e11   e12 e13 e14 e15
@@ -10,10 +11,10 @@
 //! ```
 //!
 //! Format notes
-//! - On one line; other splits into lines are read too (ruling `lum-layout`).
-//! - The last row, elements 3, 7, 11 and 15, is printed as 0 0 0 1 and is ignored (ruling `lum-last-row`).
-//! - No LUM file by the authors is known. The vector that the matrix multiplies, the order of its numbers and the range of
-//!   the values are three choices (rulings `lum-vector`, `lum-major`, `lum-range`).
+//! - The numbers are on one line. Other splits into lines are accepted as well (ruling `lum-layout`).
+//! - The last row, elements 3, 7, 11 and 15, is 0 0 0 1 in the text and is ignored (ruling `lum-last-row`).
+//! - No LUM file by the authors is known. The vector that the matrix multiplies, the order of the numbers and the
+//!   range of the values are three choices (rulings `lum-vector`, `lum-major`, `lum-range`).
 
 use crate::error::Result;
 use crate::input::Input;
@@ -22,7 +23,7 @@ use crate::ptm::ColorMatrix;
 pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
     let mut elements = [0.0; 16];
     for (i, element) in elements.iter_mut().enumerate() {
-        // lum-layout: sixteen on a line, or any other split.
+        // lum-layout: sixteen numbers on one line, or any other split.
         if i > 0 {
             input.gap_or_line_end("2.6/2")?;
         }
@@ -32,12 +33,12 @@ pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
     Ok(ColorMatrix(elements))
 }
 
-/// Returns the rows for red, green and blue, read column-major (clause 2.6/3, ruling `lum-major`).
-pub(crate) fn columns_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+/// Returns the rows for red, green and blue of a column-major matrix (clause 2.6/3, ruling `lum-major`).
+pub(crate) fn column_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|row| [m[row], m[4 + row], m[8 + row], m[12 + row]])
 }
 
-/// Returns the rows for red, green and blue, read row-major: the other reading of `lum-major`.
-pub(crate) fn rows_first(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+/// Returns the rows for red, green and blue of a row-major matrix (alternative for ruling `lum-major`).
+pub(crate) fn row_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 4, 8].map(|row| [m[row], m[row + 1], m[row + 2], m[row + 3]])
 }

@@ -1,9 +1,8 @@
 //! §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 //!
-//! After the biases come, in ASCII and in this order (clause 2.9/1): the compression parameter,
-//! the transforms, the motion vectors (all x, then all y), the order, the references, the sizes of
-//! the streams and the sizes of their side information. A list has a number for each plane, 18 or 9
-//! (clause 2.9/3); the planes follow (§2.9.8).
+//! After the biases come, in ASCII and in this order (clause 2.9/1): the compression parameter, the transforms, the
+//! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their
+//! side information. A list has one number per plane, 18 or 9 (clause 2.9/3). The planes follow (§2.9.8).
 //!
 //! ```text
 //! 90                              the encoder's quality                                        §2.9.1
@@ -17,23 +16,23 @@
 //! ```
 //!
 //! Format notes
-//! - The text does not say where lines end. The one real file has a line for each list and two for the motion vectors;
-//!   any other split into lines is read as well (clause 2.9/2, ruling `list-layout`).
-//! - A number of the order list is a *rank*: its position in the list is that of the plane, not of the step (ruling
-//!   `order`). Two planes of one rank, gaps between ranks and a missing rank 0 are accepted as long as every reference ranks
-//!   lower (clause 2.9.4/3, ruling `ranks`).
+//! - The text does not specify line ends. The only real file has one line per list and two for the motion vectors.
+//!   Any other split into lines is accepted as well (clause 2.9/2, ruling `list-layout`).
+//! - A number in the order list is a *rank*. Its index in the list is the index of the plane, not of the step (ruling
+//!   `order`). Equal ranks, gaps between ranks and a missing rank 0 are accepted if every reference has a lower rank
+//!   (clause 2.9.4/3, ruling `ranks`).
 //! - The parameter is for the encoder (clause 2.9.1/2). A decoder uses the quantization tables or the NEAR of each stream.
-//! - All lists are in plane order, whatever the order of decoding; so are the planes (clause 2.9.8/1).
-//! - A reference counts planes from 0, and 0 is a plane: only −1 means that there is no reference (clause 2.9.5/2).
-//! - Transform and vector belong to the plane that is predicted, not to its reference; those of an intra coded plane have
+//! - All lists, and the planes themselves (clause 2.9.8/1), are in plane order, regardless of the order of decoding.
+//! - References are zero-based. Only −1 means that there is no reference (clause 2.9.5/2).
+//! - The transform and the vector belong to the predicted plane, not to its reference. For an intra plane they have
 //!   no meaning (ruling `prediction`).
-//! - A side information size of 0 means no side information (clause 2.9.7/2), which is an empty block here.
+//! - A side information size of 0 means no side information (clause 2.9.7/2), represented here as an empty block.
 
 use std::ops::Range;
 
 use super::channels::Channels;
 use super::planes;
-// Both versions return the same residuals, one sequentially and the other, faster, on all threads.
+// Both versions return the same residuals. The parallel one is faster.
 #[cfg(not(feature = "parallel"))]
 use super::planes::residuals;
 #[cfg(feature = "parallel")]
@@ -48,20 +47,20 @@ use crate::reading::Reading;
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
     coding: Coding,
-    /// The numbers of 2.9.1–2.9.7 as they stand in the file.
+    /// Numbers of 2.9.1–2.9.7, unmodified.
     #[cfg(feature = "harness")]
     pub(crate) lists: RawLists,
     pub(super) plan: Plan,
-    /// The position of `payload` in the file.
+    /// Offset of `payload` in the file.
     pub(super) at: usize,
     /// All streams and their side information.
     pub(super) payload: &'a [u8],
-    /// The residuals of each stream, in the order in which the planes are decoded.
+    /// Residuals of each stream, in the order of decoding.
     pub(super) residuals: Vec<Vec<u8>>,
 }
 
 impl<'a> Streams<'a> {
-    /// Reads from the parameter to the last stream.
+    /// Reads everything from the parameter to the last stream.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference whatever their size"
@@ -73,14 +72,14 @@ impl<'a> Streams<'a> {
         reading: &Reading,
         limits: &Limits,
     ) -> Result<Streams<'a>> {
-        // Clause 2.9/3: a number for each plane, 18 or 9.
+        // Clause 2.9/3: one number per plane, 18 or 9.
         let lists = read_lists(header.format.channels(), input)?; //            §2.9.1 – 2.9.7
         let plan = (reading.plan)(&lists)?; //                                  what they say to do
         let at = input.at();
         let mut streams = Streams {
             header: *header,
             coding,
-            payload: planes::take(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
+            payload: planes::take_payload(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
             #[cfg(feature = "harness")]
             lists,
             plan,
@@ -91,7 +90,7 @@ impl<'a> Streams<'a> {
         Ok(streams)
     }
 
-    /// Returns the file as the decisions of a reading see it.
+    /// Returns the view of the file that the decisions of a reading work on.
     pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
             coding: self.coding,
@@ -102,21 +101,21 @@ impl<'a> Streams<'a> {
         }
     }
 
-    /// Returns each plane and the residuals of its stream, in the order of decoding.
+    /// Returns the index of each plane with the residuals of its stream, in the order of decoding.
     #[cfg(feature = "harness")]
     pub(crate) fn residuals(&self) -> impl Iterator<Item = (usize, &[u8])> {
         let residuals = self.residuals.iter().map(Vec::as_slice);
         self.plan.sequence.iter().copied().zip(residuals)
     }
 
-    /// Returns the planes: `residuals`, which are those of the streams, predicted and corrected.
+    /// Predicts and corrects the planes. `residuals` are the decoded streams.
     pub(super) fn channels(
         &self,
         residuals: Vec<Vec<u8>>,
         reading: &Reading,
     ) -> Result<Vec<Channels<'static>>> {
         let planes = (reading.reconstruct)(&self.coded(), residuals, reading)?;
-        Ok(planes::channels(planes))
+        Ok(planes::planes_to_channels(planes))
     }
 }
 
@@ -132,19 +131,19 @@ pub(super) fn read(
     limits: &Limits,
 ) -> Result<Vec<Channels<'static>>> {
     let mut streams = Streams::read(header, coding, input, reading, limits)?;
-    // Residuals become planes in place, so there is only one copy.
+    // Turn residuals into planes in place, so that there is only one copy.
     let residuals = std::mem::take(&mut streams.residuals);
     streams.channels(residuals, reading)
 }
 
-/// Reads the parameter and the seven lists in the order of the file (clause 2.9/1). Motion has two numbers for each plane.
+/// Reads the parameter and the seven lists in file order (clause 2.9/1). Motion has two numbers per plane.
 fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
-    let parameter = number(input, "2.9.1/1", "a compression parameter")?;
+    let parameter = read_number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
         let following = |_| {
-            // list-layout: a gap or a line end, wherever a number ends.
+            // list-layout: a gap or a line end after any number.
             input.gap_or_line_end("2.9/2")?;
-            number(input, clause, name)
+            read_number(input, clause, name)
         };
         (0..count).map(following).collect()
     };
@@ -162,8 +161,9 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
-/// Reads one number of a list and keeps its position, because an error may be found only by comparison with other lists.
-fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
+/// Reads one number of a list. Keeps its offset, because some errors are detected later, by comparison with other
+/// lists.
+fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
         value: input.signed(clause, name)?,
@@ -171,16 +171,17 @@ fn number(input: &mut Input, clause: &'static str, name: &'static str) -> Result
     })
 }
 
-/// Makes the plan that the lists describe, or returns why it cannot be carried out.
-pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
+/// Creates the decoding plan that the lists describe, or returns the reason why they are invalid.
+pub(crate) fn make_plan(lists: &RawLists) -> Result<Plan> {
     let planes = lists.planes;
     let steps = (0..planes)
-        .map(|plane| step(lists, plane))
+        .map(|plane| prediction_step(lists, plane))
         .collect::<Result<_>>()?;
-    // The plane of the lowest rank first (clause 2.9.4/2); planes of equal rank do not depend on each other and go by index.
+    // Planes with the lowest rank come first (clause 2.9.4/2). Planes of equal rank are independent and sorted by
+    // index.
     let mut sequence: Vec<usize> = (0..planes).collect();
     sequence.sort_by_key(|&plane| lists.order[plane].value);
-    let extents = extents(lists)?;
+    let extents = plane_extents(lists)?;
     Ok(Plan {
         parameter: lists.parameter.value,
         steps,
@@ -189,12 +190,12 @@ pub(crate) fn plan(lists: &RawLists) -> Result<Plan> {
     })
 }
 
-/// Returns the prediction step of plane `plane` (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
-fn step(lists: &RawLists, plane: usize) -> Result<Step> {
+/// Returns the prediction step of a plane (clauses 2.9.2/1, 2.9.3/1, 2.9.5/1).
+fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     let planes = lists.planes;
     let transform = lists.transforms[plane];
     if !(0..=3).contains(&transform.value) {
-        // Undefined bits (clause 2.9.2/5, ruling `transforms`), on intra planes too: the list is not the text's.
+        // Undefined bits are rejected (clause 2.9.2/5, ruling `transforms`), for intra planes as well.
         return Err(Error::new(
             "2.9.2/5",
             transform.at,
@@ -203,10 +204,10 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
             },
         ));
     }
-    // Bits of one number (clause 2.9.2/2).
+    // Each bit has its own meaning (clause 2.9.2/2).
     Ok(Step {
-        reference: reference(lists, plane)?,
-        // An unset bit leaves the reference as it is, even if there is a vector.
+        reference: checked_reference(lists, plane)?,
+        // If a bit is not set, the reference is unchanged, even if there is a vector.
         inverted: transform.value & 1 != 0, // clause 2.9.2/3
         moved: transform.value & 2 != 0,    // clause 2.9.2/4
         motion: (
@@ -216,11 +217,12 @@ fn step(lists: &RawLists, plane: usize) -> Result<Step> {
     })
 }
 
-/// Returns the reference of plane `plane`: it exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
-fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
+/// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2,
+/// 2.9.5/3).
+fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
     let named = lists.references[plane];
-    // -1 is "intra coded" (clause 2.9.5/2); so are numbers below it, which name no plane either (ruling `ranks`).
+    // -1 means "intra coded" (clause 2.9.5/2). Smaller numbers name no plane either (ruling `ranks`).
     let Ok(reference) = usize::try_from(named.value) else {
         return Ok(None);
     };
@@ -245,16 +247,18 @@ fn reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     Ok(Some(reference))
 }
 
-/// Returns the bytes of all planes and their side information; the file may declare more than this machine can count.
+/// Returns the total size of all planes and their side information. The sum may exceed the address space of this
+/// machine.
 fn declared_bytes(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());
     sizes.fold(0, u64::saturating_add)
 }
 
-/// Returns the place of each plane: in plane order, each stream followed by its side information (clauses 2.9.8/1, 2.9.8/4).
-fn extents(lists: &RawLists) -> Result<Vec<Extent>> {
-    // A sum that overflows saturates; no file is that long.
+/// Returns the byte ranges of each plane: in plane order, each stream followed by its side information (clauses
+/// 2.9.8/1, 2.9.8/4).
+fn plane_extents(lists: &RawLists) -> Result<Vec<Extent>> {
+    // The sum saturates on overflow. No file is that long.
     let mut end = 0;
     let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {
         let wrong = |_| {

@@ -1,6 +1,7 @@
 //! §2.2 Format String
 //!
-//! The second line is one of nine names (clause 2.2/1). It decides what follows the biases, and how many values a texel has:
+//! The second line is one of nine names (clause 2.2/1). It determines what follows the biases, and the number of
+//! values per texel:
 //!
 //! ```text
 //! PTM_FORMAT_RGB                              three blocks of coefficients (§2.7.1)                      18
@@ -13,15 +14,15 @@
 //! ```
 //!
 //! Format notes
-//! - Several names share prefixes and suffixes (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`): only the whole token tells them apart.
-//! - Upper case only; a name in any other spelling is invalid.
+//! - Several names share prefixes and suffixes (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`), so compare the whole token.
+//! - Names are upper case only. Any other spelling is invalid.
 
 use crate::error::Result;
 use crate::input::Input;
 use crate::ptm::Format;
 
 pub(super) fn read(input: &mut Input) -> Result<Format> {
-    let unknown = input.wrong("2.2/1", "the name of a format");
+    let unknown = input.unexpected("2.2/1", "the name of a format");
     let name = input.token("2.2/1", "the name of a format")?;
     let format = Format::ALL
         .into_iter()

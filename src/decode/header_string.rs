@@ -4,20 +4,20 @@
 //!
 //! ```text
 //! 50 54 4D 5F 31 2E 32 0A        PTM_1.2, line feed
-//! 50 54 4D 5F 31 2E 32 20 0A     the same with the one space that may stand before a line feed (clause 2.0/2)
+//! 50 54 4D 5F 31 2E 32 20 0A     the same with the optional space before a line feed (clause 2.0/2)
 //! ```
 //!
 //! Format notes
-//! - `PTM_1.1` files exist; they interleave nine bytes for each texel and must not be read as 1.2 (ruling `version`).
-//! - A carriage return before the line feed is refused (ruling `header-blanks`): a file that was transferred as text has
-//!   one before every 0x0A of its payload too, so its image is destroyed.
-//! - This line is the only identification of a PTM. The suffix of the file name is ignored.
+//! - `PTM_1.1` files exist. They interleave nine bytes per texel and must not be decoded as 1.2 (ruling `version`).
+//! - A carriage return before the line feed is rejected (ruling `header-blanks`). A file that was transferred as text
+//!   also has one before every 0x0A of its payload, so its image is destroyed.
+//! - This line is the only identification of a PTM. The extension of the file name is ignored.
 
 use crate::error::Result;
 use crate::input::Input;
 
 pub(super) fn read(input: &mut Input) -> Result<()> {
-    // A token ends at a space or a line feed, so that "PTM_1.25" is not mistaken for PTM_1.2.
+    // A token ends at a space or a line feed, so "PTM_1.25" does not match PTM_1.2.
     input.word("2.1/1", "PTM_1.2")?;
     input.line_end("2.0/2")
 }

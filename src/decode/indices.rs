@@ -1,8 +1,8 @@
 //! §2.8 Lookup Table Indices
 //!
-//! An index for every texel, one byte each where the table has at most 256 entries (clauses
-//! 2.8.1/2, 2.8.2/2), else two, low byte first (clauses 2.8.1/3, 2.8.2/3); rows from bottom to top.
-//! `PTM_LUT` then has R, G, B of every texel (2.8.1/4).
+//! An index for every texel, of one byte if the table has at most 256 entries (clauses 2.8.1/2, 2.8.2/2), otherwise
+//! of two bytes, low byte first (clauses 2.8.1/3, 2.8.2/3). Rows are stored from bottom to top. In `PTM_LUT`, R, G, B
+//! of every texel follow (2.8.1/4).
 //!
 //! ```text
 //! 256 entries:   00 FF 07            entries 0, 255 and 7
@@ -10,13 +10,13 @@
 //! ```
 //!
 //! Format notes
-//! - The number of entries decides the width, not the largest index in the file.
+//! - The number of entries determines the width of an index, not the largest index in the file.
 //! - An index equal to the number of entries is already out of range (ruling `lut-range`).
-//! - 257 is the first count with two bytes, and the first whose last index shows which byte comes first.
-//! - The colors of `PTM_LUT` follow the indices of *all* texels: the two are not interleaved (clause 2.8.1/4).
-//! - Every index is checked before the first texel is made, so that a file is either refused or decoded whole.
+//! - 257 is the smallest count with two-byte indices, and the smallest whose last index reveals the byte order.
+//! - The colors of `PTM_LUT` follow the indices of *all* texels. They are not interleaved (clause 2.8.1/4).
+//! - Check every index before decoding the first texel, so that a file is either rejected or decoded completely.
 
-use super::channels::{Channels, ValueLayout, entry as entry_of};
+use super::channels::{Channels, ValueLayout, table_entry};
 use super::texels;
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
@@ -30,11 +30,11 @@ pub(super) fn read<'a>(
     input: &mut Input<'a>,
     reading: &Reading,
 ) -> Result<Vec<Channels<'a>>> {
-    // For errors, which report the index that is out of range and not the first one.
+    // Offset of the first index, for errors.
     let start = input.at();
     let indices = (reading.indices)(&table, header.size, input)?;
     let colors = texels::read(header, input, reading)?;
-    check(&indices, &table, start, reading)?;
+    check_indices(&indices, &table, start, reading)?;
     let looked_up = Channels {
         block: Block {
             channel: 0,
@@ -46,11 +46,16 @@ pub(super) fn read<'a>(
     Ok(std::iter::once(looked_up).chain(colors).collect())
 }
 
-/// Checks that each index names an entry (clause 2.8/1); `start` is the position of the first, for the error.
-fn check(indices: &IndexBlock, table: &LookupTable, start: usize, reading: &Reading) -> Result<()> {
+/// Checks that each index names an entry (clause 2.8/1). `start` is the offset of the first index, for errors.
+fn check_indices(
+    indices: &IndexBlock,
+    table: &LookupTable,
+    start: usize,
+    reading: &Reading,
+) -> Result<()> {
     let stored = indices.bytes.chunks_exact(indices.width);
     for (at, index) in stored.enumerate() {
-        if entry_of(indices, table, at, reading).is_none() {
+        if table_entry(indices, table, at, reading).is_none() {
             let kind = Kind::IndexOutOfRange {
                 index: (reading.index)(index),
                 entries: table.entries,
@@ -61,17 +66,22 @@ fn check(indices: &IndexBlock, table: &LookupTable, start: usize, reading: &Read
     Ok(())
 }
 
-/// Reads indices of one byte for at most 256 entries (clauses 2.8.1/2, 2.8.2/2), else of two (clauses 2.8.1/3, 2.8.2/3).
-pub(crate) fn one_or_two_bytes<'a>(
+/// Reads one-byte indices for at most 256 entries (clauses 2.8.1/2, 2.8.2/2), otherwise two-byte indices (clauses
+/// 2.8.1/3, 2.8.2/3).
+pub(crate) fn read_indices<'a>(
     table: &LookupTable,
     size: Size,
     input: &mut Input<'a>,
 ) -> Result<IndexBlock<'a>> {
-    take(if table.entries <= 256 { 1 } else { 2 }, size, input)
+    read_indices_of_width(if table.entries <= 256 { 1 } else { 2 }, size, input)
 }
 
-/// Reads one index of `width` bytes for each texel.
-pub(crate) fn take<'a>(width: usize, size: Size, input: &mut Input<'a>) -> Result<IndexBlock<'a>> {
+/// Reads one index of `width` bytes per texel.
+pub(crate) fn read_indices_of_width<'a>(
+    width: usize,
+    size: Size,
+    input: &mut Input<'a>,
+) -> Result<IndexBlock<'a>> {
     let bytes = input.take("2.8.1/1", "the indices", size.bytes(width))?;
     Ok(IndexBlock { bytes, width })
 }
@@ -84,7 +94,7 @@ pub(crate) fn little_endian(stored: &[u8]) -> usize {
         .fold(0, |index, &byte| index << 8 | usize::from(byte))
 }
 
-/// Returns the entry that an index names, if there is one (ruling `lut-range`).
-pub(crate) fn entry(index: usize, entries: usize) -> Option<usize> {
+/// Returns the entry for an index, or `None` if the index is out of range (ruling `lut-range`).
+pub(crate) fn valid_entry(index: usize, entries: usize) -> Option<usize> {
     (index < entries).then_some(index)
 }

@@ -1,19 +1,20 @@
-//! Displacement of a plane, row by row where all four samples of a mean lie inside the plane
+//! Fast displacement of a plane
 //!
-//! Inside, where most texels are, there are no edges to handle: four slices of the plane are
-//! processed in parallel. The rest, a frame as wide as the displacement, is made texel by texel as
-//! in [`super::predict`]; a test below compares the two.
+//! In the interior of a plane, where most texels are, there are no edges to handle, so whole rows are computed from
+//! four slices of the plane. The border, which is as wide as the displacement, is computed texel by texel as in
+//! [`super::predict`]. A test compares the two.
 
 use std::ops::Range;
 
 use crate::ptm::Size;
 
-/// Computes `sample` at every texel, row by row; `sample` is `half` of the four samples around a place half a vector away.
+/// Computes the displaced plane. In the interior, combines the four nearest samples with `mean`; at the border, calls
+/// `sample`.
 pub(super) fn displace_rows(
     plane: &[u8],
     size: Size,
     (mx, my): (i64, i64),
-    half: fn([u8; 4]) -> u8,
+    mean: fn([u8; 4]) -> u8,
     sample: impl Fn(i64, i64) -> u8,
 ) -> Vec<u8> {
     let width = size.width as usize;
@@ -29,33 +30,33 @@ pub(super) fn displace_rows(
         } else {
             0..0
         };
-        // The left of the frame, or the whole row if the row above or below it is outside.
+        // The left border, or the whole row if one of the two rows is outside.
         texels.extend((0..run.start).map(|x| sample(x, y)));
         if !run.is_empty() {
-            // a b in the first row, c d in the second: the order in which `half` has them.
-            let [first, second] = down.taps(y).map(row);
-            let [left, right] = across.taps(run.start).map(|x| x as usize);
+            // a and b are in the first row, c and d in the second: the order that `mean` expects.
+            let [first, second] = down.tap_positions(y).map(row);
+            let [left, right] = across.tap_positions(run.start).map(|x| x as usize);
             let length = (run.end - run.start) as usize;
             let [a, c] = [first, second].map(|row| &row[left..][..length]);
             let [b, d] = [first, second].map(|row| &row[right..][..length]);
-            texels.extend((0..length).map(|i| half([a[i], b[i], c[i], d[i]])));
+            texels.extend((0..length).map(|i| mean([a[i], b[i], c[i], d[i]])));
         }
         texels.extend((run.end..i64::from(size.width)).map(|x| sample(x, y)));
     }
     texels
 }
 
-/// One axis of a plane and the displacement along it.
+/// One axis of a plane, and the displacement along it.
 struct DisplacedAxis {
-    /// The offsets of the first and the second of two samples.
+    /// Offsets of the first and the second of two samples.
     offsets: [i64; 2],
-    /// The positions at which both samples lie inside the plane.
+    /// Positions at which both samples are inside the plane.
     inside: Range<i64>,
 }
 
 impl DisplacedAxis {
     fn new(displacement: i64, length: u32) -> DisplacedAxis {
-        // A half lies between a texel and the next one, so the second sample is never before the first.
+        // A half position lies between a texel and the next one, so the second sample never precedes the first.
         let length = i64::from(length);
         let first = displacement.div_euclid(2);
         let second = first + displacement.rem_euclid(2);
@@ -66,7 +67,7 @@ impl DisplacedAxis {
         }
     }
 
-    fn taps(&self, at: i64) -> [i64; 2] {
+    fn tap_positions(&self, at: i64) -> [i64; 2] {
         self.offsets.map(|offset| at + offset)
     }
 }
@@ -77,7 +78,7 @@ mod tests {
 
     use super::*;
 
-    /// Replicates the edge.
+    /// Returns the sample at (x, y), with edge replication.
     fn edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
         let x = x.clamp(0, i64::from(size.width) - 1);
         let y = y.clamp(0, i64::from(size.height) - 1);
@@ -96,20 +97,20 @@ mod tests {
             let size = Size { width, height };
             let plane = &samples[..size.texels()];
             let (mx, my) = [near, far, (near.0, far.1), (far.0, near.1)][which as usize];
-            // Not symmetrical, so that exchanged samples are noticed.
-            let half = |[a, b, c, d]: [u8; 4]| a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3);
+            // Asymmetric, to detect swapped samples.
+            let mean = |[a, b, c, d]: [u8; 4]| a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3);
             let sample = |x: i64, y: i64| {
                 let (x, y) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
                 let (left, first) = (x.div_euclid(2), y.div_euclid(2));
                 let (right, second) = (left + x.rem_euclid(2), first + y.rem_euclid(2));
-                half([(left, first), (right, first), (left, second), (right, second)]
+                mean([(left, first), (right, first), (left, second), (right, second)]
                     .map(|(x, y)| edge(plane, size, x, y)))
             };
             let plain: Vec<u8> = (0..i64::from(height))
                 .flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)))
                 .map(|(x, y)| sample(x, y))
                 .collect();
-            prop_assert_eq!(displace_rows(plane, size, (mx, my), half, sample), plain);
+            prop_assert_eq!(displace_rows(plane, size, (mx, my), mean, sample), plain);
         }
     }
 }

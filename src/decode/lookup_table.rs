@@ -1,7 +1,7 @@
 //! §2.5 Lookup Table
 //!
-//! The number of entries (clause 2.5/2), then the entries without anything between them (clause
-//! 2.5/3): six coefficients each (clause 2.5/4), and for `PTM_C_LUT` a color too (clause 2.5/5).
+//! The number of entries (clause 2.5/2), then the entries without separators (clause 2.5/3): six coefficients each
+//! (clause 2.5/4), followed by a color in `PTM_C_LUT` (clause 2.5/5).
 //!
 //! ```text
 //! 32 20 4E 5F 4C 55 54 5F 45 4E 54 52 49 45 53 0A     2 N_LUT_ENTRIES
@@ -11,12 +11,12 @@
 //! ```
 //!
 //! Format notes
-//! - The text shows the count as two words and does not say which of them is literal. `256 N_LUT_ENTRIES`, `256` and
-//!   `nentries 256` cannot be confused, so all three are read (ruling `lut-count`).
+//! - The text shows the count as two words and does not specify which of them is literal. `256 N_LUT_ENTRIES`, `256`
+//!   and `nentries 256` are unambiguous, so all three are accepted (ruling `lut-count`).
 //! - Nothing separates the table from the indices (ruling `lut-newline`).
-//! - The table is not padded: it has as many entries as the count says, not 256.
-//! - A count of 0 is read, and then every index is out of range (ruling `lut-range`). A count above 65,536 is read too,
-//!   although two bytes cannot name the last entries (ruling `lut-huge`).
+//! - The table is not padded to 256 entries.
+//! - A count of 0 is accepted, and then every index is out of range (ruling `lut-range`). A count above 65,536 is
+//!   accepted as well, although two bytes cannot name the last entries (ruling `lut-huge`).
 
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;
@@ -45,9 +45,9 @@ pub(super) fn read<'a>(
     })
 }
 
-/// Reads `256 N_LUT_ENTRIES`, `256` or `nentries 256`, alone on a line (clause 2.5/2, ruling `lut-count`).
-pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
-    // lut-count: a digit or a sign cannot begin the keyword, so the first bytes distinguish the spellings.
+/// Reads `256 N_LUT_ENTRIES`, `256` or `nentries 256` on a separate line (clause 2.5/2, ruling `lut-count`).
+pub(crate) fn read_entry_count(input: &mut Input) -> Result<usize> {
+    // lut-count: a keyword cannot start with a digit or a sign, so the first bytes distinguish the spellings.
     let keyword_first = input.rest().starts_with(b"nentries ");
     if keyword_first {
         input.word("2.5/2", "nentries")?;
@@ -63,13 +63,13 @@ pub(crate) fn entry_count(input: &mut Input) -> Result<usize> {
 }
 
 /// Reads nothing (ruling `lut-newline`).
-#[allow(clippy::unnecessary_wraps)] // the other reading can fail
-pub(crate) fn after_table(_: &mut Input) -> Result<()> {
+#[allow(clippy::unnecessary_wraps)] // the alternative can fail
+pub(crate) fn read_no_separator(_: &mut Input) -> Result<()> {
     Ok(())
 }
 
-/// Reads one line feed: the other reading of `lut-newline`.
-pub(crate) fn newline_after_table(input: &mut Input) -> Result<()> {
+/// Reads one line feed (alternative for ruling `lut-newline`).
+pub(crate) fn read_newline_separator(input: &mut Input) -> Result<()> {
     match input.take("2.5/3", "a line end after the table", 1)? {
         b"\n" => Ok(()),
         other => Err(Error::new(

@@ -1,4 +1,4 @@
-//! Bytes → header → planes, a file for each section of the text, in its order.
+//! The reference decoder: bytes → header → planes. Each section of the text has one file.
 //!
 //! ```text
 //! 50 54 4D 5F 31 2E 32 0A                    PTM_1.2                    header_string     §2.1
@@ -9,7 +9,7 @@
 //! 01 02 03 04 05 06 72 67 62                 a0 … a5, R, G, B           texels            §2.7
 //! ```
 //!
-//! [`decode`] is the table of contents. Nothing here does I/O, depends on a file name, or knows about mistakes.
+//! [`decode`] is the entry point. Nothing here does I/O, depends on a file name, or knows about mistakes.
 
 /// §2.1 Header String
 mod header_string;
@@ -38,33 +38,33 @@ pub(crate) mod indices;
 /// §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 pub(crate) mod compressed;
 
-/// §2.9.2 – 2.9.5 applied: a plane from its reference
+/// §2.9.2 – 2.9.5 Prediction of a plane from its reference
 pub(crate) mod predict;
 
 /// §2.9.8 Compressed Coefficient Planes
 pub(crate) mod planes;
 
-/// Planes of one decoding of the streams of 2.9.8, under several readings
+/// Reuse of decoded streams under several readings
 #[cfg(feature = "tools")]
 mod again;
 
-/// Decoding of the streams of 2.9.8 on all threads
+/// Parallel decoding of the streams of 2.9.8
 #[cfg(feature = "parallel")]
 mod threads;
 
-/// 2.9.3 applied: the inside of a plane, row by row
+/// §2.9.3 Fast displacement of a plane
 mod inside;
 
-/// Some channels of every texel: the common form of the parts of 2.7, 2.8 and 2.9.8
+/// Some channels of every texel: the common representation of the parts of 2.7, 2.8 and 2.9.8
 mod channels;
 
-/// Copying of channels, one run of texels at a time
+/// Fast copying of channels
 mod runs;
 
-/// The rows of the image, from the values that 2.7, 2.8 and 2.9.8 store
+/// Rows of the image, assembled from the values that 2.7, 2.8 and 2.9.8 store
 mod stored;
 
-/// [`Reading::SPEC`] and the other readings of the open points
+/// [`Reading::SPEC`], and alternative readings of the open points
 mod spec;
 
 #[cfg(feature = "harness")]
@@ -77,7 +77,7 @@ use crate::input::Input;
 use crate::ptm::{Field, Header, Limits, Ptm, Storage};
 use crate::reading::Reading;
 
-/// Decodes `file` as the reference reads it.
+/// Decodes `file` with the reading of the reference.
 ///
 /// ```
 /// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb";
@@ -87,15 +87,15 @@ use crate::reading::Reading;
 /// ```
 ///
 /// # Errors
-/// The clause that the file breaks, the byte, and what was found there.
+/// Returns the violated clause, the byte offset, and what was found there.
 pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Decodes `file` under another reading of the open points, or other limits.
+/// Decodes `file` with another reading of the open points, or with other limits.
 ///
 /// # Errors
-/// The clause that the file breaks, the byte, and what was found there.
+/// Returns the violated clause, the byte offset, and what was found there.
 pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm> {
     let stored = open_as(file, reading, limits)?;
     Ok(Ptm {
@@ -104,8 +104,8 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
     })
 }
 
-/// Reads `file` as the reference does and leaves its values where they are stored, for maps that are processed in pieces. A
-/// file that [`decode`] refuses is refused here too, before the first piece.
+/// Parses `file` like [`decode`], but leaves the values where they are stored, so that large maps can be processed in
+/// pieces. A file that [`decode`] rejects is rejected here as well, before the first piece.
 ///
 /// ```
 /// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\nbottomupper.botTOP";
@@ -116,34 +116,34 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 /// ```
 ///
 /// # Errors
-/// The clause that the file breaks, the byte, and what was found there.
+/// Returns the violated clause, the byte offset, and what was found there.
 pub fn open(file: &[u8]) -> Result<Stored<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Reads `file` under another reading of the open points, or other limits, and leaves its values where they are stored.
+/// Parses `file` like [`open`], with another reading of the open points or with other limits.
 ///
 /// # Errors
-/// The clause that the file breaks, the byte, and what was found there.
+/// Returns the violated clause, the byte offset, and what was found there.
 pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
     read_values(&header, &mut input, reading, limits)
 }
 
-/// Returns the fields of `file` as far as they can be read, in file order, and the error that ended the reading, if any.
+/// Returns the fields of `file` in file order, up to the first error, and that error, if any.
 #[must_use]
 pub fn fields(file: &[u8]) -> (Vec<Field>, Option<Error>) {
     let (fields, outcome) = examine(file);
     (fields, outcome.err())
 }
 
-/// Returns the fields of `file` as far as they can be read, in file order, and the result of [`decode`].
+/// Returns the fields of `file` in file order, up to the first error, and the result of [`decode`].
 pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     examine_as(file, &Reading::SPEC)
 }
 
-/// Returns the fields of `file` under another reading of the open points, and the result of [`decode_as`].
+/// Returns the fields of `file` with another reading of the open points, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {
@@ -156,18 +156,18 @@ pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     (input.into_fields(), outcome)
 }
 
-/// Returns the fields of `file`, the result of [`decode`], and the decoded streams if it is a compressed file that has all of
-/// them.
+/// Returns the fields of `file` and the result of [`decode`]. For a compressed file with complete streams, also
+/// returns the decoded streams.
 #[cfg(feature = "tools")]
 pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<'_>>) {
     const SPEC: &Reading = &Reading::SPEC;
     let (mut input, limits) = (Input::new(file), Limits::default());
-    let mut kept = None;
+    let mut streams = None;
     let outcome = read_header(&mut input).and_then(|header| {
         let stored = match header.format.coding() {
-            Some(coding) => kept
+            Some(coding) => streams
                 .insert(Streams::read(&header, coding, &mut input, SPEC, &limits)?)
-                .stored(SPEC)?,
+                .reconstruct_map(SPEC)?,
             None => read_values(&header, &mut input, SPEC, &limits)?,
         };
         Ok(Ptm {
@@ -175,10 +175,10 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
             header,
         })
     });
-    (input.into_fields(), outcome, kept)
+    (input.into_fields(), outcome, streams)
 }
 
-/// Reads 2.1–2.4.
+/// Reads the header (2.1–2.4).
 pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     header_string::read(input)?;
     let format = format_string::read(input)?;
@@ -191,7 +191,7 @@ pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
     })
 }
 
-/// Reads 2.5–2.9. Bytes after the last value are ignored (ruling `trailing`).
+/// Reads the values (2.5–2.9). Bytes after the last value are ignored (ruling `trailing`).
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
@@ -204,7 +204,7 @@ fn read_values<'a>(
 ) -> Result<Stored<'a>> {
     let shape = header.format.shape();
     let shape = shape.with_matrix(|| color_matrix::read(input))?;
-    // Nine formats become three shapes; the code after this does not use the format.
+    // The nine formats become three shapes. Later code does not use the format.
     let parts = match header.format.storage() {
         Storage::Texels => texels::read(header, input, reading)?,
         Storage::Table | Storage::ColorTable => {

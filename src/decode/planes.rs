@@ -1,30 +1,30 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
-//! The planes lie one after another in the order of the format, whatever the order in which they
-//! are decoded (clause 2.9.8/1). Each is a whole JPEG or JPEG-LS stream (clause 2.9.8/3), directly
-//! followed by its side information (clause 2.9.8/4): records of five bytes, a position
-//! (big-endian) and the value of that texel (clause 2.9.8/5).
+//! The planes follow one another in the order of the format, regardless of the order in which they are decoded
+//! (clause 2.9.8/1). Each is a complete JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side
+//! information (clause 2.9.8/4): records of five bytes, which are a position (big-endian) and the value of that texel
+//! (clause 2.9.8/5).
 //!
 //! ```text
 //! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
 //!
-//! 00 00 01 02 FF     a record: the stored texel 258 is 255
+//! 00 00 01 02 FF     a record: the texel with stored index 258 is 255
 //! ```
 //!
-//! Why there are records: let a texel be 255 and its predictor 200, so that its residual is 255 −
-//! 200 + 128 = 183. A lossy codec may return 184 for it. That is an error of one, but the texel
-//! becomes 184 + 200 − 128 = 256, which wraps to 0.
+//! Records are needed because lossy codecs change residuals. If a texel is 255 and its predictor 200, its residual is
+//! 255 − 200 + 128 = 183. If a lossy codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128
+//! = 256, which wraps to 0.
 //!
 //! Format notes
-//! - Lossy coding of numbers that wrap sometimes turns a 255 into a 0. Records overwrite such texels, intra planes
-//!   included, before any other plane is predicted from this one (clause 2.9.8/7).
-//! - A position counts texels as they are stored, and the first stored row is the bottom row of the image (clause
+//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, in intra planes as well,
+//!   before any other plane is predicted from this one (clause 2.9.8/7).
+//! - A position is an index of texels in stored order. The first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
-//! - A stream decides its own tables, sampling factors and NEAR. The file prescribes only its size, its one component and
-//!   its 8 bits (ruling `plane-stream`).
-//! - A stream is complete: its tables and parameters do not apply to other planes.
-//! - Records are applied whatever the parameter is, in lossless files as well (ruling `side-lossless`); of two records
-//!   for one texel the later counts (ruling `side-twice`).
+//! - A stream defines its own tables, sampling factors and NEAR. The file only requires its size, one component and 8
+//!   bits (ruling `plane-stream`).
+//! - A stream is self-contained: its tables and parameters do not apply to other planes.
+//! - Records are applied regardless of the parameter, in lossless files as well (ruling `side-lossless`). If two
+//!   records have the same position, the last one wins (ruling `side-twice`).
 
 use std::borrow::Cow;
 
@@ -37,16 +37,16 @@ use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
 use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
-/// Takes the payload of a compressed file, if it is complete (clause 2.9.8/2, ruling `payload-end`) and its planes are not too
-/// large. `announced` is its size if the plan could not count it.
+/// Takes the payload of a compressed file. Fails if it is incomplete (clause 2.9.8/2, ruling `payload-end`) or its
+/// planes are too large. `declared_size` is its size, used if the plan overflowed.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference whatever their size"
 )]
-pub(super) fn take<'a>(
+pub(super) fn take_payload<'a>(
     header: &Header,
     plan: &Plan,
-    announced: u64,
+    declared_size: u64,
     input: &mut Input<'a>,
     limits: &Limits,
 ) -> Result<&'a [u8]> {
@@ -57,43 +57,43 @@ pub(super) fn take<'a>(
     });
     let ends = parts.clone().map(|(_, _, range)| range.end);
     let end = match ends.max().unwrap_or_default() {
-        usize::MAX => announced,
+        usize::MAX => declared_size,
         end => end as u64,
     };
     let what = "the compressed planes and their side information";
     let payload = input.take_parts("2.9.8/2", what, end, parts)?;
-    // Every plane is kept, because others may be predicted from it and the texels are made at the end.
+    // All planes are kept, because other planes may be predicted from them and the texels are assembled at the end.
     let planes = header.size.bytes(plan.steps.len());
     limits.check(planes, input.at())?;
     Ok(payload)
 }
 
-/// Decodes the streams, in the order in which the planes are decoded (clause 2.9.8/3).
+/// Decodes the streams in the order in which the planes are decoded (clause 2.9.8/3).
 pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     let one = |&plane: &usize| (reading.stream)(&coded.stream(plane));
     coded.plan.sequence.iter().map(one).collect()
 }
 
-/// Returns all planes as they are stored, bottom row first: predicted and corrected one after another, lowest rank first
-/// (clause 2.9.4/2). `residuals` are the decoded streams, in that order.
+/// Predicts and corrects the planes one by one, lowest rank first (clause 2.9.4/2). Returns all planes as they are
+/// stored, bottom row first. `residuals` are the decoded streams in the same order.
 pub(crate) fn reconstruct(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
 ) -> Result<Vec<Vec<u8>>> {
-    // A reference that exists has a lower rank (clause 2.9.4/2), so it is in `planes` when it is needed.
+    // A reference has a lower rank (clause 2.9.4/2), so it is in `planes` when it is needed.
     let mut planes = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &planes, reading);
-        // Corrected before another plane is predicted from it (clause 2.9.8/7).
+        // Correct the plane before another one is predicted from it (clause 2.9.8/7).
         coded.correct(i, &mut plane, reading)?;
         planes[i] = plane;
     }
     Ok(planes)
 }
 
-/// Converts planes to channels of every texel, one plane each.
-pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
+/// Converts each plane to a part with one channel.
+pub(super) fn planes_to_channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
     let one = |(channel, plane)| Channels {
         block: Block {
             channel,
@@ -106,7 +106,7 @@ pub(super) fn channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
 }
 
 impl<'a> Coded<'a> {
-    /// Returns the stream of plane `plane`.
+    /// Returns the stream of a plane.
     pub(crate) fn stream(&self, plane: usize) -> PlaneStream<'a> {
         let extent = self.plan.extents[plane].stream.clone();
         PlaneStream {
@@ -118,13 +118,14 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// Returns a plane of zeros for each plane to be decoded.
+    /// Returns planes filled with zeros, one for each plane of the file.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
         let blank = |_| vec![0; self.size.texels()];
         self.plan.steps.iter().map(blank).collect()
     }
 
-    /// Adds the predictor to `plane`, the residuals of plane `i`; does nothing if it has no reference (clause 2.9.5/2).
+    /// Adds the predictor to `plane`, which contains the residuals of plane `i`. Does nothing if the plane has no
+    /// reference (clause 2.9.5/2).
     pub(crate) fn predict(
         &self,
         i: usize,
@@ -135,11 +136,11 @@ impl<'a> Coded<'a> {
         let step = &self.plan.steps[i];
         if let Some(reference) = step.reference {
             let reference = &planes[reference];
-            predict::apply(self.coding, plane, reference, step, self.size, reading);
+            predict::predict_plane(self.coding, plane, reference, step, self.size, reading);
         }
     }
 
-    /// Writes the values of the side information of plane `i` to their places.
+    /// Applies the side information of plane `i`.
     pub(crate) fn correct(&self, i: usize, plane: &mut [u8], reading: &Reading) -> Result<()> {
         let at = self.at + self.plan.extents[i].side.start;
         let block = (reading.side_information)(self, i);
@@ -149,11 +150,11 @@ impl<'a> Coded<'a> {
     }
 }
 
-/// Returns the samples of a stream, in the order in which they are stored (clause 2.9.8/3).
-pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
+/// Decodes a stream and returns its samples in stored order (clause 2.9.8/3).
+pub(crate) fn decode_stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (width, height) = (stream.size.width, stream.size.height);
-    // plane-stream: a stream of another size is refused before memory is allocated for it.
-    // JPEG streams with the integer inverse transform of the IJG (clause 2.9.8/11).
+    // plane-stream: a stream with a different size is rejected before memory is allocated for it. JPEG streams use
+    // the integer inverse transform of the IJG (clause 2.9.8/11).
     let samples = stream.coding.decode(stream.bytes, width, height);
     samples.map_err(|error| {
         let kind = Kind::Stream {
@@ -165,12 +166,12 @@ pub(crate) fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     })
 }
 
-/// Returns the side information of a plane: all of it, whatever the parameter is (clause 2.9.8/10, ruling `side-lossless`).
+/// Returns the side information of a plane, regardless of the parameter (clause 2.9.8/10, ruling `side-lossless`).
 pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     &coded.payload[coded.plan.extents[plane].side.clone()]
 }
 
-/// Returns no side information for lossless JPEG-LS, so that its bytes are skipped: the other reading of `side-lossless`.
+/// Returns the side information of a plane, or nothing for lossless JPEG-LS (alternative for ruling `side-lossless`).
 pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if coded.coding == Coding::JpegLs && coded.plan.parameter == 0 {
         &[]
@@ -179,11 +180,11 @@ pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> 
     }
 }
 
-/// Reads the records of a block of side information: positions and values (clause 2.9.8/5).
+/// Parses a block of side information into positions and values (clause 2.9.8/5).
 ///
-/// `at` is the position of the block in the file, for errors.
-pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
-    // P3, P2, P1, P0, V, and nothing between records.
+/// `at` is the offset of the block in the file, for errors.
+pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
+    // P3, P2, P1, P0, V, without separators.
     let (whole, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {
         // side-malformed
@@ -195,7 +196,7 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Reco
     }
     let one = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
-        // side-malformed: positions count from 0, so the number of texels is already out of range.
+        // side-malformed: positions are zero-based, so the number of texels is already out of range.
         if position as usize >= texels {
             return Err(Error::new(
                 "2.9.8/6",
@@ -208,8 +209,9 @@ pub(crate) fn records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Reco
     whole.iter().enumerate().map(one).collect()
 }
 
-/// Replaces decoded values by those of records (clause 2.9.8/8); of two records, the later counts (ruling `side-twice`).
-pub(crate) fn overwrite(plane: &mut [u8], records: &[Record]) {
+/// Overwrites decoded values with those of records (clause 2.9.8/8). On duplicate positions, the last record wins
+/// (ruling `side-twice`).
+pub(crate) fn overwrite_samples(plane: &mut [u8], records: &[Record]) {
     for &(position, value) in records {
         plane[position as usize] = value;
     }

@@ -1,8 +1,8 @@
-//! §2.9.2 – 2.9.5 applied: a plane from its reference
+//! §2.9.2 – 2.9.5 Prediction of a plane from its reference
 //!
-//! The stream of a predicted plane holds *residuals*. The plane is residual + predictor − 128,
-//! modulo 256 (clause 2.9.5/4, ruling `prediction`); the predictor is the reference, inverted
-//! (clause 2.9.2/3) and displaced (clause 2.9.2/4) as the plane's transform says.
+//! The stream of a predicted plane contains *residuals*. The plane is residual + predictor − 128, modulo 256 (clause
+//! 2.9.5/4, ruling `prediction`). The predictor is the reference, inverted (clause 2.9.2/3) and displaced (clause
+//! 2.9.2/4) according to the transform of the plane.
 //!
 //! ```text
 //! reference   10 21 30     inverted   245 234 225     and moved by (1, 0)   240 230 225
@@ -10,14 +10,14 @@
 //! ```
 //!
 //! Format notes
-//! - The text says "modular arithmetic" and no more. The 128 and the inversion 255 − v were measured on HP's own file, and
-//!   every reader agrees.
-//! - No public file displaces a reference. The reading here is the first of five choices (rulings `motion-…`): the
-//!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom row of
-//!   the image; halves are rounded up, and outside the plane its edge is replicated.
-//! - The list has a vector for every plane. It counts only if the transform has bit 2.
-//! - Both transforms act on the reference, not on the residual and not on the result. The reference itself, which is also
-//!   a plane of the file, is not changed.
+//! - The text says only "modular arithmetic". The 128 and the inversion 255 − v were measured on HP's own file, and
+//!   all known decoders agree.
+//! - No public file displaces a reference. Displacement involves five choices (rulings `motion-…`). Here, the
+//!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom
+//!   row of the image. Halves are rounded up, and the edge of the plane is replicated outside.
+//! - The list has a vector for every plane, but the vector applies only if the transform has bit 2.
+//! - Both transforms apply to a copy of the reference, not to the residual or the result. The reference, which is
+//!   also a plane of the file, does not change.
 
 use std::borrow::Cow;
 
@@ -26,8 +26,8 @@ use crate::parts::Step;
 use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
-/// Turns residuals into the plane, in place.
-pub(crate) fn apply(
+/// Converts residuals to the plane, in place.
+pub(crate) fn predict_plane(
     coding: Coding,
     residuals: &mut [u8],
     reference: &[u8],
@@ -42,8 +42,8 @@ pub(crate) fn apply(
     }
 }
 
-/// Returns the reference, inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
-pub(crate) fn inverted_then_moved<'a>(
+/// Returns the reference, first inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
+pub(crate) fn invert_then_displace<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -54,13 +54,13 @@ pub(crate) fn inverted_then_moved<'a>(
         (reading.invert)(predictor.to_mut());
     }
     if step.moved {
-        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     predictor
 }
 
-/// Returns the reference, displaced and then inverted: the other reading of `motion-inversion`.
-pub(crate) fn moved_then_inverted<'a>(
+/// Returns the reference, first displaced and then inverted (alternative for ruling `motion-inversion`).
+pub(crate) fn displace_then_invert<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -68,7 +68,7 @@ pub(crate) fn moved_then_inverted<'a>(
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
     if step.moved {
-        predictor = Cow::Owned(shift(&predictor, size, step.motion, reading));
+        predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     if step.inverted {
         (reading.invert)(predictor.to_mut());
@@ -76,14 +76,14 @@ pub(crate) fn moved_then_inverted<'a>(
     predictor
 }
 
-/// Computes 255 − v (clause 2.9.2/3).
+/// Replaces each value v with 255 − v (clause 2.9.2/3).
 pub(crate) fn invert(plane: &mut [u8]) {
     for value in plane {
         *value = 255 - *value;
     }
 }
 
-/// Computes residual + predictor − 128, modulo 256: in JPEG planes (clause 2.9.5/4), and in JPEG-LS planes as well (clause
+/// Computes residual + predictor − 128, modulo 256, for JPEG planes (clause 2.9.5/4) and for JPEG-LS planes (clause
 /// 2.9.5/5, ruling `jpeg-ls-offset`).
 pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
@@ -91,31 +91,36 @@ pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
     }
 }
 
-/// Computes residual + predictor, modulo 256: the other reading of `jpeg-ls-offset`, for JPEG-LS planes.
+/// Computes residual + predictor, modulo 256, for JPEG-LS planes (alternative for ruling `jpeg-ls-offset`).
 pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted);
     }
 }
 
-/// Returns the plane displaced by half a vector: its value at (x, y) is that at (x + mx/2, y + my/2) (clause 2.9.3/2).
-pub(crate) fn shift(plane: &[u8], size: Size, (mx, my): (i64, i64), reading: &Reading) -> Vec<u8> {
+/// Displaces a plane by half the vector: the value at (x, y) is the input at (x + mx/2, y + my/2) (clause 2.9.3/2).
+pub(crate) fn displace_plane(
+    plane: &[u8],
+    size: Size,
+    (mx, my): (i64, i64),
+    reading: &Reading,
+) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
-    // Every x of every y, row by row; `inside` is a faster version.
+    // `inside` is a faster version of a loop over all rows and columns.
     inside::displace_rows(plane, size, (mx, my), reading.motion_half, |x, y| {
-        // Coordinates are doubled, so that halves are whole numbers. A vector may be so long that it leaves every plane.
+        // Coordinates are doubled, so that half texels are integers. A vector may point far outside any plane.
         let (x2, y2) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
-        sample_between(plane, size, x2, y2, reading)
+        half_texel_sample(plane, size, x2, y2, reading)
     })
 }
 
-/// Returns the sample at a position in half texels: that of a texel, or the mean of two or four (clause 2.9.3/5).
-fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
-    // A half lies between a texel and the next one, also left of zero: −1/2 is between −1 and 0.
+/// Returns the sample at a position in half texels: a single texel, or the mean of two or four (clause 2.9.3/5).
+fn half_texel_sample(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
+    // A half position lies between a texel and the next one, also for negative coordinates: −1/2 is between −1 and 0.
     let (left, first) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, second) = (left + x2.rem_euclid(2), first + y2.rem_euclid(2));
-    // If a coordinate is whole, two or all of the four are the same texel.
+    // If a coordinate is an integer, two or all of the four samples are the same texel.
     let corners = [
         (left, first),
         (right, first),
@@ -125,34 +130,36 @@ fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading)
     (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(plane, size, x, y)))
 }
 
-/// Points a vector from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
-pub(crate) fn sign_plus(displacement: i64) -> i64 {
+/// Returns the displacement of a vector that points from the texel to its predictor (clause 2.9.3/3, ruling
+/// `motion-sign`).
+pub(crate) fn texel_to_predictor(displacement: i64) -> i64 {
     displacement
 }
 
-/// Points a vector from the predictor to the texel: the other reading of `motion-sign`.
-pub(crate) fn sign_minus(displacement: i64) -> i64 {
+/// Returns the displacement of a vector that points from the predictor to the texel (alternative for ruling
+/// `motion-sign`).
+pub(crate) fn predictor_to_texel(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }
 
-/// Lets y grow along the rows as they are stored (clause 2.9.3/4, ruling `motion-vertical`).
-pub(crate) fn along_stored_rows(my: i64) -> i64 {
+/// Returns the displacement if y increases in the order of stored rows (clause 2.9.3/4, ruling `motion-vertical`).
+pub(crate) fn y_along_stored_rows(my: i64) -> i64 {
     my
 }
 
-/// Lets y grow against the rows as they are stored, downward in the image: the other reading of `motion-vertical`.
-pub(crate) fn against_stored_rows(my: i64) -> i64 {
+/// Returns the displacement if y increases downward in the image (alternative for ruling `motion-vertical`).
+pub(crate) fn y_against_stored_rows(my: i64) -> i64 {
     my.saturating_neg()
 }
 
-/// Computes (a + b + c + d + 2) >> 2. For two equal pairs that is (a + b + 1) >> 1, for four equal samples the sample (clause
-/// 2.9.3/5, ruling `motion-half`).
-pub(crate) fn mean_half_up(samples: [u8; 4]) -> u8 {
+/// Returns the mean of four samples, with halves rounded up (clause 2.9.3/5, ruling `motion-half`). For two equal
+/// pairs this is (a + b + 1) >> 1, and for four equal samples the sample itself.
+pub(crate) fn mean_rounded_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
 
-/// Rounds halves down: the other reading of `motion-half`.
-pub(crate) fn mean_half_down(samples: [u8; 4]) -> u8 {
+/// Returns the mean of four samples, with halves rounded down (alternative for ruling `motion-half`).
+pub(crate) fn mean_rounded_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
 
@@ -160,20 +167,21 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Returns the nearest sample of the edge outside the plane (clause 2.9.3/6, ruling `motion-border`).
-pub(crate) fn border_edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+/// Returns a sample. Outside the plane, returns the nearest sample of the edge (clause 2.9.3/6, ruling
+/// `motion-border`).
+pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
 
-/// Wraps around to the other side outside the plane: the second reading of `motion-border`.
-pub(crate) fn border_wrapped(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+/// Returns a sample. Outside the plane, wraps around to the other side (alternative for ruling `motion-border`).
+pub(crate) fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
-/// Returns 128 outside the plane: the third reading of `motion-border`.
-pub(crate) fn border_gray(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+/// Returns a sample. Outside the plane, returns 128 (alternative for ruling `motion-border`).
+pub(crate) fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     if (0..width).contains(&x) && (0..height).contains(&y) {
         plane[(y * width + x) as usize]
@@ -188,7 +196,8 @@ mod tests {
 
     type Choose = fn(Reading) -> Reading;
 
-    /// Readings, widths, vectors, and the displaced plane 10, 21, 30, 40. The corpus shows more of the reference's reading.
+    /// Reading, width, vector, and the displaced plane for the input 10, 21, 30, 40. The corpus has more tests of the
+    /// reference's reading.
     const DISPLACED: [(Choose, u32, i64, i64, [u8; 4]); 8] = [
         (|spec| spec, 4, 1, 0, [16, 26, 35, 40]),
         (Reading::with_halves_rounded_down, 4, 1, 0, [15, 25, 35, 40]),
@@ -201,19 +210,23 @@ mod tests {
     ];
 
     #[test]
-    fn each_motion_choice_has_another_reading() {
+    fn motion_readings_give_different_planes() {
         for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
             let (height, reading) = (4 / width, choose(Reading::SPEC));
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
-            assert_eq!(shift(&plane, size, (mx, my), &reading), expected, "{place}");
+            assert_eq!(
+                displace_plane(&plane, size, (mx, my), &reading),
+                expected,
+                "{place}"
+            );
             for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
-                assert_eq!(shift(&plane, size, (far, far), &reading).len(), 4);
+                assert_eq!(displace_plane(&plane, size, (far, far), &reading).len(), 4);
             }
         }
     }
 
     #[test]
-    fn each_prediction_choice_has_another_reading() {
+    fn prediction_readings_give_different_planes() {
         let predicted = |choose: Choose, coding| {
             let step = Step {
                 reference: Some(0),
@@ -223,7 +236,7 @@ mod tests {
             };
             let (mut plane, reading) = ([140, 140], choose(Reading::SPEC));
             let size = "2x1".parse().expect("a size");
-            apply(coding, &mut plane, &[10, 21], &step, size, &reading);
+            predict_plane(coding, &mut plane, &[10, 21], &step, size, &reading);
             plane
         };
         // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.

@@ -1,15 +1,15 @@
-//! [`Channels::put`] with a separate loop for each number of channels that the text has
+//! Fast version of [`Channels::copy_to`] with a separate loop for each common number of channels
 //!
-//! A copy of six bytes is two moves if the compiler knows that there are six, and a call if it does
-//! not. The result is the same; a test below compares the two.
+//! A copy of six bytes takes two moves if the compiler knows the length, and a function call otherwise. A test
+//! compares the results.
 
 use std::ops::Range;
 
-use super::channels::{Channels, ValueLayout, entry};
+use super::channels::{Channels, ValueLayout, table_entry};
 use crate::reading::Reading;
 
-/// Does the same as [`Channels::put`].
-pub(super) fn put(
+/// Does the same as [`Channels::copy_to`].
+pub(super) fn copy_run(
     channels: &Channels,
     run: Range<usize>,
     texels: &mut [u8],
@@ -22,28 +22,28 @@ pub(super) fn put(
             let bytes = &bytes[run.start * count..run.end * count];
             match count {
                 _ if count == size => texels.copy_from_slice(bytes),
-                1 => spread(bytes.as_chunks::<1>().0.iter(), channel, texels, size),
-                3 => spread(bytes.as_chunks::<3>().0.iter(), channel, texels, size),
-                6 => spread(bytes.as_chunks::<6>().0.iter(), channel, texels, size),
+                1 => copy_values(bytes.as_chunks::<1>().0.iter(), channel, texels, size),
+                3 => copy_values(bytes.as_chunks::<3>().0.iter(), channel, texels, size),
+                6 => copy_values(bytes.as_chunks::<6>().0.iter(), channel, texels, size),
                 _ => channels.copy_to(run, texels, size, reading),
             }
         }
         ValueLayout::Entries(indices, table) => {
             let entries =
-                run.map(|at| entry(indices, table, at, reading).expect("all were checked"));
+                run.map(|at| table_entry(indices, table, at, reading).expect("all were checked"));
             if count == 6 {
                 let table = table.bytes.as_chunks::<6>().0;
-                spread(entries.map(|entry| &table[entry]), channel, texels, size);
+                copy_values(entries.map(|entry| &table[entry]), channel, texels, size);
             } else {
                 let table = table.bytes.as_chunks::<9>().0;
-                spread(entries.map(|entry| &table[entry]), channel, texels, size);
+                copy_values(entries.map(|entry| &table[entry]), channel, texels, size);
             }
         }
     }
 }
 
-/// Copies `N` values of each texel to its channels from `channel` on.
-fn spread<'a, const N: usize>(
+/// Copies `N` values per texel to the channels that start at `channel`.
+fn copy_values<'a, const N: usize>(
     values: impl Iterator<Item = &'a [u8; N]>,
     channel: usize,
     texels: &mut [u8],
@@ -88,7 +88,7 @@ mod tests {
             let mut plain = vec![99; run.len() * size];
             let mut fast = plain.clone();
             channels.copy_to(run.clone(), &mut plain, size, &Reading::SPEC);
-            put(&channels, run, &mut fast, size, &Reading::SPEC);
+            copy_run(&channels, run, &mut fast, size, &Reading::SPEC);
             prop_assert_eq!(plain, fast);
         }
     }

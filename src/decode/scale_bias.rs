@@ -1,7 +1,7 @@
 //! §2.4 Scale and Bias
 //!
-//! Six floating point scales, then six integer biases, separated by spaces (clauses 2.4/2–5); a
-//! line end may stand between the scales and the biases (clause 2.4/6).
+//! Six floating point scales, then six integer biases, separated by spaces (clauses 2.4/2–5). The scales and the
+//! biases may be on separate lines (clause 2.4/6).
 //!
 //! ```text
 //! 0.5 1 1 1 1 2          scales of a0 … a5
@@ -11,22 +11,25 @@
 //! ```
 //!
 //! Format notes
-//! - Scales come with exponents, signs and bare points; zero and negative ones are legal (ruling `numbers`).
-//! - Biases below 0 and above 255 occur in real files. A whole number written `3.0` is read (ruling `odd-numbers`).
-//! - In the uncompressed formats without a table this is the last line of the header. The payload starts right after its
-//!   line feed, and its first byte may be 0x0A or 0x20: a reader that skips blanks here loses texels (ruling
-//!   `header-line-end`).
+//! - Scales may have exponents, signs and leading or trailing points. Zero and negative scales are legal (ruling
+//!   `numbers`).
+//! - Biases below 0 and above 255 occur in real files. An integer written as `3.0` is accepted (ruling
+//!   `odd-numbers`).
+//! - In the uncompressed formats without a table, this is the last line of the header. The payload starts right after
+//!   its line feed, and its first byte may be 0x0A or 0x20. A decoder that skips white space here loses texels
+//!   (ruling `header-line-end`).
 
 use crate::error::Result;
 use crate::input::Input;
 use crate::ptm::ScaleBias;
 
 pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
-    let scale = six(input, |input| input.number("2.4/3", "a scale"))?;
+    let scale = read_six(input, |input| input.number("2.4/3", "a scale"))?;
     input.gap_or_line_end("2.4/6")?;
-    // odd-numbers: read as a number and then required to be whole, so that "3.0" is read and "1.5" is not.
-    let bias = six(input, |input| {
-        let fraction = input.wrong("2.4/4", "an integer bias");
+    // odd-numbers: parse a floating point number and require that it is an integer, so that "3.0" is accepted and
+    // "1.5" is not.
+    let bias = read_six(input, |input| {
+        let fraction = input.unexpected("2.4/4", "an integer bias");
         let value = input.number("2.4/4", "an integer bias")?;
         if value.fract() == 0.0 {
             Ok(value)
@@ -38,8 +41,9 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
     Ok(ScaleBias { scale, bias })
 }
 
-fn six(input: &mut Input, read: fn(&mut Input) -> Result<f64>) -> Result<[f64; 6]> {
-    // Numbers of one kind are separated by spaces only; the one line end that is allowed is between the kinds.
+fn read_six(input: &mut Input, read: fn(&mut Input) -> Result<f64>) -> Result<[f64; 6]> {
+    // Only spaces separate the scales from each other, and the biases. A line end is allowed only between scales and
+    // biases.
     let mut values = [read(input)?, 0.0, 0.0, 0.0, 0.0, 0.0];
     for value in &mut values[1..] {
         input.gap("2.4/5")?;

@@ -1,45 +1,47 @@
-//! The reading of the reference, and the other readings of the open points.
+//! The reading of the reference, and alternative readings of the open points.
 //!
-//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each
-//! constructor after it exchanges one of them for another reading of a ruling of kind *choice* in
-//! `spec-cases/rulings.yaml`. All readings are equally correct.
+//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor below
+//! replaces one decision with an alternative from a ruling of kind *choice* in `spec-cases/rulings.yaml`. All
+//! readings are equally correct.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
-use crate::evaluate::{self, Coefficients, Picture};
+use crate::evaluate::{self, Coefficients, RelitImage};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
 impl Ptm {
-    /// Returns the final coefficients (clause 2.4/8).
+    /// Computes the final coefficients (clause 2.4/8).
     #[must_use]
     pub fn coefficients(&self) -> Coefficients {
-        evaluate::apply(&self.header.scale_bias, &self.planes, &Reading::SPEC)
+        evaluate::compute_coefficients(&self.header.scale_bias, &self.planes, &Reading::SPEC)
     }
 }
 
 impl Coefficients {
-    /// Returns the image under the light (`lu`, `lv`), each from −1 to 1: +u to the right, +v up.
+    /// Computes the image under the light (`lu`, `lv`). Both coordinates range from −1 to 1; +u is right and +v is
+    /// up.
     #[must_use]
-    pub fn evaluate(&self, lu: f64, lv: f64) -> Picture {
+    pub fn evaluate(&self, lu: f64, lv: f64) -> RelitImage {
         evaluate::evaluate(self, lu, lv, &Reading::SPEC)
     }
 }
 
 impl Reading {
-    /// The reading of the reference: the text, and the rulings of `spec-cases/rulings.yaml` where the text is silent.
+    /// The reading of the reference: the text, with the rulings of `spec-cases/rulings.yaml` where the text is
+    /// silent.
     pub const SPEC: Reading = Reading {
         // §1.0: the light, unchanged, and the polynomial in it
         light: evaluate::light,
         polynomial: evaluate::polynomial,
         // §2.4: (raw − bias) · scale, for coefficients only
         final_coefficient: evaluate::final_coefficient,
-        finals: evaluate::finals,
+        finals: evaluate::final_values,
         // §2.5: the spelling of the count; nothing follows the table
-        entry_count: lookup_table::entry_count,
-        after_table: lookup_table::after_table,
+        entry_count: lookup_table::read_entry_count,
+        after_table: lookup_table::read_no_separator,
         // §2.6: M · (Y, Cr, Cb, 1)
         lum_vector: evaluate::lum_vector,
-        lum_matrix: color_matrix::columns_first,
+        lum_matrix: color_matrix::column_major_rows,
         lum_translation: evaluate::lum_translation,
         // §2.7: blocks, rows from the bottom; L · RGB / 255, clamped to 0 … 255 at the end
         blocks: texels::blocks,
@@ -47,39 +49,40 @@ impl Reading {
         modulate: evaluate::modulate,
         clamp: evaluate::clamp,
         // §2.8: one byte or two, low byte first, and no index past the last entry
-        indices: indices::one_or_two_bytes,
+        indices: indices::read_indices,
         index: indices::little_endian,
-        entry: indices::entry,
+        entry: indices::valid_entry,
         // §2.9.1 – 2.9.7: valid lists, and the plan that they describe
-        plan: compressed::plan,
+        plan: compressed::make_plan,
         // §2.9.2, §2.9.3: the predictor, a transformed reference
-        predictor: predict::inverted_then_moved,
+        predictor: predict::invert_then_displace,
         invert: predict::invert,
-        motion_sign: predict::sign_plus,
-        motion_vertical: predict::along_stored_rows,
-        motion_half: predict::mean_half_up,
-        motion_border: predict::border_edge,
+        motion_sign: predict::texel_to_predictor,
+        motion_vertical: predict::y_along_stored_rows,
+        motion_half: predict::mean_rounded_up,
+        motion_border: predict::replicate_border,
         // §2.9.5: residual + predictor − 128, in the planes of both codecs
         predict: predict::predict,
         predict_jpeg_ls: predict::predict,
         // §2.9.8: streams, the order of prediction and correction, and what a record is
-        stream: planes::stream,
+        stream: planes::decode_stream,
         reconstruct: planes::reconstruct,
         side_information: planes::side_information,
-        records: planes::records,
-        correct: planes::overwrite,
+        records: planes::parse_records,
+        correct: planes::overwrite_samples,
     };
 
-    /// Ruling `lut-newline`, the other reading: one line end separates the table from the indices.
+    /// Alternative for ruling `lut-newline`: one line end separates the table from the indices.
     #[must_use]
     pub const fn with_newline_after_table(self) -> Reading {
         Reading {
-            after_table: lookup_table::newline_after_table,
+            after_table: lookup_table::read_newline_separator,
             ..self
         }
     }
 
-    /// Ruling `lum-vector`, the other reading: the matrix multiplies (Cr, Y, Cb, 1), the order in the color space's name.
+    /// Alternative for ruling `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color
+    /// space.
     #[must_use]
     pub const fn with_cr_first(self) -> Reading {
         Reading {
@@ -88,16 +91,16 @@ impl Reading {
         }
     }
 
-    /// Ruling `lum-major`, the other reading: the sixteen numbers are row-major, as the text prints the matrix.
+    /// Alternative for ruling `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
     #[must_use]
     pub const fn with_rows_first(self) -> Reading {
         Reading {
-            lum_matrix: color_matrix::rows_first,
+            lum_matrix: color_matrix::row_major_rows,
             ..self
         }
     }
 
-    /// Ruling `lum-range`, the other reading: values and translation range from 0 to 1.
+    /// Alternative for ruling `lum-range`: values and translation range from 0 to 1.
     #[must_use]
     pub const fn with_unit_range(self) -> Reading {
         Reading {
@@ -106,61 +109,62 @@ impl Reading {
         }
     }
 
-    /// Ruling `motion-sign`, the other reading: a vector points from the predictor to the texel.
+    /// Alternative for ruling `motion-sign`: a vector points from the predictor to the texel.
     #[must_use]
     pub const fn with_motion_minus(self) -> Reading {
         Reading {
-            motion_sign: predict::sign_minus,
+            motion_sign: predict::predictor_to_texel,
             ..self
         }
     }
 
-    /// Ruling `motion-vertical`, the other reading: y grows downward in the image, against the order of the stored rows.
+    /// Alternative for ruling `motion-vertical`: y increases downward in the image, opposite to the order of stored
+    /// rows.
     #[must_use]
     pub const fn with_motion_against_rows(self) -> Reading {
         Reading {
-            motion_vertical: predict::against_stored_rows,
+            motion_vertical: predict::y_against_stored_rows,
             ..self
         }
     }
 
-    /// Ruling `motion-half`, the other reading: means are rounded down.
+    /// Alternative for ruling `motion-half`: means are rounded down.
     #[must_use]
     pub const fn with_halves_rounded_down(self) -> Reading {
         Reading {
-            motion_half: predict::mean_half_down,
+            motion_half: predict::mean_rounded_down,
             ..self
         }
     }
 
-    /// Ruling `motion-border`, another reading: outside the plane it wraps around to the other side.
+    /// Alternative for ruling `motion-border`: coordinates wrap around to the other side of the plane.
     #[must_use]
     pub const fn with_border_wrapped(self) -> Reading {
         Reading {
-            motion_border: predict::border_wrapped,
+            motion_border: predict::wrap_border,
             ..self
         }
     }
 
-    /// Ruling `motion-border`, a third reading: samples outside the plane are 128.
+    /// Alternative for ruling `motion-border`: samples outside the plane are 128.
     #[must_use]
     pub const fn with_border_gray(self) -> Reading {
         Reading {
-            motion_border: predict::border_gray,
+            motion_border: predict::gray_border,
             ..self
         }
     }
 
-    /// Ruling `motion-inversion`, the other reading: the reference is displaced first and then inverted.
+    /// Alternative for ruling `motion-inversion`: the reference is displaced first and then inverted.
     #[must_use]
     pub const fn with_inversion_after_motion(self) -> Reading {
         Reading {
-            predictor: predict::moved_then_inverted,
+            predictor: predict::displace_then_invert,
             ..self
         }
     }
 
-    /// Ruling `jpeg-ls-offset`, the other reading: residuals of JPEG-LS planes are added without subtracting 128.
+    /// Alternative for ruling `jpeg-ls-offset`: residuals of JPEG-LS planes are added without subtracting 128.
     #[must_use]
     pub const fn without_jpeg_ls_offset(self) -> Reading {
         Reading {
@@ -169,7 +173,7 @@ impl Reading {
         }
     }
 
-    /// Ruling `side-lossless`, the other reading: records of lossless JPEG-LS files are skipped.
+    /// Alternative for ruling `side-lossless`: records in lossless JPEG-LS files are skipped.
     #[must_use]
     pub const fn with_side_information_only_if_lossy(self) -> Reading {
         Reading {

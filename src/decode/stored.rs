@@ -1,4 +1,4 @@
-//! The values of every texel, from §2.7, §2.8 or §2.9.8. Rows are turned here and nowhere else.
+//! The values of every texel, assembled from §2.7, §2.8 or §2.9.8. This module is the only place that flips rows.
 //!
 //! ```text
 //! file, LRGB, two rows:  coefficients of the lower row, of the upper row, colors of the lower row, of the upper row
@@ -7,12 +7,12 @@
 //! ```
 //!
 //! Format notes
-//! - In every format, the compressed ones included, the first stored row is the bottom row of the image (ruling `rows`).
-//!   Everything before this file counts rows as they are stored, everything after it from the top.
-//! - All errors of a file have been found before: no index is out of range and no byte is missing.
+//! - In every format, including compressed ones, the first stored row is the bottom row of the image (ruling `rows`).
+//!   Earlier stages count rows in stored order, later ones from the top.
+//! - All errors were detected before this stage: no index is out of range, and no byte is missing.
 //!
-//! Rows are made on demand, so that a large map needs no more memory than its file, and a
-//! compressed one no more than its planes.
+//! Rows are assembled on demand, so that a large map needs no more memory than its file, and a compressed map no more
+//! than its planes.
 
 use std::ops::Range;
 
@@ -22,30 +22,31 @@ use crate::error::Result;
 use crate::ptm::{Header, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 
-/// Maximum number of texels of a piece: a piece with eighteen channels stays in the L1 cache while it is made.
+/// Maximum number of texels in a piece. A piece with eighteen channels fits in the L1 cache.
 const MAX_PIECE_TEXELS: u32 = 1 << 10;
 
-/// A map that has been checked but not yet assembled.
+/// A validated map whose texels have not been assembled.
 pub struct Stored<'a> {
-    /// The header, 2.1–2.4.
+    /// Header (2.1–2.4).
     pub header: Header,
-    /// The meaning of its channels.
+    /// Meaning of the channels.
     pub shape: Shape,
     pub(super) parts: Vec<Channels<'a>>,
-    /// The end of the values in the file.
+    /// Offset of the end of the values in the file.
     pub(super) at: usize,
     pub(super) reading: &'a Reading,
 }
 
 impl Stored<'_> {
-    /// Assembles all texels.
+    /// Assembles all texels of the map.
     ///
     /// # Errors
-    /// [`Kind::TooLarge`](crate::error::Kind::TooLarge) if they need more memory than the limit allows.
+    /// Returns [`Kind::TooLarge`](crate::error::Kind::TooLarge) if the texels need more memory than the limit allows.
     pub fn planes(&self, limits: &Limits) -> Result<Planes> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
-        // The memory that the parts hold in addition to the file (planes of a compressed file) is in use at the same time.
+        // The memory that the parts occupy in addition to the file (the planes of a compressed file) is in use at the
+        // same time.
         let held: usize = self.parts.iter().map(Channels::held_bytes).sum();
         let needs = self.header.size.bytes(channels);
         limits.check(needs.saturating_add(held as u64), self.at)?;
@@ -61,15 +62,15 @@ impl Stored<'_> {
         })
     }
 
-    /// Returns the map in pieces of a row or less, from left to right and from top to bottom, as small maps.
+    /// Returns the map as a sequence of small maps of at most one row, from left to right and from top to bottom.
     pub fn pieces(&self) -> impl Iterator<Item = Ptm> {
         let Size { width, height } = self.header.size;
         let columns = move || {
             let starts = (0..width).step_by(MAX_PIECE_TEXELS as usize);
             starts.map(move |start| start..width.min(start.saturating_add(MAX_PIECE_TEXELS)))
         };
-        let places = (0..height).flat_map(move |row| columns().map(move |columns| (row, columns)));
-        places.map(|(row, columns)| self.piece(row, columns))
+        let pieces = (0..height).flat_map(move |row| columns().map(move |columns| (row, columns)));
+        pieces.map(|(row, columns)| self.piece(row, columns))
     }
 
     fn piece(&self, row: u32, columns: Range<u32>) -> Ptm {
@@ -92,14 +93,14 @@ impl Stored<'_> {
         }
     }
 
-    /// Assembles some texels of row `row`, counted from the top.
+    /// Assembles texels of one row, counted from the top.
     fn read(&self, row: u32, columns: Range<u32>, texels: &mut [u8]) {
         let width = self.header.size.width as usize;
         let start = (self.reading.stored_row)(&self.header, row as usize) * width;
         let run = start + columns.start as usize..start + columns.end as usize;
         for part in &self.parts {
-            // A faster version of [`Channels::put`].
-            runs::put(
+            // A faster version of [`Channels::copy_to`].
+            runs::copy_run(
                 part,
                 run.clone(),
                 texels,

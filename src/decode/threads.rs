@@ -1,8 +1,8 @@
-//! Decoding of the streams of 2.9.8 on all threads
+//! Parallel decoding of the streams of 2.9.8
 //!
-//! Streams are independent, so all of them can be decoded at once; prediction and correction, which
-//! go from plane to plane, come after. The result is that of [`planes::residuals`], including its
-//! error: that of the first plane in the order of decoding.
+//! Streams are independent, so they are decoded in parallel. Prediction and correction depend on other planes and
+//! follow later. The result equals that of [`planes::residuals`]. If several streams are invalid, the error is that
+//! of the first one in the order of decoding.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::parts::Coded;
 use crate::reading::Reading;
 
-/// Minimum number of texels of a plane for threads: smaller planes are decoded faster than a thread starts.
+/// Minimum number of texels in a plane for parallel decoding. Smaller planes are decoded faster than a thread starts.
 const MIN_THREADED_TEXELS: usize = 1 << 16;
 
 /// Does the same as [`planes::residuals`].
@@ -19,28 +19,28 @@ pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>
     if coded.size.texels() < MIN_THREADED_TEXELS {
         return planes::residuals(coded, reading);
     }
-    // Some systems read files to find the number of threads, so it is not requested for small planes.
+    // Some systems read files to determine the number of threads, so avoid the call for small planes.
     match std::thread::available_parallelism().map_or(1, usize::from) {
         1 => planes::residuals(coded, reading),
-        threads => residuals_by(threads, coded, reading),
+        threads => residuals_on_threads(threads, coded, reading),
     }
 }
 
-fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+fn residuals_on_threads(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     let sequence = &coded.plan.sequence;
     let next = AtomicUsize::new(0);
-    // Each thread takes the next plane, until there is none.
+    // Each thread takes the next plane until none is left.
     let decode_some = || {
         let mut decoded = Vec::new();
-        let mut place = next.fetch_add(1, Ordering::Relaxed);
-        while let Some(&plane) = sequence.get(place) {
-            decoded.push((place, (reading.stream)(&coded.stream(plane))));
-            place = next.fetch_add(1, Ordering::Relaxed);
+        let mut index = next.fetch_add(1, Ordering::Relaxed);
+        while let Some(&plane) = sequence.get(index) {
+            decoded.push((index, (reading.stream)(&coded.stream(plane))));
+            index = next.fetch_add(1, Ordering::Relaxed);
         }
         decoded
     };
     let mut all: Vec<_> = std::thread::scope(|scope| {
-        // This thread takes part, so that planes are decoded even if no thread can be started.
+        // The current thread participates, so that decoding works even if no thread can be started.
         let start = |_| std::thread::Builder::new().spawn_scoped(scope, decode_some);
         let workers: Vec<_> = (1..threads.min(sequence.len()))
             .map_while(|i| start(i).ok())
@@ -50,7 +50,7 @@ fn residuals_by(threads: usize, coded: &Coded, reading: &Reading) -> Result<Vec<
         decoded.extend(joined.flat_map(|decoded| decoded.expect("the codecs do not panic")));
         decoded
     });
-    all.sort_by_key(|&(place, _)| place);
+    all.sort_by_key(|&(index, _)| index);
     all.into_iter().map(|(_, residuals)| residuals).collect()
 }
 
@@ -63,7 +63,7 @@ mod tests {
     use crate::parts::{Extent, Plan, PlaneStream};
     use crate::ptm::{Coding, Size};
 
-    /// A "stream" of one byte is its plane; 255 is refused, and values below 8 only after a delay.
+    /// Fake decoder: a stream is one byte, which becomes the plane. Rejects 255, and delays values below 8.
     fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
         if stream.bytes[0] < 8 {
             std::thread::sleep(std::time::Duration::from_micros(200));
@@ -97,7 +97,7 @@ mod tests {
             };
             let size = Size { width: 1, height: 1 };
             let coded = Coded { coding: Coding::Jpeg, size, plan: &plan, at: 100, payload: &payload };
-            prop_assert_eq!(residuals_by(threads, &coded, &reading), planes::residuals(&coded, &reading));
+            prop_assert_eq!(residuals_on_threads(threads, &coded, &reading), planes::residuals(&coded, &reading));
         }
     }
 }

@@ -1,55 +1,59 @@
-//! The answer of a decoder that makes some mistakes to one file.
+//! Computes how a decoder that makes certain mistakes answers a case.
 
 use std::borrow::Cow;
 
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
-use super::witness::{Witness, alike, applies, is_after_decoding};
-use crate::kit::parallel::in_parallel;
+use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, At, Misreading, Stage};
 use crate::protocol::frame::{Answer, Samples, View};
 use crate::ptm::Ptm;
 use crate::session::observation::Response;
 
-/// The clauses about the position of a record.
-const POSITIONS: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
+/// Clauses about the position of a correction record.
+const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 
 impl Witness<'_> {
-    /// Returns the answer of a decoder with these mistakes.
+    /// Returns the answer of a decoder that makes `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let (whole, in_part): (Vec<&Mistake>, Vec<&Mistake>) = made
             .copied()
             .partition(|mistake| mistake.channels == ChannelSubset::All);
         let mut misreadings: Vec<&Misreading> =
             whole.iter().map(|mistake| mistake.misreading).collect();
-        let mut answer = self.answer_of_listed(&misreadings);
+        let mut answer = self.answer_of_misreadings(&misreadings);
         for mistake in in_part {
             misreadings.push(mistake.misreading);
-            let with = self.answer_of_listed(&misreadings);
+            let with = self.answer_of_misreadings(&misreadings);
             mistake.channels.replace(answer.to_mut(), &with);
             misreadings.pop();
         }
         answer
     }
 
-    /// Returns the response if it is the colors that these mistakes produce, rounded or truncated to bytes. This comparison is
-    /// stricter than the tolerance, so it also separates mistakes with small effects.
-    pub fn shown_by(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
+    /// Returns the response if its colors match those that the mistakes produce, rounded or truncated to bytes. This
+    /// comparison is stricter than the tolerance, so it also separates mistakes with small effects.
+    pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let (View::Rgb(light), Some(shown), Answer::Decoded(made)) =
-            (&self.observation.view, self.shown(), made)
+            (&self.observation.view, self.wrong_image(), made)
         else {
             return None;
         };
         let is_in_part = |mistake: &&Mistake| mistake.channels != ChannelSubset::All;
-        if !self.failed || mistakes.iter().any(is_in_part) || !alike(shown, made) {
+        if !self.failed || mistakes.iter().any(is_in_part) || !equal_up_to_rounding(shown, made) {
             return None;
         }
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
-                let reading = misreadings::misread(&made, self.reading);
+                let reading = misreadings::apply_to_reading(&made, self.reading);
                 (self.decoded().as_ref().ok()?.clone(), reading)
             }
             false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
@@ -71,21 +75,23 @@ impl Witness<'_> {
         (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
     }
 
-    /// Returns the image that a decoder with these mistakes shows for stored values.
-    pub fn show(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
-        let made = mistakes.iter().filter(|mistake| mistake.scope.holds(self));
+    /// Returns the image that a decoder with `mistakes` outputs for the stored values in `ptm`.
+    pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
-        let reading = misreadings::misread(&made, self.reading);
+        let reading = misreadings::apply_to_reading(&made, self.reading);
         misreadings::show(&made, &reading, ptm, &self.observation.view)
     }
 
-    /// Returns true if the file was refused and these mistakes move a record outside its plane. The catalog ignores these records;
-    /// many decoders refuse them.
+    /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The catalog
+    /// ignores such records, but many decoders refuse them.
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
             match misreading.at {
-                At::Records(read) if POSITIONS.contains(&misreading.clause) => Some(read),
+                At::Records(read) if POSITION_CLAUSES.contains(&misreading.clause) => Some(read),
                 _ => None,
             }
         });
@@ -97,7 +103,7 @@ impl Witness<'_> {
             return readers.next().is_some()
                 && clauses
                     .iter()
-                    .any(|clause| POSITIONS.contains(&&clause[..]));
+                    .any(|clause| POSITION_CLAUSES.contains(&&clause[..]));
         };
         let bytes =
             |&(position, value): &(u32, u8)| position.to_be_bytes().into_iter().chain([value]);
@@ -113,8 +119,8 @@ impl Witness<'_> {
         })
     }
 
-    /// Returns true if the mistake can change the answer.
-    pub fn concerns(&self, mistake: &Mistake) -> bool {
+    /// Returns true if `mistake` can change the answer to this case.
+    pub fn can_affect(&self, mistake: &Mistake) -> bool {
         let misreading = mistake.misreading;
         let last = match &self.observation.view {
             View::Raw => Stage::Planes,
@@ -125,32 +131,34 @@ impl Witness<'_> {
             At::Edits(edits) => edits
                 .iter()
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
-            _ => applies(misreading, &self.built.file),
+            _ => can_affect_file(misreading, &self.built.file),
         };
-        is_used && misreading.at.stage() <= last && mistake.scope.holds(self)
+        is_used && misreading.at.stage() <= last && mistake.scope.contains(self)
     }
 
-    /// Returns true if the mistake can explain the response. A mistake that only changes values explains no refusal.
-    pub fn could_be(&self, mistake: &Mistake) -> bool {
+    /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a
+    /// refusal.
+    pub fn can_explain(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Image { .. });
-        self.concerns(mistake) && (!refused || mistake.misreading.at.may_refuse())
+        self.can_affect(mistake) && (!refused || mistake.misreading.at.may_refuse())
     }
 }
 
-/// Returns true if a misreading gives the responses that show the decoder's reading of the open questions.
-pub(super) fn could_be_misread(witnesses: &[Witness], threads: usize) -> bool {
+/// Returns true if a single misreading reproduces the responses from which the decoder's choices were inferred.
+pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> bool {
     let gives = |witness: &Witness, answer: &Answer| match witness.observation.response {
         Response::Rejected => *answer == Answer::Rejected,
         _ => *answer == witness.right,
     };
-    let is_telling = |witness: &&Witness| !witness.failed && !gives(witness, witness.unmistaken());
+    let is_telling =
+        |witness: &&Witness| !witness.failed && !gives(witness, witness.correct_answer());
     let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
     let telling: Vec<&Witness> = telling.collect();
     let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
-    let reproduced = in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
+    let reproduced = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
         let mistake = &mistakes[at];
         let is_reproduced = |witness: &&&Witness| {
-            witness.concerns(mistake) && gives(witness, &witness.answer(&[mistake]))
+            witness.can_affect(mistake) && gives(witness, &witness.answer(&[mistake]))
         };
         telling.iter().filter(is_reproduced).count()
     });

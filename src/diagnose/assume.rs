@@ -1,7 +1,7 @@
 //! `--assume`: judges a decoder whose user takes some mistakes as given.
 //!
-//! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other failing image is compared with the
-//! image that such a decoder should show.
+//! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other wrong image is compared
+//! with the output of such a decoder.
 
 use super::witness::{Agreement, Witness, witnesses};
 use crate::misreadings::{self, Misreading};
@@ -13,33 +13,33 @@ use crate::suite::cases::Suite;
 use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
 
-/// Changes the outcome of failures that the `assumed` mistakes explain, and the reason of the other failures.
+/// Marks failures that the `assumed` mistakes explain, and updates the reasons of the remaining failures.
 pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], threads: usize) {
     if assumed.is_empty() {
         return;
     }
-    let mut said: Vec<(usize, Outcome, String)> = Vec::new();
+    let mut changes: Vec<(usize, Outcome, String)> = Vec::new();
     for witness in witnesses(suite, run, None, threads) {
         if !witness.failed {
             continue;
         }
-        let made = witness.answer_of_listed(assumed);
+        let made = witness.answer_of_misreadings(assumed);
         if *made == witness.right {
             continue;
         }
         if is_explained(&witness, &made, assumed) {
-            said.push((witness.place, Outcome::Assumed, String::new()));
-        } else if let (Some(shown), Answer::Decoded(made)) = (witness.shown(), &*made)
+            changes.push((witness.case_index, Outcome::Assumed, String::new()));
+        } else if let (Some(shown), Answer::Decoded(made)) = (witness.wrong_image(), &*made)
             && let Some(difference) = Expected::from_frame(made).compare(shown)
         {
-            said.push((
-                witness.place,
+            changes.push((
+                witness.case_index,
                 Outcome::Fail,
                 format!("with the assumed mistakes: {difference}"),
             ));
         }
     }
-    for (place, outcome, says) in said {
+    for (place, outcome, says) in changes {
         if let Some(judged) = &mut run.judgement.cases[place] {
             judged.outcome = outcome;
             judged.says = says;
@@ -47,7 +47,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
     }
 }
 
-/// Returns true if a decoder with these mistakes reproduces the response, in any reading of the open questions.
+/// Returns true if a decoder with these mistakes reproduces the response under some combination of choices.
 fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading]) -> bool {
     let explained = |answer: &Answer| {
         matches!(

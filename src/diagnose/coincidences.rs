@@ -1,4 +1,6 @@
-//! Mistakes that agree with some responses by chance: many mistakes end in a refusal, and colors are rounded.
+//! Removes mistakes that match some responses by chance.
+//!
+//! Chance matches are common because many mistakes end in a refusal, and because colors are rounded.
 
 use std::collections::HashSet;
 
@@ -6,36 +8,36 @@ use super::failure_mode::FailureMode;
 use super::search::{FoundMistakes, Id, Search, Set, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
-use super::words::place::is_near;
+use super::words::differences::reduces_wrong_samples;
 use super::words::refusals;
 use crate::misreadings::{Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
 
-/// The failing cases that show whether the decoder makes a mistake.
+/// Counts of the failing cases that support or contradict a mistake.
 #[derive(Default)]
 struct FailureEvidence {
-    /// Legal files whose response the mistake reproduces, alone or together with the others.
+    /// Legal files whose response the mistake reproduces, alone or together with the other mistakes.
     explained: Vec<usize>,
-    /// The number of images in `explained`.
+    /// Number of images in `explained`.
     images: usize,
-    /// The number of crashes in `explained`.
+    /// Number of crashes in `explained`.
     crashes: usize,
-    /// Malformed files that it accepts as the decoder does.
+    /// Malformed files that both the mistake and the decoder accept.
     accepted: Vec<usize>,
-    /// Images of legal files that it changes in another way than the decoder does.
+    /// Number of images of legal files that the mistake changes in a different way than the decoder does.
     other_images: usize,
-    /// The images among `other_images` that it does not bring closer to the response.
+    /// Number of `other_images` that the mistake does not bring closer to the response.
     far: usize,
-    /// Images of legal files that it changes.
+    /// Number of images of legal files that the mistake changes.
     changed_images: usize,
-    /// Refusals and crashes of legal files that it changes.
+    /// Number of refusals and crashes of legal files that the mistake changes.
     changed_refusals: usize,
-    /// Images of legal files that it would refuse.
+    /// Number of images of legal files that a decoder with the mistake would refuse.
     against: usize,
 }
 
 impl FailureEvidence {
-    /// Compares the answers of a decoder that makes the mistake `id` of `set` with the responses.
+    /// Compares the responses with the answers of a decoder that makes the mistake `id` of `set`.
     fn new(search: &Search, set: &Set, failing: &[usize], id: Id) -> FailureEvidence {
         let without = without_id(set, id);
         let mut evidence = FailureEvidence::default();
@@ -51,7 +53,7 @@ impl FailureEvidence {
                 }
                 continue;
             }
-            let is_changed = search.differ(w, set, &without);
+            let is_changed = search.answers_differ(w, set, &without);
             evidence.changed_images += usize::from(is_changed && is_image);
             evidence.changed_refusals += usize::from(is_changed && !is_image);
             let is_against = [alone, search.agreement(w, set)] == [Agreement::Against; 2];
@@ -62,15 +64,15 @@ impl FailureEvidence {
                 evidence.crashes += usize::from(alone == Agreement::Crash);
             } else if is_changed && is_image {
                 evidence.other_images += 1;
-                evidence.far += usize::from(!is_near(search, w, set, id));
+                evidence.far += usize::from(!reduces_wrong_samples(search, w, set, id));
             }
         }
         evidence
     }
 }
 
-/// Removes mistakes that agree with some answers by chance.
-pub(super) fn remove(search: &Search, found: &mut FoundMistakes) {
+/// Removes mistakes that match some responses by chance.
+pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
     use Rule::{Acceptances, Rare, Refusals, Stray};
     let witnesses = search.witnesses;
     let failed = search.failing();
@@ -79,34 +81,35 @@ pub(super) fn remove(search: &Search, found: &mut FoundMistakes) {
         of.iter().copied().filter(is_legal).collect()
     };
     let failing = legal(&failed);
-    let shared = refusals::widest(witnesses, &failing);
-    // Each rule weighs only the mistakes that are left. The last rule is repeated, because it may remove what hid other changes.
+    let shared = refusals::shared_failures(witnesses, &failing);
+    // Each rule weighs only the mistakes that remain. The last rule runs twice, because it may remove a mistake that
+    // hid other changes.
     for rule in [Refusals, Acceptances, Rare, Stray, Stray] {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
-        let all = search.each(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
+        let all = search.map_parallel(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
         let places: Vec<usize> = (0..set.len()).collect();
-        let keep = search.each(&places, |&place| {
+        let keep = search.map_parallel(&places, |&place| {
             let (id, evidence) = (set[place], &all[place]);
-            let listed = search.mistakes[id].listed();
+            let listed = search.mistakes[id].catalog_misreading();
             if evidence.explained.is_empty() && evidence.accepted.is_empty() {
                 return false;
             }
             match (rule, listed) {
                 (Refusals, _) => !refuses_by_chance(search, &set, &all, place, &failing, &shared),
                 (Acceptances, _) => !accepts_by_chance(search, id, evidence, &open, is_unknown),
-                // Edits were compared with all images that they change.
+                // Edits have already been compared with all images that they change.
                 (_, None) => true,
                 (Rare, Some(_)) => !is_rare(search, &set, id, evidence),
                 (Stray, Some(misreading)) => !is_stray(search, misreading, evidence, failing.len()),
             }
         });
-        found.keep(&keep);
+        found.retain_flagged(&keep);
     }
 }
 
-/// The rules, in the order in which they are applied.
+/// Rules for coincidences, in order of application.
 #[derive(Clone, Copy)]
 enum Rule {
     Refusals,
@@ -115,9 +118,10 @@ enum Rule {
     Stray,
 }
 
-/// Returns true if a misreading explains few of the failures, and none of these is about the misread clause, if it changes more than
-/// twice as many, or if it would refuse more images than it explains: among many wrong images, a few agree with another mistake by
-/// chance.
+/// Returns true if a misreading matches only stray failures:
+/// - it explains few failures, and none of them is about the misread clause,
+/// - it changes more than twice as many cases as it explains, or
+/// - it would refuse more images than it explains.
 fn is_stray(
     search: &Search,
     misreading: &Misreading,
@@ -137,19 +141,22 @@ fn is_stray(
         && (is_most(others, changed) || is_few && !is_about || evidence.against > explained)
 }
 
-/// Returns true if a misreading explains few images and changes many others in another way than the decoder does. It must explain
-/// nearly all if passing files contradict it, or if only colors show it, because these are rounded.
+/// Returns true if a misreading explains few images and changes many others in a different way than the decoder does.
+/// If passing files contradict it, or if only rounded colors support it, it must explain nearly all of them.
 fn is_rare(search: &Search, set: &Set, id: Id, evidence: &FailureEvidence) -> bool {
     let (images, far) = (evidence.images, evidence.far);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
     let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
-    let is_denied = || !search.denied(&[id]).is_empty() && !search.denied(set).is_empty();
+    let is_denied = || {
+        !search.small_contradictions(&[id]).is_empty()
+            && !search.small_contradictions(set).is_empty()
+    };
     images > 0
         && (is_nearly_all(far, far + images) || !is_thorough && (is_of_colors || is_denied()))
 }
 
-/// Returns true if a mistake only refuses files, and a shared property explains more of them, or other cases contradict it: many
-/// mistakes end in a refusal. `shared` are the failures that one property explains.
+/// Returns true if a mistake only refuses files, and either a shared property explains more of these refusals or
+/// other cases contradict the mistake. `shared` holds the failures that one property explains.
 fn refuses_by_chance(
     search: &Search,
     set: &Set,
@@ -167,7 +174,7 @@ fn refuses_by_chance(
         let others = explained.iter().filter(|w| !wide.contains(w)).count();
         wide.len() > explained.len() && is_few(others, explained.len())
     };
-    // Refusals that no other mistake explains. A misreading that changes values would show an image somewhere.
+    // Refusals that no other mistake explains. A misreading that changes values would affect some image.
     let others = || (0..all.len()).filter(|&other| other != place);
     let is_refused = |w: &&usize| {
         let is_other = others().any(|other| all[other].explained.contains(w));
@@ -178,18 +185,22 @@ fn refuses_by_chance(
     // A crash is weaker evidence than a refusal.
     let are_crashes = evidence.crashes == explained.len();
     let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
-    let listed = search.mistakes[set[place]].listed();
+    let listed = search.mistakes[set[place]].catalog_misreading();
     let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
     let one = [set[place]];
-    let is_contradicted = |w| search.contradicted(w, &one) && search.contradicted(w, set);
+    let is_contradicted = |w| {
+        search.conflicts_with_passing_case(w, &one) && search.conflicts_with_passing_case(w, set)
+    };
     (!refuses_only || is_few(explained.len(), refused)) && is_small
         || evidence.against > 0
         || shared.iter().any(explains_more)
         || (0..witnesses.len()).any(is_contradicted)
 }
 
-/// Returns true if a mistake explains only malformed files that are accepted, and passing cases contradict it, or it explains few
-/// faults and unexplained failures are about the same clause, or the causes of nearly all failures of legal files are unknown.
+/// Returns true if a mistake explains only accepted malformed files, and one of these holds:
+/// - passing cases contradict it,
+/// - it explains few faults, and unexplained failures are about the same clause, or
+/// - the causes of nearly all failures of legal files are unknown.
 fn accepts_by_chance(
     search: &Search,
     id: Id,
@@ -200,7 +211,7 @@ fn accepts_by_chance(
     if !evidence.explained.is_empty() {
         return false;
     }
-    // A mistake that explains many different faults is no coincidence.
+    // A mistake that explains many different faults is not a coincidence.
     let damages = evidence.accepted.iter();
     let faults = damages.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.effect));
     let is_one_fault = faults.collect::<HashSet<_>>().len() <= MIN_SHARING_FILES;
@@ -209,7 +220,7 @@ fn accepts_by_chance(
         open.iter()
             .any(|&w| is_about(&search.witnesses[w], misreading))
     };
-    is_unknown || is_one_fault && is_clause_open() || !search.denied(&[id]).is_empty()
+    is_unknown || is_one_fault && is_clause_open() || !search.small_contradictions(&[id]).is_empty()
 }
 
 /// Returns true if a case is about the misread clause.

@@ -1,8 +1,8 @@
-//! Greedy cover: the fewest causes that together explain the failures.
+//! Greedy set cover: finds few causes that together explain the failures.
 //!
-//! - The candidate that explains most failures is chosen first, and then the next for the failures that are left.
+//! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
 //! - A candidate that explains no more failures than passing cases contradict is chosen after all others.
-//! - Of candidates that explain equally many, the one with fewer contradictions is chosen, then the earlier one.
+//! - Ties are broken by fewer contradictions, then by order in the list.
 //! - Candidates that explain the same failures and have the same contradictions are alike: no case separates them.
 
 use std::cmp::Reverse;
@@ -10,19 +10,19 @@ use std::cmp::Reverse;
 use super::diagnosis::{Cause, Diagnosis};
 use crate::misreadings::Misreading;
 
-/// A possible cause.
+/// A possible cause, with the cases that support and contradict it.
 pub(crate) struct CoverCandidate<T> {
     pub cause: T,
-    /// Failing cases that it reproduces, by their places in the suite.
+    /// Indices in the suite of the failing cases that the candidate reproduces.
     pub explains: Vec<usize>,
-    /// Passing cases that the misreading would have failed.
+    /// Indices of the passing cases that a decoder with this cause would fail.
     pub contradicted: Vec<usize>,
-    /// Causes that no case separates from it. Filled in by [`cover`].
+    /// Causes that no case separates from this one. Filled in by [`cover`].
     pub alike: Vec<T>,
 }
 
 impl<T> CoverCandidate<T> {
-    /// Tries `cause` on the failing and the passing cases. Returns `None` if it explains nothing.
+    /// Tries `cause` on the failing and the passing cases. Returns `None` if it explains no failure.
     pub fn new(
         cause: T,
         failing: &[usize],
@@ -42,14 +42,14 @@ impl<T> CoverCandidate<T> {
         })
     }
 
-    /// Returns true if more failures support it than passing cases contradict it.
+    /// Returns true if more failures support the candidate than passing cases contradict it.
     pub fn is_supported(&self) -> bool {
         self.explains.len() > self.contradicted.len()
     }
 }
 
 impl<A> CoverCandidate<&'static Misreading<A>> {
-    /// Returns the diagnosis that a decoder makes this mistake.
+    /// Converts the candidate into the diagnosis that the decoder makes this mistake.
     pub fn diagnosis(self) -> Diagnosis<A> {
         let cause = Cause::Misreading {
             misreading: self.cause,
@@ -64,7 +64,7 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
     }
 }
 
-/// Chooses candidates until none explains any of `failing`, from which the explained cases are removed.
+/// Chooses candidates until none explains any case in `failing`. Removes the explained cases from `failing`.
 pub(crate) fn cover<T: Copy>(
     mut candidates: Vec<CoverCandidate<T>>,
     failing: &mut Vec<usize>,

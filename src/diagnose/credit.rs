@@ -1,15 +1,15 @@
-//! The worth of a mistake that explains part of an image.
+//! Partial credit for a mistake that explains only some channels of an image.
 
 use super::pair::ImagePair;
-use super::tuning::{MIN_SUPPORT, WORTH_OF_PART_OF_AN_IMAGE};
+use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_WORTH};
 use super::witness::Witness;
 use crate::protocol::frame::Answer;
 
-/// Returns the share of [`WORTH_OF_PART_OF_AN_IMAGE`] for the wrong channels that this answer reproduces, or 0 if it spoils a
-/// correct channel.
-pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
+/// Returns a fraction of [`PARTIAL_IMAGE_WORTH`]: the share of wrong channels that `answer` reproduces. Returns
+/// 0 if the answer spoils a correct channel.
+pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
-        (witness.shown(), &witness.right, answer)
+        (witness.wrong_image(), &witness.right, answer)
     else {
         return 0;
     };
@@ -31,6 +31,6 @@ pub(super) fn credit(witness: &Witness, answer: &Answer) -> i64 {
     let wrong = before.iter().filter(|is| **is).count();
     match spoiled || wrong == 0 {
         true => 0,
-        false => (fixed * WORTH_OF_PART_OF_AN_IMAGE / wrong) as i64,
+        false => (fixed * PARTIAL_IMAGE_WORTH / wrong) as i64,
     }
 }

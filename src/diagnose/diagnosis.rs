@@ -1,4 +1,4 @@
-//! The cause of a failure, and the cases that it explains.
+//! Causes of failures, and the cases that they explain.
 
 use std::time::Duration;
 
@@ -7,31 +7,32 @@ use serde::{Deserialize, Serialize};
 use super::witness::Witness;
 use crate::misreadings::{At, Misreading};
 
-/// A cause and what it explains.
+/// A cause and the cases that it explains.
 pub struct Diagnosis<A: 'static = At> {
     /// The cause.
     pub cause: Cause<A>,
-    /// Failing cases that it reproduces, by their places in the suite.
+    /// Indices in the suite of the failing cases that the cause reproduces.
     pub explains: Vec<usize>,
-    /// Failing cases that it explains in part.
+    /// Failing cases that the cause explains in part.
     pub partly: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
     pub except: Vec<usize>,
-    /// The observation in words, if other mistakes would look the same. A report states it instead of the cause.
+    /// Description of the observed behavior, if other mistakes would have the same effect. Reports state it instead
+    /// of the cause.
     pub shows: Option<Cause<A>>,
-    /// True if a decoder with this mistake was compared with every case, and reproduces the responses.
+    /// True if a decoder with this mistake was compared with every case and reproduces the responses.
     pub certain: bool,
 }
 
 /// The result of a search for causes.
 pub struct Causes<A: 'static = At> {
-    /// The diagnoses, the one that explains most first.
+    /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics in the search. Each is a bug in this program, and costs one cause.
+    /// Messages of panics during the search. Each is a bug in this program and costs one cause.
     pub faults: Vec<String>,
-    /// The number of answers of decoders with mistakes that were computed.
+    /// Number of answers of mistaken decoders that were computed.
     pub answered: usize,
-    /// The CPU time that the search took, where the system can tell.
+    /// CPU time of the search, if the system reports it.
     pub cpu_time: Option<Duration>,
 }
 
@@ -48,50 +49,50 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
 
 /// A cause of failures.
 pub enum Cause<A: 'static = At> {
-    /// A mistake of the catalog.
+    /// A misreading in the catalog.
     Misreading {
-        /// The mistake.
+        /// The misreading that explains the cases.
         misreading: &'static Misreading<A>,
         /// Misreadings that explain the same cases equally well.
         alike: Vec<&'static Misreading<A>>,
-        /// Misreadings that show in the same cases too.
+        /// Misreadings that affect the same cases as well.
         with: Vec<&'static Misreading<A>>,
     },
-    /// A difference that no misreading of the catalog produces.
+    /// A difference that no misreading in the catalog produces.
     Described {
-        /// The kind of failure.
+        /// Category of the failures.
         category: Category,
-        /// The clause that the cases are about.
+        /// Clause that the cases test.
         clause: String,
-        /// The decoder's behavior, as a sentence without its subject: "refuses …".
+        /// Behavior of the decoder, as a sentence without its subject: "refuses …".
         effect: String,
-        /// The advice, as a command: "read …".
+        /// Advice, in the imperative: "read …".
         fix: String,
         /// One failing case in detail, down to the bytes of the file.
         example: String,
-        /// Misreadings that would look the same.
+        /// Misreadings that would have the same effect.
         alike: Vec<&'static Misreading<A>>,
     },
 }
 
-/// The kinds of failure.
+/// Categories of failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Category {
-    /// Legal files were refused, or ended in a crash.
+    /// The decoder refused legal files or crashed on them.
     Refusal,
-    /// Malformed files were accepted.
+    /// The decoder accepted malformed files.
     Acceptance,
-    /// Files that must or may be refused ended in a crash, a hang or a malformed frame.
+    /// The decoder crashed, hung or wrote a malformed frame for files that it must or may refuse.
     Violation,
-    /// Images are wrong.
+    /// The decoder output wrong images.
     Difference,
-    /// A request has different responses.
+    /// The decoder gave different responses to the same request.
     Nondeterminism,
 }
 
 impl Category {
-    /// Returns the name in a report.
+    /// Returns the name that reports use.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -104,7 +105,7 @@ impl Category {
     }
 }
 
-/// The words of a described cause.
+/// Text of a described cause.
 pub(super) struct CauseWords {
     pub effect: String,
     pub fix: String,
@@ -112,7 +113,7 @@ pub(super) struct CauseWords {
 }
 
 impl<A> Diagnosis<A> {
-    /// Returns the diagnosis that `cause` explains these cases, and nothing else.
+    /// Creates a diagnosis with a cause and the cases that it explains.
     pub(crate) fn new(cause: Cause<A>, explains: Vec<usize>) -> Diagnosis<A> {
         Diagnosis {
             cause,
@@ -126,8 +127,8 @@ impl<A> Diagnosis<A> {
 }
 
 impl Diagnosis {
-    /// Returns the diagnosis that describes these witnesses, with the clause that they have more often than the others.
-    pub(super) fn described(
+    /// Creates a diagnosis that describes the witnesses `of`, with the clause that is most specific to them.
+    pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
         of: &[usize],
@@ -141,18 +142,18 @@ impl Diagnosis {
             example: words.example,
             alike: Vec::new(),
         };
-        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].place).collect())
+        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].case_index).collect())
     }
 
-    /// Sets the misreadings that would look the same.
-    pub(super) fn with_alike(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
+    /// Sets the misreadings that would have the same effect.
+    pub(super) fn with_equivalents(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
         if let Cause::Described { alike, .. } = &mut self.cause {
             *alike = others;
         }
         self
     }
 
-    /// Sets the clause, if it is known better than from the clauses of the cases.
+    /// Replaces the clause inferred from the cases by a known one.
     pub(super) fn with_clause(mut self, known: &str) -> Diagnosis {
         if let Cause::Described { clause, .. } = &mut self.cause {
             known.clone_into(clause);
@@ -161,7 +162,7 @@ impl Diagnosis {
     }
 }
 
-/// Returns the clause that most of these cases are about and few others.
+/// Returns the clause that is common among these cases and rare among all others.
 fn common_clause(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     let about = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
     let all: Vec<usize> = (0..witnesses.len()).collect();

@@ -1,7 +1,7 @@
-//! Mistakes that the catalog lacks: one edit of one formula, or a mistake that is made in some files only.
+//! Mistakes outside the catalog: an edit of one formula, or a misreading that is limited to some files.
 //!
-//! Every edit is tried on a few small failing files of each format. One that reproduces an image becomes a mistake that the
-//! search compares with all files. If passing files contradict it, it is kept only for formats in which none does.
+//! Every edit is tried on a few small failing files of each format. If an edit reproduces an image, the search
+//! compares it with all files. If passing files contradict it, it is restricted to formats without contradictions.
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -9,49 +9,51 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::learned;
-use super::mistake::{ChannelSubset, Mistake, misreading_of};
-use super::scope::{FileScope, scope_between};
-use super::search::{Id, Search, Set, WORTH_OF_A_REFUSAL, spread};
+use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
+use super::scope::{FileScope, separating_scope};
+use super::search::{Id, REFUSAL_WORTH, Search, Set, interleave_groups};
 use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_much,
+    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
 };
 use super::witness::{Agreement, explains_a_view};
-use super::words::place::wrong_channels;
+use super::words::differences::wrong_channels;
 use crate::formula::{EditedForm, Expression, Formula, edits};
 use crate::misreadings::{At, Misreading};
 use crate::protocol::frame::Answer;
 
-/// Every edit of every formula as a misreading, the most natural edits first.
+/// Misreadings for all edits of all formulas, the most likely edits first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let formulas = Formula::ALL.iter();
     let ranked = formulas.flat_map(|&(formula, ..)| edits::all(formula).iter().enumerate());
     let mut all: Vec<_> = ranked.collect();
     all.sort_by_key(|(rank, _)| *rank);
     all.into_iter()
-        .map(|(_, edit)| misreading_of(edit))
+        .map(|(_, edit)| edit_as_misreading(edit))
         .collect()
 });
 
-/// Adds mistakes to the search that explain some of `left` together with `set`.
+/// Adds mistakes to the search that, together with `set`, explain some of the failures in `left`.
 pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
-    let mut probes = probes(search, left);
-    for of_kind in &mut probes {
-        of_kind.retain(|&w| search.is_new_probe(w, set));
+    let mut probes = select_probes(search, left);
+    for group in &mut probes {
+        group.retain(|&w| search.is_new_probe(w, set));
     }
-    let mut candidates = fitting(search, set, &probes);
-    let tables = learned::tables(search, set, left).into_iter();
+    let mut candidates = matching_edits(search, set, &probes);
+    let tables = learned::learn_tables(search, set, left).into_iter();
     candidates.extend(tables.map(Mistake::everywhere));
-    let scoped = search.each(&candidates, |mistake| scoped(search, set, mistake, left));
-    for mistake in scoped.into_iter().flatten() {
+    let restrict_to_scope = search.map_parallel(&candidates, |mistake| {
+        restrict_to_scope(search, set, mistake, left)
+    });
+    for mistake in restrict_to_scope.into_iter().flatten() {
         search.add(mistake);
     }
     add_scoped_misreadings(search, set, left);
 }
 
-/// Returns small failing images, several of each format and view, preferably of a size that separates rows from columns.
-fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
+/// Returns small failing images, several of each format and view. Prefers sizes that distinguish rows from columns.
+fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for w in search.solvable(left) {
+    for w in search.comparable_images(left) {
         let witness = &search.witnesses[w];
         let kind = (witness.case.format(), witness.observation.view.name());
         kinds.entry(kind).or_default().push(w);
@@ -61,19 +63,18 @@ fn probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
         _ => true,
     };
     let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
-    for of_kind in &mut probes {
-        of_kind.sort_by_key(|&w| (is_small(w), search.samples(w)));
-        // Cases about different clauses show different mistakes.
-        *of_kind = spread(of_kind, |w| {
-            search.witnesses[w].case.clauses.first().cloned()
-        });
-        of_kind.truncate(MAX_PROBES);
+    for group in &mut probes {
+        group.sort_by_key(|&w| (is_small(w), search.sample_count(w)));
+        // Cases about different clauses reveal different mistakes.
+        *group = interleave_groups(group, |w| search.witnesses[w].case.clauses.first().cloned());
+        group.truncate(MAX_PROBES);
     }
     probes
 }
 
-/// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, those that reproduce most first.
-fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
+/// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, sorted by the number of
+/// reproduced probes.
+fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let taken: Vec<Formula> = set
         .iter()
         .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
@@ -85,26 +86,26 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
     let mut channels = vec![ChannelSubset::All];
     for probe in probes {
-        let wrong = ChannelSubset::narrowest(&wrong_channels(search, set, probe));
+        let wrong = ChannelSubset::smallest_containing(&wrong_channels(search, set, probe));
         if !channels.contains(&wrong) {
             channels.push(wrong);
         }
     }
-    let with_image = |&w: &usize| (w, search.answer_of(w, set));
+    let with_image = |&w: &usize| (w, search.best_answer(w, set));
     let firsts: Vec<(usize, Cow<Answer>)> = (probes
         .iter()
-        .filter_map(|of_kind| of_kind.first())
+        .filter_map(|group| group.first())
         .map(with_image))
     .collect();
-    let others = probes.iter().flat_map(|of_kind| of_kind.iter().skip(1));
+    let others = probes.iter().flat_map(|group| group.iter().skip(1));
     let others: Vec<(usize, Cow<Answer>)> = others.map(with_image).collect();
-    let counts = search.each(&edits, |&edit| {
+    let counts = search.map_parallel(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
         let edit = Mistake::everywhere(edit);
         let mut count = |probes: &[(usize, Cow<Answer>)]| {
             for (w, made) in probes {
                 let witness = &search.witnesses[*w];
-                if search.is_interrupted() || !witness.could_be(&edit) {
+                if search.is_interrupted() || !witness.can_explain(&edit) {
                     continue;
                 }
                 let answer = search.answer_with(*w, set, &edit);
@@ -116,7 +117,7 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
             }
             counts.iter().any(|&count| count > 0)
         };
-        // The other images rank the edits that reproduce one of the first.
+        // The remaining probes rank the edits that reproduce one of the first probes.
         if count(&firsts) {
             count(&others);
         }
@@ -137,65 +138,74 @@ fn fitting(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the mistake in every file, or in the files in which no passing case contradicts it.
-fn scoped(search: &Search, set: &Set, mistake: &Mistake, left: &[usize]) -> Option<Mistake> {
-    let pictures = search.solvable(left);
+/// Returns the mistake, restricted to files in which no passing case contradicts it. Returns `None` if the evidence
+/// is too weak.
+fn restrict_to_scope(
+    search: &Search,
+    set: &Set,
+    mistake: &Mistake,
+    left: &[usize],
+) -> Option<Mistake> {
+    let images = search.comparable_images(left);
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
-    let explained: Vec<usize> = pictures.iter().copied().filter(fits).collect();
-    let denied = search.denied_with(set, mistake);
+    let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
+    let denied = search.small_contradictions_with(set, mistake);
     let scope = match denied.is_empty() {
         true => FileScope::All,
-        false => scope_between(search.witnesses, &explained, &denied)?,
+        false => separating_scope(search.witnesses, &explained, &denied)?,
     };
-    // Among so many mistakes, one fits the files of some property by chance.
+    // With this many mistakes, one of them fits the files of some property by chance.
     let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
-    if is_by_property && (mistake.listed().is_none() || !is_much(explained.len(), left.len())) {
+    if is_by_property
+        && (mistake.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
+    {
         return None;
     }
-    // Two restrictions at once fit too many edits, but values that are never written are no coincidence.
+    // With two restrictions, too many edits fit. Values that are never written are not a coincidence, however.
     let is_limited_twice = mistake.channels != ChannelSubset::All && scope != FileScope::All;
     let is_number = matches!(
-        only_edit(mistake),
+        single_edit(mistake),
         Some(EditedForm::Expression(Expression::Number(_)))
     );
     if is_limited_twice && (is_by_property || !is_number) {
         return None;
     }
-    let scoped = Mistake {
+    let restrict_to_scope = Mistake {
         misreading: mistake.misreading,
         channels: mistake.channels,
         scope,
     };
-    // In other views a later mistake may change the images, too. A learned table was compared with their texels.
-    let acts = |w: &&usize| search.changes_with(**w, set, &scoped);
-    let acting: Vec<usize> = pictures.iter().filter(acts).copied().collect();
-    let is_learned = matches!(only_edit(mistake), Some(EditedForm::Table(_)));
+    // In other views, a later mistake may also change the images. A learned table was compared with the texels of
+    // these images.
+    let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict_to_scope);
+    let acting: Vec<usize> = images.iter().filter(acts).copied().collect();
+    let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));
     let is_supported = explained.len() >= MIN_SUPPORT
         && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
-    is_supported.then_some(scoped)
+    is_supported.then_some(restrict_to_scope)
 }
 
-/// Returns the edit of a mistake that makes one.
-fn only_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
+/// Returns the edit of a mistake that consists of exactly one.
+fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.at {
         At::Edits([edit]) => Some(&edit.change),
         _ => None,
     }
 }
 
-/// Adds misreadings of the catalog that passing cases contradict, in the files in which they are made.
+/// Adds misreadings that passing cases contradict, restricted to the files that they explain.
 fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
     let is_open = |&id: &Id| {
         let mistake = &search.mistakes[id];
-        mistake.of_catalog().is_some() && !set.contains(&id)
+        mistake.unrestricted_misreading().is_some() && !set.contains(&id)
     };
     let open: Vec<Id> = (0..search.mistakes.len()).filter(is_open).collect();
     let sample = search.sample(left);
-    let counts = search.each(&open, |&id| {
+    let counts = search.map_parallel(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.value(w, &with) >= WORTH_OF_A_REFUSAL
-                && search.value(w, set) < WORTH_OF_A_REFUSAL
+            search.worth_of_set(w, &with) >= REFUSAL_WORTH
+                && search.worth_of_set(w, set) < REFUSAL_WORTH
         };
         sample.iter().filter(explains).count()
     });
@@ -203,8 +213,8 @@ fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
     ranked.retain(|&(count, _)| count > 1);
     ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
     ranked.truncate(MAX_SCOPED_MISREADINGS);
-    let scopes = search.each(&ranked, |&(_, id)| {
-        scoped(search, set, &search.mistakes[id], left)
+    let scopes = search.map_parallel(&ranked, |&(_, id)| {
+        restrict_to_scope(search, set, &search.mistakes[id], left)
             .filter(|mistake| mistake.scope != FileScope::All)
     });
     for mistake in scopes.into_iter().flatten() {

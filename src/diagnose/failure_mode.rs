@@ -1,4 +1,4 @@
-//! The ways in which a decoder fails to show an image.
+//! Failure modes: the ways in which a response can lack an image.
 
 use std::fmt;
 
@@ -6,22 +6,22 @@ use super::witness::Witness;
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 
-/// A response without an image. Two files fail in the same way if their modes are equal.
+/// A response without an image. Two files fail in the same way if their failure modes are equal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum FailureMode {
     Refuses,
     Unsupported,
-    /// With the exit status or the signal.
+    /// Contains the exit status or the signal.
     Crashes(String),
     Hangs,
-    /// With the error of the frame, in general words.
+    /// Contains the error message of the frame, with details removed.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),
 }
 
 impl FailureMode {
-    /// Returns the mode of a response, or `None` for an image.
+    /// Returns the failure mode of a response, or `None` for an image.
     pub fn new(witness: &Witness) -> Option<FailureMode> {
         Some(match &witness.observation.response {
             Response::Image { .. } => return None,
@@ -36,8 +36,8 @@ impl FailureMode {
         })
     }
 
-    /// Returns the modes of these witnesses, the most frequent first.
-    pub fn among(witnesses: &[Witness], of: &[usize]) -> Vec<FailureMode> {
+    /// Returns the failure modes of these witnesses, the most frequent first.
+    pub fn list_by_frequency(witnesses: &[Witness], of: &[usize]) -> Vec<FailureMode> {
         let mut modes: Vec<(FailureMode, usize)> = Vec::new();
         for mode in of.iter().filter_map(|&w| FailureMode::new(&witnesses[w])) {
             match modes.iter_mut().find(|(known, _)| *known == mode) {
@@ -49,14 +49,15 @@ impl FailureMode {
         modes.into_iter().map(|(mode, _)| mode).collect()
     }
 
-    /// Returns the witnesses that fail in this way.
+    /// Returns the witnesses with this failure mode.
     pub fn select(&self, witnesses: &[Witness], of: &[usize]) -> Vec<usize> {
         let fails_so = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
         of.iter().copied().filter(fails_so).collect()
     }
 }
 
-/// Replaces quotations and numbers by ellipses, and drops the hint after a semicolon, so that similar errors are equal.
+/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors
+/// compare equal.
 fn generalize(error: &str) -> String {
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');
@@ -66,7 +67,7 @@ fn generalize(error: &str) -> String {
 }
 
 impl fmt::Display for FailureMode {
-    /// Writes a verb whose object is the files: "refuses", "crashes (exit status 1) on".
+    /// Writes a verb phrase whose object is the files: "refuses", "crashes (exit status 1) on".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),

@@ -1,9 +1,10 @@
-//! Mistakes that are a function of the correct value alone, read from the images: a table of stored values or stream samples.
+//! Mistakes that map each correct value to a wrong one: tables of stored values or stream samples, learned from the
+//! images.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use super::mistake::misreading_of;
+use super::mistake::edit_as_misreading;
 use super::search::{Search, Set};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
@@ -12,47 +13,53 @@ use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Coding, Ptm};
 
-/// The stored values that may have been shown as one value: a bit for each of 0 to 255.
+/// Stored values that could produce an output value: one flag for each of 0 to 255.
 type Candidates = [bool; 256];
 
-/// The values that were shown for one correct value.
+/// Observed outputs for one correct value.
 struct ShownValues {
-    /// For each stored value, the texels in which it may have been shown.
+    /// For each stored value, the number of texels that it could have produced.
     votes: [usize; 256],
     texels: usize,
     files: Vec<usize>,
 }
 
-/// Returns misreadings by tables that explain wrong values in `left`: of all stored values, and of the samples of streams.
-pub(super) fn tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
-    let pictures = search.solvable(left);
+/// Returns misreadings that explain wrong values in `left` by a table, of all stored values or of stream samples.
+pub(super) fn learn_tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
+    let images = search.comparable_images(left);
     let of_streams = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
-    let (streams, values): (Vec<usize>, Vec<usize>) = pictures.into_iter().partition(of_streams);
+    let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(of_streams);
     let tables = [
-        table(search, set, &streams, true).map(|table| (Formula::StreamSample, table)),
-        table(search, set, &values, false).map(|table| (Formula::StoredValue, table)),
+        learn_table(search, set, &streams, true).map(|table| (Formula::StreamSample, table)),
+        learn_table(search, set, &values, false).map(|table| (Formula::StoredValue, table)),
     ];
     let misreading = |(formula, table)| -> &'static Misreading {
         let change = EditedForm::Table(Box::new(table));
-        // Two tables for each diagnosis live as long as the program.
+        // Leaks at most two tables per diagnosis.
         let edit: &'static Edit = Box::leak(Box::new(Edit { formula, change }));
-        Box::leak(Box::new(misreading_of(edit)))
+        Box::leak(Box::new(edit_as_misreading(edit)))
     };
     tables.into_iter().flatten().map(misreading).collect()
 }
 
-/// Returns the table that explains every value of these images, if each is a function of the correct value.
-fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Option<[u8; 256]> {
+/// Learns the table that explains every value of these images. Returns `None` if the values are not a function of the
+/// correct value.
+fn learn_table(
+    search: &Search,
+    set: &Set,
+    images: &[usize],
+    of_streams: bool,
+) -> Option<[u8; 256]> {
     let mut shown: BTreeMap<u8, ShownValues> = BTreeMap::new();
-    for &w in pictures {
+    for &w in images {
         let witness = &search.witnesses[w];
-        let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.shown()) else {
+        let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.wrong_image()) else {
             continue;
         };
-        // Corrected and predicted planes are compared with the table later.
+        // Corrected and predicted planes are checked against the table later.
         let channels = ptm.planes.shape.channels();
-        let is_plain = |channel: usize| !of_streams || witness.is_of_stream(channel);
-        let sources = sources(search, set, witness, ptm, frame)?;
+        let is_plain = |channel: usize| !of_streams || witness.is_plain_plane(channel);
+        let sources = candidate_sources(search, set, witness, ptm, frame)?;
         for (at, (&right, candidates)) in ptm.planes.samples.iter().zip(sources).enumerate() {
             if !is_plain(at % channels) {
                 continue;
@@ -74,7 +81,7 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
     let mut table: [u8; 256] = std::array::from_fn(|value| value as u8);
     let mut differing = 0;
     for (&right, shown) in &shown {
-        // Inverse transforms differ by one here and there, so a few texels disagree.
+        // Inverse transforms may differ by one, so a few texels disagree.
         let votes = |value: u8| shown.votes[usize::from(value)];
         let best = (0..=255).max_by_key(|&value| (votes(value), Reverse(value.abs_diff(right))))?;
         if is_few(votes(best) - votes(right), shown.texels) {
@@ -84,16 +91,17 @@ fn table(search: &Search, set: &Set, pictures: &[usize], of_streams: bool) -> Op
             return None;
         }
         table[usize::from(right)] = best;
-        // A value seen once, or in one file, may be anything.
+        // A value that occurs once, or in one file, is not reliable.
         differing += usize::from(shown.files.len() >= MIN_SHARING_FILES);
     }
-    // A table is shorter than the data: most values of it are seen in several files.
+    // Most entries of a plausible table are supported by several files.
     let changed = (0..256).filter(|&value| usize::from(table[value]) != value);
     (differing > 1 && is_most(differing, changed.count())).then_some(table)
 }
 
-/// Returns, for each sample of an image, the stored values for which a decoder with the mistakes of `set` shows it.
-fn sources(
+/// Returns, for each sample of an image, the stored values that a decoder with the mistakes in `set` would output as
+/// this sample.
+fn candidate_sources(
     search: &Search,
     set: &Set,
     witness: &Witness,
@@ -113,7 +121,7 @@ fn sources(
                 let Answer::Decoded(Frame {
                     samples: Samples::F32(made),
                     ..
-                }) = witness.show(&search.mistakes_of(set), &uniform)
+                }) = witness.render_stored_values(&search.mistakes_in(set), &uniform)
                 else {
                     return None;
                 };

@@ -1,20 +1,20 @@
-//! A mistake that a decoder may make: a misreading of the catalog or an edit of a formula, everywhere or in part.
+//! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some.
 
 use super::scope::FileScope;
 use crate::formula::Edit;
 use crate::misreadings::{At, Misreading, Symptom};
 use crate::protocol::frame::{Answer, Samples};
 
-/// A mistake, and the files and channels in which it is made.
+/// A mistake, and the files and channels that it affects.
 pub(super) struct Mistake {
-    /// The misreading. An edit of a formula that the catalog lacks has no slug.
+    /// The misreading. Its slug is empty if the mistake is an edit of a formula outside the catalog.
     pub misreading: &'static Misreading,
     pub scope: FileScope,
     pub channels: ChannelSubset,
 }
 
 impl Mistake {
-    /// Returns a mistake that is made everywhere.
+    /// Creates a mistake that affects all channels of all files.
     pub const fn everywhere(misreading: &'static Misreading) -> Mistake {
         Mistake {
             misreading,
@@ -23,35 +23,35 @@ impl Mistake {
         }
     }
 
-    /// Returns the misreading if the catalog has it.
-    pub const fn listed(&self) -> Option<&'static Misreading> {
+    /// Returns the misreading if it is in the catalog.
+    pub const fn catalog_misreading(&self) -> Option<&'static Misreading> {
         match self.misreading.slug.is_empty() {
             true => None,
             false => Some(self.misreading),
         }
     }
 
-    /// Returns the misreading if it is one of the catalog and made everywhere.
-    pub fn of_catalog(&self) -> Option<&'static Misreading> {
+    /// Returns the misreading if it is in the catalog and affects all channels of all files.
+    pub fn unrestricted_misreading(&self) -> Option<&'static Misreading> {
         let is_everywhere = self.scope == FileScope::All && self.channels == ChannelSubset::All;
-        self.listed().filter(|_| is_everywhere)
+        self.catalog_misreading().filter(|_| is_everywhere)
     }
 }
 
-/// Channels of an image, in every shape.
+/// A subset of the channels of an image, independent of the number of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ChannelSubset {
     All,
-    /// One of a0 … a5, of every polynomial.
+    /// One of the coefficients a0 … a5, in every polynomial.
     Coefficient(usize),
-    /// Red, green or blue: a color, or the polynomial of one.
+    /// Red, green or blue: a color, or the polynomial of that color.
     Color(usize),
-    /// The channels after a5: R, G and B, or Cr and Cb.
+    /// Channels after a5: R, G and B, or Cr and Cb.
     Chroma,
 }
 
 impl ChannelSubset {
-    fn holds(self, count: usize, channel: usize) -> bool {
+    fn contains(self, count: usize, channel: usize) -> bool {
         match (self, count) {
             (ChannelSubset::All, _) => true,
             (ChannelSubset::Coefficient(i), 18) => channel % 6 == i,
@@ -64,18 +64,19 @@ impl ChannelSubset {
         }
     }
 
-    /// Returns the narrowest set that has all these channels.
-    pub fn narrowest(wrong: &[bool]) -> ChannelSubset {
+    /// Returns the smallest subset that contains all wrong channels.
+    pub fn smallest_containing(wrong: &[bool]) -> ChannelSubset {
         let coefficients = (0..6).map(ChannelSubset::Coefficient);
         let colors = (0..3).map(ChannelSubset::Color);
         let all = coefficients.chain(colors).chain([ChannelSubset::Chroma]);
         let has_all = |channels: &ChannelSubset| {
-            (0..wrong.len()).all(|channel| !wrong[channel] || channels.holds(wrong.len(), channel))
+            (0..wrong.len())
+                .all(|channel| !wrong[channel] || channels.contains(wrong.len(), channel))
         };
         all.into_iter().find(has_all).unwrap_or(ChannelSubset::All)
     }
 
-    /// Returns the channels in words: ", only in a3".
+    /// Returns a phrase that names the channels: ", only in a3".
     pub fn describe(self) -> String {
         match self {
             ChannelSubset::All => String::new(),
@@ -85,7 +86,7 @@ impl ChannelSubset {
         }
     }
 
-    /// Replaces these channels of an image by those of another of the same shape.
+    /// Replaces these channels of `image` with those of `other`, an image of the same shape.
     pub fn replace(self, image: &mut Answer, other: &Answer) {
         let (Answer::Decoded(image), Answer::Decoded(other)) = (image, other) else {
             return;
@@ -100,15 +101,15 @@ impl ChannelSubset {
 
     fn replace_samples<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
         for (at, (one, other)) in image.iter_mut().zip(other).enumerate() {
-            if self.holds(count, at % count) {
+            if self.contains(count, at % count) {
                 *one = *other;
             }
         }
     }
 }
 
-/// Returns a misreading without a slug that makes one edit.
-pub(super) fn misreading_of(edit: &'static Edit) -> Misreading {
+/// Returns a misreading without a slug that makes a single edit.
+pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",
         clause: edit.formula.stated().clause,

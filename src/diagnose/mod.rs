@@ -1,15 +1,15 @@
-//! The search for the causes of failures.
+//! Diagnosis: finds the causes of failures.
 //!
-//! 1. `search` finds the smallest set of mistakes that reproduces the decoder's responses. Its candidates are the misreadings of
-//!    the catalog. If these explain too little, `edits` and `learned` add candidates: edits of one formula, and tables that are
-//!    read from the images.
-//! 2. `coincidences` removes mistakes that agree with a few responses by chance.
+//! 1. `search` finds the smallest set of mistakes that reproduces the decoder's responses. Its candidates are the
+//!    misreadings in the catalog. If these explain too little, `edits` and `learned` add candidates: edits of one
+//!    formula, and tables that are inferred from the images.
+//! 2. `coincidences` removes mistakes that match a few responses by chance.
 //! 3. `attribution` lists each failing case under the mistake that explains it.
-//! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by the damage,
-//!    images by the step at which their values first differ.
+//! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by
+//!    the damage, and images by the step at which their values first differ.
 //!
-//! `witness` compares a response with the answer of a decoder that makes some mistakes; `scope` and `properties` limit a mistake
-//! to some files.
+//! `witness` compares a response with the answer of a decoder that makes certain mistakes. `scope` and `properties`
+//! restrict a mistake to some files.
 
 mod answers;
 mod assume;
@@ -37,7 +37,7 @@ pub use diagnosis::{Category, Cause, Causes, Diagnosis};
 pub(crate) use stream_cache::stream_once;
 pub use tuning::MAX_WORK;
 pub(crate) use witness::dialect_reading;
-pub use witness::{alike, applies, composable};
+pub use witness::{can_affect_file, can_combine, equal_up_to_rounding};
 pub use words::arithmetic_steps;
 
 use std::time::Duration;
@@ -46,13 +46,13 @@ use crate::misreadings::Misreading;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use answers::could_be_misread;
+use answers::has_simple_explanation;
 use search::Search;
 use tuning::MIN_SUPPORT;
 use witness::{reference_reading, witnesses};
 
-/// Returns the causes of the failures of `run`, the one that explains most first. `assumed` are mistakes that the user takes as
-/// given. If the user interrupts the search, most failures have no cause.
+/// Returns the causes of the failures in `run`, the cause with the most failures first. `assumed` lists mistakes that
+/// the user knows about. If the user interrupts the search, most failures have no cause.
 #[must_use]
 pub fn diagnose(
     suite: &Suite,
@@ -68,7 +68,7 @@ pub fn diagnose(
     causes
 }
 
-/// Returns the CPU time of this process, where the system can tell.
+/// Returns the CPU time of this process, if the system reports it.
 #[cfg(unix)]
 fn cpu_time() -> Option<Duration> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
@@ -80,7 +80,7 @@ fn cpu_time() -> Option<Duration> {
     None
 }
 
-/// Like [`diagnose`], with another source of mistakes that the catalog lacks.
+/// Like [`diagnose`], but with a custom source of candidates outside the catalog.
 fn diagnose_by(
     suite: &Suite,
     run: &Run,
@@ -110,16 +110,17 @@ fn diagnose_by(
         (search, found)
     };
     let (mut search, mut found) = searched(&by_dialect, true);
-    // A mistake may look like another reading of an open question, and edits are stated for the reference's reading.
-    let is_edit = |member: &search::Member| search.mistakes[member.id].listed().is_none();
+    // A mistake may look like a different choice, and edits are defined relative to the reference's choices.
+    let is_edit =
+        |member: &search::Member| search.mistakes[member.id].catalog_misreading().is_none();
     let has_edits = found.members.iter().any(is_edit);
     let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
         .map(|reading| witnesses(suite, run, Some(reading), threads))
-        .filter(|witnesses| could_be_misread(witnesses, threads));
+        .filter(|witnesses| has_simple_explanation(witnesses, threads));
     if let Some(by_reference) = &by_reference {
-        // Edits are tried again only if they explained anything.
+        // Try edits again only if they explained anything.
         let (other, other_found) = searched(by_reference, has_edits);
         if other.cost(&other_found) < search.cost(&found) + MIN_SUPPORT {
             (search, found) = (other, other_found);
@@ -128,10 +129,10 @@ fn diagnose_by(
     if search.is_interrupted() {
         return diagnoses.into();
     }
-    search.guarded(|| coincidences::remove(&search, &mut found));
+    search.run_or_default(|| coincidences::remove_coincidences(&search, &mut found));
     let mut causes = describe(&search, &found);
     causes.append(&mut diagnoses);
-    // The cause that explains most comes first; a certain cause counts more than a description.
+    // Sort causes by the number of failures that they explain. A certain cause has more weight than a description.
     causes.sort_by_key(|diagnosis| {
         let explained = diagnosis.explains.len() + diagnosis.partly.len();
         std::cmp::Reverse(explained * if diagnosis.certain { 4 } else { 1 })
@@ -144,27 +145,29 @@ fn diagnose_by(
     }
 }
 
-/// Attributes failures to the mistakes that were found, and describes the other failures.
+/// Attributes failures to the mistakes that were found, and describes the remaining failures.
 fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
-    let (mut attributed, mut left) = attribution::attribute(search, found);
-    let mut causes = search.guarded(|| words::uniform::describe(witnesses, &mut left));
-    causes.extend(search.guarded(|| words::acceptances::describe(witnesses, &mut left)));
-    let violation = search.guarded(|| words::violation::describe(witnesses, &mut left));
-    let refusals = search.guarded(|| words::refusals::describe(witnesses, &mut left));
-    search.guarded(|| {
-        attribution::attribute_in_part(search, found, &mut attributed, &mut left);
+    let (mut attributed, mut left) = attribution::attribute_failures(search, found);
+    let mut causes = search.run_or_default(|| words::uniform::describe(witnesses, &mut left));
+    causes.extend(search.run_or_default(|| words::acceptances::describe(witnesses, &mut left)));
+    let violation = search.run_or_default(|| words::violation::describe(witnesses, &mut left));
+    let refusals = search.run_or_default(|| words::refusals::describe(witnesses, &mut left));
+    search.run_or_default(|| {
+        attribution::attribute_partially(search, found, &mut attributed, &mut left);
     });
     causes.extend(refusals);
-    causes.extend(search.guarded(|| words::refusals::describe_unexplained(witnesses, &mut left)));
+    causes.extend(
+        search.run_or_default(|| words::refusals::describe_unexplained(witnesses, &mut left)),
+    );
     causes.extend(violation);
-    // Without a named mistake, images are compared with the reference alone.
+    // Without a named mistake, compare images with the reference only.
     let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
         true => search::ids_of(&found.members),
         false => search::Set::new(),
     };
-    causes.extend(search.guarded(|| words::place::describe(search, &set, &left)));
+    causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     attributed.chain(causes).collect()
 }

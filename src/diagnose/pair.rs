@@ -1,4 +1,4 @@
-//! An image as received, and the expected image.
+//! Pairs of a received and an expected image.
 
 use crate::protocol::frame::{Frame, ViewKind};
 use crate::suite::compare::is_near;
@@ -8,21 +8,21 @@ pub(super) struct ImagePair {
     pub width: usize,
     pub height: usize,
     pub channels: usize,
-    pub want: Vec<f64>,
-    pub got: Vec<f64>,
+    pub expected: Vec<f64>,
+    pub received: Vec<f64>,
     pub view: ViewKind,
 }
 
 impl ImagePair {
-    /// Returns the pair of two images, or `None` if their shapes differ.
+    /// Creates a pair. Returns `None` if the shapes of the images differ.
     pub fn new(wanted: &Frame, shown: &Frame) -> Option<ImagePair> {
         let shape = |frame: &Frame| (frame.shape(), frame.samples.sample_type());
         (shape(wanted) == shape(shown) && wanted.channels > 0).then(|| ImagePair {
             width: wanted.width as usize,
             height: wanted.height as usize,
             channels: wanted.channels as usize,
-            want: wanted.samples.to_reals(),
-            got: shown.samples.to_reals(),
+            expected: wanted.samples.to_reals(),
+            received: shown.samples.to_reals(),
             view: wanted.view,
         })
     }
@@ -32,17 +32,17 @@ impl ImagePair {
         is_near(self.view, a, b, 0.0, 0.0)
     }
 
-    /// Returns the places of the wrong samples.
-    pub fn wrong(&self) -> Vec<usize> {
-        (0..self.want.len())
-            .filter(|&i| !self.is_near(self.want[i], self.got[i]))
+    /// Returns the indices of the wrong samples.
+    pub fn wrong_samples(&self) -> Vec<usize> {
+        (0..self.expected.len())
+            .filter(|&i| !self.is_near(self.expected[i], self.received[i]))
             .collect()
     }
 
-    /// Returns, for each channel, true if one of its samples is wrong.
+    /// Returns one flag per channel: true if any of its samples is wrong.
     pub fn wrong_channels(&self) -> Vec<bool> {
         let mut wrong = vec![false; self.channels];
-        for i in self.wrong() {
+        for i in self.wrong_samples() {
             wrong[i % self.channels] = true;
         }
         wrong

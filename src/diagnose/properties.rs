@@ -1,4 +1,4 @@
-//! Properties that describe a set of files. Each was needed for a real reader, or is a key of `make:` in the cases.
+//! Properties that describe a set of files. Each was needed for a real decoder, or is a key of `make:` in the cases.
 
 use super::witness::{Facts, Witness};
 use crate::generate::Recipe;
@@ -9,7 +9,7 @@ use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Coding, Field, Format};
 
 impl Witness<'_> {
-    /// Returns the properties of the file.
+    /// Returns the properties of the file, computed on first use.
     pub fn facts(&self) -> &Facts {
         self.facts.get_or_init(|| {
             let file = File::new(self);
@@ -24,7 +24,7 @@ impl Witness<'_> {
     }
 }
 
-/// The parts of a file that the properties depend on.
+/// Parts of a file that the properties depend on.
 pub(super) struct File<'a> {
     view: &'a View,
     format: Format,
@@ -34,7 +34,7 @@ pub(super) struct File<'a> {
     planes: &'a [StoredPlane],
     header: &'a [u8],
     data: &'a [u8],
-    /// The texts of scales, biases and matrix elements.
+    /// Texts of the scales, the biases and the matrix elements.
     numbers: [Vec<&'a str>; 3],
 }
 
@@ -67,21 +67,21 @@ impl<'a> File<'a> {
         }
     }
 
-    fn is_made(&self, holds: impl Fn(&Recipe) -> bool) -> bool {
+    fn recipe_has(&self, holds: impl Fn(&Recipe) -> bool) -> bool {
         self.recipe.is_some_and(holds)
     }
 
-    fn is_planned(&self, holds: impl Fn(&Compression) -> bool) -> bool {
+    fn plan_has(&self, holds: impl Fn(&Compression) -> bool) -> bool {
         self.plan.is_some_and(holds)
     }
 
-    fn has_size(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
+    fn size_matches(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
         self.size
             .is_some_and(|(width, height)| holds(width, height))
     }
 
     fn has_space(&self, line: Line) -> bool {
-        self.is_made(|recipe| recipe.spelling.space_before_newline.contains(&line))
+        self.recipe_has(|recipe| recipe.spelling.space_before_newline.contains(&line))
     }
 
     fn has_number(&self, holds: impl Fn(&str) -> bool) -> bool {
@@ -124,7 +124,7 @@ impl<'a> File<'a> {
         predicted.map(vector).collect()
     }
 
-    /// Returns true if a plane that is predicted, or one that is not, has side information.
+    /// Returns true if a plane that is predicted (or not, if `predicted` is false) has side information.
     fn has_records(&self, predicted: bool) -> bool {
         let mut planes = self.planes.iter().enumerate();
         planes.any(|(plane, stored)| {
@@ -133,13 +133,13 @@ impl<'a> File<'a> {
         })
     }
 
-    /// Returns the largest number of a kind in the side information of all planes.
-    fn largest_of_records(&self, number: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
+    /// Returns the maximum of `number` over the side information of all planes.
+    fn max_over_planes(&self, number: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
         self.planes.iter().filter_map(number).max().map(f64::from)
     }
 }
 
-/// Words that complete "files …", true if it is the requested view, and the condition.
+/// Text that completes "files …", a flag for the requested view, and the condition.
 type Property = (&'static str, bool, fn(&File) -> bool);
 
 const fn property(words: &'static str, holds: fn(&File) -> bool) -> Property {
@@ -175,22 +175,22 @@ pub(super) const PROPERTIES: &[Property] = &[
     }),
     // Spelling
     property("with width and height on one line", |f| {
-        f.is_made(|r| !r.spelling.size_on_two_lines)
+        f.recipe_has(|r| !r.spelling.size_on_two_lines)
     }),
     property("with width and height on two lines", |f| {
-        f.is_made(|r| r.spelling.size_on_two_lines)
+        f.recipe_has(|r| r.spelling.size_on_two_lines)
     }),
     property("with scales and biases on one line", |f| {
-        f.is_made(|r| !r.spelling.scale_bias_on_two_lines)
+        f.recipe_has(|r| !r.spelling.scale_bias_on_two_lines)
     }),
     property("with scales and biases on two lines", |f| {
-        f.is_made(|r| r.spelling.scale_bias_on_two_lines)
+        f.recipe_has(|r| r.spelling.scale_bias_on_two_lines)
     }),
     property("with several spaces between two numbers", |f| {
-        f.is_made(|r| r.spelling.gap > 1)
+        f.recipe_has(|r| r.spelling.gap > 1)
     }),
     property("with a space before a line feed", |f| {
-        f.is_made(|r| !r.spelling.space_before_newline.is_empty())
+        f.recipe_has(|r| !r.spelling.space_before_newline.is_empty())
     }),
     property("with a space after the version", |f| {
         f.has_space(Line::Version)
@@ -207,14 +207,14 @@ pub(super) const PROPERTIES: &[Property] = &[
     }),
     property("with a space after the biases", |f| f.has_space(Line::Bias)),
     property("with the matrix on several lines", |f| {
-        f.format == Format::Lum && f.is_made(|r| r.spelling.matrix_line < 16)
+        f.format == Format::Lum && f.recipe_has(|r| r.spelling.matrix_line < 16)
     }),
     property("with an entry count that is a bare number", |f| {
-        f.format.has_table() && f.is_made(|r| r.spelling.count == Count::Number)
+        f.format.has_table() && f.recipe_has(|r| r.spelling.count == Count::Number)
     }),
     property(
         "with the numbers of a list on several lines or of several lists on one",
-        |f| f.format.coding().is_some() && f.is_made(|r| r.spelling.lists != Lists::default()),
+        |f| f.format.coding().is_some() && f.recipe_has(|r| r.spelling.lists != Lists::default()),
     ),
     // Numbers
     property("with a negative bias", |f| {
@@ -245,27 +245,31 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.starts_with(|byte| byte == b'\n')
     }),
     // Size
-    property("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
-    property("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
+    property("of odd width", |f| {
+        f.size_matches(|width, _| width % 2 == 1)
+    }),
+    property("of odd height", |f| {
+        f.size_matches(|_, height| height % 2 == 1)
+    }),
     property(
         "of several rows with a width that is not a multiple of 4",
-        |f| f.has_size(|width, height| width % 4 != 0 && height > 1),
+        |f| f.size_matches(|width, height| width % 4 != 0 && height > 1),
     ),
     // Compression
     property("with predicted planes", |f| {
-        f.is_planned(Compression::predicts)
+        f.plan_has(Compression::predicts)
     }),
     property("with a transform other than 0", |f| {
-        f.is_planned(|plan| plan.transforms.iter().any(|&transform| transform != 0))
+        f.plan_has(|plan| plan.transforms.iter().any(|&transform| transform != 0))
     }),
     property("with inverted references", |f| {
-        f.is_planned(Compression::inverts)
+        f.plan_has(Compression::inverts)
     }),
     property("with displaced references", |f| {
-        f.is_planned(Compression::moves)
+        f.plan_has(Compression::moves)
     }),
     property("with references that are inverted and displaced", |f| {
-        f.is_planned(|plan| plan.transforms.contains(&3))
+        f.plan_has(|plan| plan.transforms.contains(&3))
     }),
     property("with motion vectors of half texels", |f| {
         f.vectors().iter().any(|(x, y)| (x | y) & 1 == 1)
@@ -274,7 +278,7 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.vectors().iter().any(|(x, y)| *x < 0 || *y < 0)
     }),
     property("with an order other than 0, 1, 2, …", |f| {
-        f.is_planned(|plan| {
+        f.plan_has(|plan| {
             plan.order
                 .iter()
                 .enumerate()
@@ -282,12 +286,12 @@ pub(super) const PROPERTIES: &[Property] = &[
         })
     }),
     property("with a plane predicted from a later one", |f| {
-        f.is_planned(|plan| {
+        f.plan_has(|plan| {
             (0..plan.order.len()).any(|p| plan.reference(p).is_some_and(|other| other > p))
         })
     }),
     property("with a plane predicted from a predicted one", |f| {
-        f.is_planned(|plan| {
+        f.plan_has(|plan| {
             (0..plan.order.len())
                 .any(|p| plan.reference(p).and_then(|q| plan.reference(q)).is_some())
         })
@@ -302,31 +306,31 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.has_records(true)
     }),
     property("with a compression parameter of 0", |f| {
-        f.is_planned(|plan| plan.parameter == 0)
+        f.plan_has(|plan| plan.parameter == 0)
     }),
     property("with restart markers", |f| {
-        f.is_planned(|plan| plan.stream.jpeg.restart_interval > 0)
+        f.plan_has(|plan| plan.stream.jpeg.restart_interval > 0)
     }),
     property("with several tables in one marker segment", |f| {
-        f.is_planned(|plan| plan.stream.jpeg.tables_together)
+        f.plan_has(|plan| plan.stream.jpeg.tables_together)
     }),
     property("with 16-bit quantization tables", |f| {
         f.has_streams_of(Coding::Jpeg)
-            && f.is_planned(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
+            && f.plan_has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
     }),
     property("with sampling factors other than 1x1", |f| {
-        f.has_streams_of(Coding::Jpeg) && f.is_planned(|plan| plan.stream.jpeg.sampling != (1, 1))
+        f.has_streams_of(Coding::Jpeg) && f.plan_has(|plan| plan.stream.jpeg.sampling != (1, 1))
     }),
     property("with preset parameters (LSE)", |f| {
-        f.is_planned(|plan| plan.stream.presets.is_some())
+        f.plan_has(|plan| plan.stream.presets.is_some())
     }),
 ];
 
-/// A number of a file.
+/// A numeric property of a file.
 pub(super) struct Quantity {
-    /// The clause about it.
+    /// Clause about the quantity.
     pub clause: &'static str,
-    /// Words after "with 17 or more".
+    /// Text after "with 17 or more".
     pub words: &'static str,
     value: fn(&File) -> Option<f64>,
 }
@@ -369,10 +373,10 @@ pub(super) const QUANTITIES: &[Quantity] = &[
         farthest.map(f64::from)
     }),
     quantity("2.9.8/4", "records in one plane", |f| {
-        f.largest_of_records(|plane| u32::try_from(plane.records.len()).ok())
+        f.max_over_planes(|plane| u32::try_from(plane.records.len()).ok())
     }),
     quantity("2.9.8/5", "as their largest position of a record", |f| {
-        f.largest_of_records(|plane| plane.records.iter().map(|record| record.0).max())
+        f.max_over_planes(|plane| plane.records.iter().map(|record| record.0).max())
     }),
     quantity("2.9.1/1", "as their JPEG quality", |f| {
         f.parameter(Coding::Jpeg)

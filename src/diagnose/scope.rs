@@ -1,19 +1,20 @@
-//! Sets of files, by a property that they share.
+//! Sets of files that share a property.
 
 use super::properties::{PROPERTIES, QUANTITIES};
-use super::tuning::{CHANCE_OF_A_PROPERTY, MIN_SHARING_FILES, MIN_SUPPORT, is_much};
+use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
 use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// The files in which a mistake is made.
+/// The files that a mistake affects.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with a property, by its place in [`PROPERTIES`].
+    /// Files with the property at this index in [`PROPERTIES`].
     Property(usize),
-    /// Files with a quantity, by its place in [`QUANTITIES`], of at least or at most `nearest`; other files reach `edge`.
+    /// Files whose quantity at this index in [`QUANTITIES`] is at least or at most `nearest`. Other files reach
+    /// `edge`.
     Beyond {
         quantity: usize,
         nearest: f64,
@@ -24,7 +25,7 @@ pub(super) enum FileScope {
 
 impl FileScope {
     /// Returns true if the file is in the scope.
-    pub fn holds(&self, witness: &Witness) -> bool {
+    pub fn contains(&self, witness: &Witness) -> bool {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
@@ -44,7 +45,7 @@ impl FileScope {
         }
     }
 
-    /// Returns the clause about the property, if it is one number of the header.
+    /// Returns the clause about the property if the property is a threshold of one quantity.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
             FileScope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
@@ -52,7 +53,7 @@ impl FileScope {
         }
     }
 
-    /// Completes "every file …".
+    /// Returns text that completes "every file …".
     pub fn describe(&self) -> String {
         match self {
             FileScope::All => String::new(),
@@ -79,41 +80,46 @@ impl FileScope {
     }
 }
 
-/// A scope, and the files of one group that are in it.
-pub(super) struct Shared {
+/// A scope, and the files of a group that are in the scope.
+pub(super) struct SharedScope {
     pub scope: FileScope,
-    pub of: Vec<usize>,
+    pub cases: Vec<usize>,
 }
 
-impl Shared {
-    /// Returns the number of legal files of the group that are in the scope, and of the others in it: of one format, or of all.
-    pub fn legal_files(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
+impl SharedScope {
+    /// Counts the legal files in the scope, of one format or of all formats: those in the group, and all others.
+    pub fn count_legal_files(
+        &self,
+        witnesses: &[Witness],
+        format: Option<Format>,
+    ) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
             case.expect == Expect::Decode && format.is_none_or(|format| case.format() == format)
         };
         let in_scope =
-            (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.holds(&witnesses[*w]));
-        let (own, others): (Vec<usize>, Vec<usize>) = in_scope.partition(|w| self.of.contains(w));
+            (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.contains(&witnesses[*w]));
+        let (own, others): (Vec<usize>, Vec<usize>) =
+            in_scope.partition(|w| self.cases.contains(w));
         (own.len(), others.len())
     }
 
-    /// Returns true if a substantial part of the legal files in the scope belongs to the group.
+    /// Returns true if the group contains a substantial part of the legal files in the scope.
     pub fn is_prevalent(&self, witnesses: &[Witness], format: Option<Format>) -> bool {
-        let (own, others) = self.legal_files(witnesses, format);
-        is_much(own, own + others)
+        let (own, others) = self.count_legal_files(witnesses, format);
+        is_substantial(own, own + others)
     }
 }
 
-/// Returns the scope that has most of `these` files and none of `others`, unless it may be a coincidence. The requested view is
-/// a property only if `with_view`.
+/// Returns the scope that contains most of `these` files and none of `others`, unless it may be a coincidence.
+/// Considers the requested view only if `with_view` is true.
 pub(super) fn shared_scope(
     witnesses: &[Witness],
     these: &[usize],
     others: &[usize],
     with_view: bool,
-) -> Option<Shared> {
-    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.holds(&witnesses[w]));
+) -> Option<SharedScope> {
+    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let places = (0..PROPERTIES.len()).filter(|&place| with_view || !PROPERTIES[place].1);
     let scopes: Vec<FileScope> = formats
@@ -125,29 +131,29 @@ pub(super) fn shared_scope(
         let of = these
             .iter()
             .copied()
-            .filter(|&w| scope.holds(&witnesses[w]));
+            .filter(|&w| scope.contains(&witnesses[w]));
         (scope, of.collect::<Vec<usize>>())
     });
     let found: Vec<(&FileScope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
-    // Each of the others could have been among these files.
+    // Any of the other files could have been in this group instead.
     let part = these.len() as f64 / (these.len() + others.len()) as f64;
     let is_telling = |count: usize| {
         let chance = part.powi(count as i32) * found.len() as f64;
-        count >= MIN_SHARING_FILES && chance * CHANCE_OF_A_PROPERTY < 1.0
+        count >= MIN_SHARING_FILES && chance * COINCIDENCE_ODDS < 1.0
     };
     let telling = found
         .iter()
         .filter(|(scope, of)| is_telling(of.len()) && has_none(scope));
     let most = telling.clone().map(|(_, of)| of.len()).max()?;
-    let mut widest = telling.filter(|(_, of)| of.len() == most);
-    let (scope, of) = widest.next()?;
-    Some(Shared {
+    let mut largest = telling.filter(|(_, of)| of.len() == most);
+    let (scope, of) = largest.next()?;
+    Some(SharedScope {
         scope: (*scope).clone(),
-        of: of.clone(),
+        cases: of.clone(),
     })
 }
 
-/// Returns the scopes by a quantity that separate all of `these` files from all `others`.
+/// Returns scopes for thresholds that separate all of `these` files from all `others`.
 fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
     for quantity in 0..QUANTITIES.len() {
@@ -160,7 +166,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
         let (mine, theirs) = (values(these), values(others));
         let least = |of: &[f64]| of.iter().copied().fold(f64::MAX, f64::min);
         let most = |of: &[f64]| of.iter().copied().fold(f64::MIN, f64::max);
-        // A single size of the others bounds nothing unless several files have it.
+        // A single value among the other files is not a limit unless several files have it.
         let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_SUPPORT;
         if mine.is_empty() || theirs.is_empty() || is_one {
             continue;
@@ -186,8 +192,9 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
     found
 }
 
-/// Returns the scope that has the `explained` files and none of the `denied` ones: their formats, or a property.
-pub(super) fn scope_between(
+/// Returns the scope that contains the `explained` files and none of the `denied` ones: a set of formats, or a
+/// property.
+pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],
     denied: &[usize],
@@ -200,5 +207,5 @@ pub(super) fn scope_between(
         return Some(FileScope::Formats(formats));
     }
     let shared = shared_scope(witnesses, explained, denied, false)?;
-    (shared.of.len() == explained.len()).then_some(shared.scope)
+    (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

@@ -1,7 +1,8 @@
-//! The smallest set of mistakes that reproduces the decoder's responses.
+//! Searches for the smallest set of mistakes that reproduces the decoder's responses.
 //!
-//! The set grows by one mistake at a time: the one that explains most of the remaining failures and is contradicted least. If no
-//! single mistake explains more, it grows by a pair. At the end, mistakes that are not needed are dropped.
+//! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest
+//! contradictions. If no single mistake explains more, the set grows by a pair. Finally, redundant mistakes are
+//! dropped.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -11,19 +12,18 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::credit::credit;
+use super::credit::partial_credit;
 use super::mistake::Mistake;
-pub(super) use super::tuning::WORTH_OF_A_REFUSAL;
+pub(super) use super::tuning::REFUSAL_WORTH;
 use super::tuning::{
-    MAX_AFFORDABLE, MAX_EDIT_PASSES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIRS, MAX_SAMPLE,
-    MAX_SAMPLES_OF_A_SMALL_IMAGE, MAX_SAMPLES_TRIED, MAX_WORK, MAX_WORK_ON_PAIRS, MIN_SUPPORT,
-    SAMPLES_OF_A_UNIT_OF_WORK, WORTH_OF_A_CONTRADICTION, WORTH_OF_A_CRASH,
-    WORTH_OF_A_REFUSAL_OF_AN_IMAGE, WORTH_OF_AN_IMAGE, WORTH_OF_ANOTHER_LENIENT_ANSWER, is_most,
-    is_much, is_nearly_all,
+    CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
+    MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK, MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES,
+    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_WORTH, REFUSED_IMAGE_WORTH,
+    SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
 };
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::Answer;
 use crate::session::run::Run;
@@ -32,19 +32,19 @@ use crate::suite::cases::Expect;
 /// Mistakes that together reproduce the decoder's responses.
 #[derive(Default)]
 pub(super) struct FoundMistakes {
-    /// The mistakes in the order in which they were found, the one that explains most first.
+    /// Mistakes in the order of discovery, starting with the one that explains the most failures.
     pub members: Vec<Member>,
 }
 
 impl FoundMistakes {
     /// Removes the members whose flag is false.
-    pub fn keep(&mut self, keep: &[bool]) {
+    pub fn retain_flagged(&mut self, keep: &[bool]) {
         let mut keep = keep.iter();
         self.members.retain(|_| keep.next() == Some(&true));
     }
 }
 
-/// A mistake of a set, and its equivalents.
+/// A mistake in a set, and the mistakes that are equivalent to it.
 pub(super) struct Member {
     pub id: Id,
     /// Mistakes that explain the same cases.
@@ -54,29 +54,29 @@ pub(super) struct Member {
 /// The search for the mistakes of one decoder.
 pub(super) struct Search<'a> {
     pub witnesses: &'a [Witness<'a>],
-    /// All candidates: the misreadings of the catalog, and the mistakes that were added.
+    /// All candidates: the misreadings in the catalog, and the mistakes that were added.
     pub mistakes: Vec<Mistake>,
-    /// Mistakes that the user takes as given: every set makes them, and they are never named.
+    /// Mistakes that the user knows about. Every set includes them, and they are never reported.
     pub assumed: Set,
     pub threads: usize,
-    /// True if most responses do not depend on the file, so that common properties are chance.
+    /// True if most responses do not depend on the file, so that common properties are a coincidence.
     pub is_arbitrary: bool,
     stop: &'a AtomicBool,
     /// Units of work so far. An answer is one unit, or several if the map is large.
     work: &'a AtomicUsize,
-    /// Answers computed so far.
+    /// Number of answers computed so far.
     answered: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     pub passing: Vec<usize>,
-    /// Messages of panics, each once.
+    /// Messages of panics, without duplicates.
     faults: Mutex<Vec<String>>,
-    /// The clauses of the failing cases.
+    /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
-    /// Failing files on which every edit was tried, with the mistakes that show there.
+    /// Failing files on which every edit was tried, with the mistakes that affect them.
     probed: HashSet<(usize, Set)>,
-    /// The effects of sets, by case and by the mistakes that show there.
+    /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, Set), SetEffect>>,
-    /// For each mistake and each case, the effect of the mistake alone, if it changes the answer.
+    /// Effect of each mistake alone on each case, or `None` if the mistake does not change the answer.
     alone: Vec<Vec<OnceLock<Option<SetEffect>>>>,
 }
 
@@ -85,12 +85,12 @@ pub(super) struct Search<'a> {
 struct SetEffect {
     worth: i64,
     agreement: Agreement,
-    /// A hash of the answer; of several possible answers the one with the greatest worth is used.
+    /// Hash of the answer. If several answers are possible, the one with the greatest worth is used.
     answer: u64,
 }
 
 impl SetEffect {
-    /// The reference's answer explains no failure.
+    /// Effect of the reference's answer, which explains no failure.
     const NONE: SetEffect = SetEffect {
         worth: 0,
         agreement: Agreement::None,
@@ -98,10 +98,10 @@ impl SetEffect {
     };
 }
 
-/// The place of a mistake in [`Search::mistakes`].
+/// Index of a mistake in [`Search::mistakes`].
 pub(super) type Id = usize;
 
-/// Mistakes that are made together.
+/// Mistakes that a decoder makes together.
 pub(super) type Set = Vec<Id>;
 
 impl<'a> Search<'a> {
@@ -141,31 +141,34 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds a candidate.
+    /// Adds a candidate and returns its id.
     pub fn add(&mut self, mistake: Mistake) -> Id {
         self.mistakes.push(mistake);
         self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
     }
 
-    /// Returns true if no edits were tried before on this case with the same mistakes, and remembers it.
+    /// Returns true on the first call for this case and these mistakes.
     pub fn is_new_probe(&mut self, w: usize, set: &[Id]) -> bool {
-        let showing = self.showing(w, set);
-        self.probed.insert((w, showing))
+        let visible_mistakes = self.visible_mistakes(w, set);
+        self.probed.insert((w, visible_mistakes))
     }
 
-    /// Returns the failing cases.
+    /// Returns the indices of the failing cases.
     pub fn failing(&self) -> Vec<usize> {
         let all = 0..self.witnesses.len();
         all.filter(|&w| self.witnesses[w].failed).collect()
     }
 
-    /// Returns the failing cases that a set does not explain.
+    /// Returns the failing cases that `set` does not explain.
     pub fn unexplained(&self, set: &Set) -> Vec<usize> {
-        self.select(self.failing(), |w| self.value(w, set) < WORTH_OF_A_REFUSAL)
+        self.select(self.failing(), |w| {
+            self.worth_of_set(w, set) < REFUSAL_WORTH
+        })
     }
 
-    /// Finds the mistakes that explain most, one after the other. `add_candidates` adds mistakes that the catalog lacks.
+    /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the
+    /// catalog.
     pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> FoundMistakes {
         let mut members: Vec<Member> = Vec::new();
         let mut are_pairs_tried = false;
@@ -176,29 +179,33 @@ impl<'a> Search<'a> {
             if left.is_empty() || self.is_spent() {
                 break;
             }
-            let mut single = self.best_single(&set, &left);
-            // An edit may explain failures that would take several misreadings. It is not needed if one misreading explains nearly all.
+            let mut single = self.best_single_mistake(&set, &left);
+            // An edit may explain failures that would require several misreadings. If one misreading explains nearly
+            // all failures, edits are not needed.
             let explains = |single: &Option<Member>, is_share: fn(usize, usize) -> bool| {
                 single.as_ref().is_some_and(|member| {
                     let gain = self.gain(&set, &[member.id], &left);
-                    is_share(gain, left.len()) && self.denied(&with_id(&set, member.id)).is_empty()
+                    is_share(gain, left.len())
+                        && self
+                            .small_contradictions(&with_id(&set, member.id))
+                            .is_empty()
                 })
             };
-            let is_enough = explains(&single, is_much);
+            let is_enough = explains(&single, is_substantial);
             if !explains(&single, is_nearly_all) && edit_passes < MAX_EDIT_PASSES {
                 edit_passes += 1;
                 let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
                 if let Err(panic) = added {
                     self.record_panic(&*panic);
                 }
-                single = self.best_single(&set, &left);
+                single = self.best_single_mistake(&set, &left);
             }
             let mut grown = single.map(|single| vec![single]);
             if grown.is_none() || !is_enough && !are_pairs_tried {
                 are_pairs_tried = true;
                 let gain = |more: &Vec<Member>| self.gain(&set, &ids_of(more), &left);
-                let pair = self.two_more(&set, &left);
-                // A pair must explain more than twice as much as one mistake.
+                let pair = self.best_pair_on_images(&set, &left);
+                // A pair must explain more than twice as many failures as a single mistake.
                 let is_better = |pair: &Vec<Member>| {
                     grown.as_ref().is_none_or(|single| {
                         is_most(gain(pair).saturating_sub(gain(single)), gain(pair))
@@ -211,146 +218,152 @@ impl<'a> Search<'a> {
                 None => break,
             }
         }
-        self.drop_needless(&mut members);
+        self.drop_redundant(&mut members);
         FoundMistakes { members }
     }
 
-    /// Returns the cost of a result: its mistakes, and the failures that it leaves unexplained.
+    /// Returns the cost of a result, which grows with its mistakes and with the failures left unexplained.
     pub fn cost(&self, found: &FoundMistakes) -> usize {
         self.unexplained(&ids_of(&found.members)).len() + MIN_SUPPORT * found.members.len()
     }
 
-    /// Returns the mistake that adds most to `set`.
-    fn best_single(&self, set: &Set, left: &[usize]) -> Option<Member> {
+    /// Returns the mistake with the largest gain when added to `set`.
+    fn best_single_mistake(&self, set: &Set, left: &[usize]) -> Option<Member> {
         let mut all: Set = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id))
             .collect();
-        let sample = self.one_more(set, &mut all, &self.sample(left));
+        let sample = self.best_candidate(set, &mut all, &self.sample(left));
         sample.or_else(|| {
-            let mut affordable = self.smallest(left, MAX_SAMPLES_TRIED);
-            affordable.truncate(MAX_AFFORDABLE);
-            self.one_more(set, &mut all, &affordable)
+            let mut affordable = self.smallest(left, MAX_TRIED_SAMPLES);
+            affordable.truncate(MAX_FALLBACK_CASES);
+            self.best_candidate(set, &mut all, &affordable)
         })
     }
 
-    /// Returns true if a mistake may be added to a set.
+    /// Returns true if the mistake `id` may be added to `set`.
     fn is_open(&self, set: &Set, id: Id) -> bool {
         !set.contains(&id) && !self.assumed.contains(&id)
     }
 
-    /// Returns the best agreement of a set with the response to one case.
+    /// Returns how well the answer of a decoder with the mistakes in `set` agrees with the response to case `w`.
     pub fn agreement(&self, w: usize, set: &[Id]) -> Agreement {
         self.effect(w, set).agreement
     }
 
-    /// Returns true if a set would fail a case that the decoder passes.
-    pub fn contradicted(&self, w: usize, set: &[Id]) -> bool {
-        self.value(w, set) == WORTH_OF_A_CONTRADICTION
+    /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
+    pub fn conflicts_with_passing_case(&self, w: usize, set: &[Id]) -> bool {
+        self.worth_of_set(w, set) == CONTRADICTION_WORTH
     }
 
-    /// Returns true if two sets have different answers.
-    pub fn differ(&self, w: usize, set: &[Id], other: &[Id]) -> bool {
+    /// Returns true if the two sets lead to different answers to case `w`.
+    pub fn answers_differ(&self, w: usize, set: &[Id], other: &[Id]) -> bool {
         self.effect(w, set).answer != self.effect(w, other).answer
     }
 
-    /// Returns the cases that the decoder passes and a set would fail.
+    /// Returns the passing cases that a decoder with the mistakes in `set` would fail.
     pub fn contradictions(&self, set: &[Id]) -> Vec<usize> {
         let mut passing = self.passing.clone();
         passing.sort_unstable();
-        self.select(passing, |w| self.contradicted(w, set))
+        self.select(passing, |w| self.conflicts_with_passing_case(w, set))
     }
 
-    /// Returns the small files that the decoder passes and a set would fail.
-    pub fn denied(&self, set: &[Id]) -> Vec<usize> {
+    /// Like `contradictions`, but only for small files.
+    pub fn small_contradictions(&self, set: &[Id]) -> Vec<usize> {
         let small = self.passing.iter().copied().filter(|&w| self.is_small(w));
-        self.select(small.collect(), |w| self.contradicted(w, set))
+        self.select(small.collect(), |w| {
+            self.conflicts_with_passing_case(w, set)
+        })
     }
 
-    /// Returns the agreement of a set and one more mistake, which need not be a candidate, with the response to one case.
+    /// Like `agreement`, for `set` and one more mistake, which need not be a candidate.
     pub fn agreement_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
-        match witness.could_be(mistake) {
+        match witness.can_explain(mistake) {
             true => witness.agreement(&self.answer_with(w, set, mistake)),
             false => Agreement::None,
         }
     }
 
-    /// Returns true if one more mistake changes what a decoder with a set of mistakes answers.
-    pub fn changes_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
-        self.witnesses[w].concerns(mistake)
+    /// Returns true if one more mistake changes the answer of a decoder with the mistakes in `set`.
+    pub fn changes_answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
+        self.witnesses[w].can_affect(mistake)
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a set and one more mistake would fail. An edit does not describe the
-    /// decoder's checks, so neither files that the edit refuses nor malformed files contradict it.
-    pub fn denied_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
+    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not
+    /// describe the decoder's checks, so neither malformed files nor files that the edit refuses contradict it.
+    pub fn small_contradictions_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
-            if !self.is_small(w) || !witness.concerns(mistake) {
+            if !self.is_small(w) || !witness.can_affect(mistake) {
                 return false;
             }
             let answer = self.answer_with(w, set, mistake);
             let is_check = *answer == Answer::Rejected || witness.case.expect != Expect::Decode;
-            let is_unknown = mistake.listed().is_none() && is_check;
+            let is_unknown = mistake.catalog_misreading().is_none() && is_check;
             !is_unknown && witness.contradicts(&answer)
         };
         self.passing.iter().copied().filter(is_denied).collect()
     }
 
     pub fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
-        let mut mistakes = self.mistakes_of(&self.showing(w, set));
+        let mut mistakes = self.mistakes_in(&self.visible_mistakes(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
         self.answer(w, &mistakes)
     }
 
     fn count_work(&self, w: usize, answers: usize) {
-        let units = answers * (1 + self.samples(w) / SAMPLES_OF_A_UNIT_OF_WORK);
+        let units = answers * (1 + self.sample_count(w) / SAMPLES_PER_WORK_UNIT);
         self.work.fetch_add(units, Ordering::Relaxed);
     }
 
-    /// Returns what a decoder with these mistakes and the assumed ones answers; of several answers the one that agrees best.
-    pub fn answer_of(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
-        let mut answers = self.answers(w, set);
+    /// Returns the answer of a decoder with the mistakes in `set` and the assumed ones. If several answers are
+    /// possible, returns the one that agrees best with the response.
+    pub fn best_answer(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
+        let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
-            .min_by_key(|&at| -self.worth_of(w, &answers[at]))
+            .min_by_key(|&at| -self.worth_of_answer(w, &answers[at]))
             .unwrap_or(0);
         answers.swap_remove(best)
     }
 
-    /// Returns the possible answers of a decoder with these mistakes. Mistakes in one decision are made one at a time.
-    fn answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
-        self.answers_of(w, &self.showing(w, set))
+    /// Returns all possible answers of a decoder with these mistakes. Mistakes that affect the same decision are
+    /// tried separately.
+    fn possible_answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
+        self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
-    /// Returns true if a set explains the response, or does so together with its mistakes that show only in combination.
+    /// Returns true if `set` explains the response, possibly with members that have an effect only in combination.
     pub fn explains(&self, w: usize, set: &[Id]) -> bool {
         if self.agreement(w, set).explains() {
             return true;
         }
-        let concerned = self.concerned(w, set);
-        let showing = self.showing(w, set);
-        if showing.is_empty() || showing.len() == concerned.len() {
+        let relevant_mistakes = self.relevant_mistakes(w, set);
+        let visible_mistakes = self.visible_mistakes(w, set);
+        if visible_mistakes.is_empty() || visible_mistakes.len() == relevant_mistakes.len() {
             return false;
         }
         let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
-        self.answers_of(w, &concerned).iter().any(explains)
+        self.answers_of_variants(w, &relevant_mistakes)
+            .iter()
+            .any(explains)
     }
 
-    /// Returns the mistakes of a set, and those that are assumed, that can change the answer.
-    fn concerned(&self, w: usize, set: &[Id]) -> Set {
+    /// Returns the mistakes in `set`, and the assumed ones, that can change the answer.
+    fn relevant_mistakes(&self, w: usize, set: &[Id]) -> Set {
         let all = self.assumed.iter().chain(set).copied();
-        all.filter(|&id| self.witnesses[w].concerns(&self.mistakes[id]))
+        all.filter(|&id| self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect()
     }
 
-    fn answers_of(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
+    fn answers_of_variants(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
         let mut variants: Vec<Set> = vec![Vec::new()];
         for &id in set {
             let mut grown = Vec::new();
             for variant in variants {
                 let mut with = variant.clone();
-                with.retain(|&other| self.stackable(other, id));
+                with.retain(|&other| self.can_combine(other, id));
                 let replaces = with.len() < variant.len();
                 with.push(id);
                 for variant in replaces.then_some(variant).into_iter().chain([with]) {
@@ -365,11 +378,12 @@ impl<'a> Search<'a> {
         self.count_work(w, variants.len());
         variants
             .iter()
-            .map(|variant| self.answer(w, &self.mistakes_of(variant)))
+            .map(|variant| self.answer(w, &self.mistakes_in(variant)))
             .collect()
     }
 
-    /// Returns the answer of a decoder with these mistakes. A panic is a bug in this program, and counts as no mistake.
+    /// Returns the answer of a decoder with these mistakes. If the computation panics, which is a bug in this
+    /// program, returns the correct answer.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
         self.answered.fetch_add(1, Ordering::Relaxed);
@@ -379,7 +393,7 @@ impl<'a> Search<'a> {
                 false => witness.answer(mistakes),
             }
         }));
-        let answer = answer.map(|answer| match witness.shown_by(mistakes, &answer) {
+        let answer = answer.map(|answer| match witness.matching_colors(mistakes, &answer) {
             Some(shown) => Cow::Owned(shown),
             None => answer,
         });
@@ -389,8 +403,8 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns the result of `work`. If it panics, keeps the message and returns the default.
-    pub fn guarded<T: Default>(&self, work: impl FnOnce() -> T) -> T {
+    /// Runs `work` and returns its result. If it panics, records the message and returns the default.
+    pub fn run_or_default<T: Default>(&self, work: impl FnOnce() -> T) -> T {
         catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
             self.record_panic(&*panic);
             T::default()
@@ -402,7 +416,7 @@ impl<'a> Search<'a> {
         self.answered.load(Ordering::Relaxed)
     }
 
-    /// Returns the messages of panics so far.
+    /// Returns the messages of all recorded panics.
     pub fn faults(&self) -> Vec<String> {
         let faults = self.faults.lock();
         faults.unwrap_or_else(PoisonError::into_inner).clone()
@@ -414,15 +428,15 @@ impl<'a> Search<'a> {
         let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
         let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
         let text = text.unwrap_or_else(|| "a panic without a message".to_owned());
-        // A panic of one thread is reported once.
-        let is_told = faults.contains(&text) || text == "a scoped thread panicked";
-        if !is_told {
+        // Report a panic in a thread only once.
+        let is_recorded = faults.contains(&text) || text == "a scoped thread panicked";
+        if !is_recorded {
             faults.push(text);
         }
     }
 
-    /// Adds the opposite order of mistakes that depend on their order: bytes that are lost at the start of a payload are missing at
-    /// its end.
+    /// Adds variants with the opposite order for mistakes that depend on their order. For example, bytes that are
+    /// lost at the start of a payload are missing at its end.
     fn add_other_order(&self, variants: &mut Vec<Set>) {
         for at in 0..variants.len() {
             let variant = &variants[at];
@@ -436,7 +450,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if two mistakes act on the same bytes or on a common formula.
+    /// Returns true if the two mistakes affect the same bytes or a common formula.
     fn depends_on_order(&self, a: Id, b: Id) -> bool {
         let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.at.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
@@ -447,93 +461,93 @@ impl<'a> Search<'a> {
         matches!(self.mistakes[id].misreading.at, At::Bytes(_))
     }
 
-    /// Returns the mistakes of a set.
-    pub fn mistakes_of(&self, set: &[Id]) -> Vec<&Mistake> {
+    /// Returns the mistakes with the ids in `set`.
+    pub fn mistakes_in(&self, set: &[Id]) -> Vec<&Mistake> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
-    /// Returns true if both mistakes can act on one file. Two changes of one decision cannot.
-    fn stackable(&self, a: Id, b: Id) -> bool {
+    /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
+    fn can_combine(&self, a: Id, b: Id) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
-        !(a.is_decision() && a.is_at(b))
+        !(a.is_decision() && a.changes_same_step(b))
     }
 
-    /// Returns true if the user interrupted the search. Results after that are meaningless.
+    /// Returns true if the user interrupted the search. Results after an interrupt are meaningless.
     pub fn is_interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Returns the worth of a set on one case.
-    pub fn value(&self, w: usize, set: &[Id]) -> i64 {
+    /// Returns the worth of `set` for case `w`.
+    pub fn worth_of_set(&self, w: usize, set: &[Id]) -> i64 {
         self.effect(w, set).worth
     }
 
-    /// Returns the effect of a set on one case.
+    /// Returns the effect of `set` on case `w`.
     fn effect(&self, w: usize, set: &[Id]) -> SetEffect {
         if self.is_interrupted() {
             return SetEffect::NONE;
         }
-        let showing = self.showing(w, set);
-        if let [only] = showing[..] {
-            return self.alone(w, only).unwrap_or(SetEffect::NONE);
+        let visible_mistakes = self.visible_mistakes(w, set);
+        if let [only] = visible_mistakes[..] {
+            return self.effect_alone(w, only).unwrap_or(SetEffect::NONE);
         }
-        if showing.is_empty() {
+        if visible_mistakes.is_empty() {
             return SetEffect::NONE;
         }
         let known = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (w, showing);
+        let key = (w, visible_mistakes);
         if let Some(&effect) = known().get(&key) {
             return effect;
         }
-        let answers = self.answers(w, &key.1);
-        let effects = answers.iter().map(|answer| self.effect_of(w, answer));
+        let answers = self.possible_answers(w, &key.1);
+        let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
         let best = effects.min_by_key(|effect| -effect.worth);
         let effect = best.unwrap_or(SetEffect::NONE);
         known().insert(key, effect);
         effect
     }
 
-    /// Returns the mistakes of a set, and those that are assumed, that change the answer alone. Others rarely show only in
-    /// combination, except changes of the bytes of a file.
-    fn showing(&self, w: usize, set: &[Id]) -> Set {
-        let concerned = self.concerned(w, set);
-        let alone = |&id: &Id| Some((id, self.alone(w, id)?));
-        let shown: Vec<(Id, SetEffect)> = concerned.iter().filter_map(alone).collect();
-        // Changes of the bytes of a file may show only after others.
-        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= WORTH_OF_A_REFUSAL);
+    /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes
+    /// rarely have an effect in combination, except for changes of the bytes of a file.
+    fn visible_mistakes(&self, w: usize, set: &[Id]) -> Set {
+        let relevant_mistakes = self.relevant_mistakes(w, set);
+        let alone = |&id: &Id| Some((id, self.effect_alone(w, id)?));
+        let shown: Vec<(Id, SetEffect)> = relevant_mistakes.iter().filter_map(alone).collect();
+        // Changes of the bytes of a file may have an effect only after other changes.
+        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &Id| {
             shown.iter().any(|(shown, _)| shown == id)
                 || are_bytes_changed && !is_explained && self.edits_bytes(*id)
         };
-        concerned.into_iter().filter(is_kept).collect()
+        relevant_mistakes.into_iter().filter(is_kept).collect()
     }
 
-    /// Returns the effect of one mistake, without the assumed mistakes, or `None` if it does not show in this case.
-    fn alone(&self, w: usize, id: Id) -> Option<SetEffect> {
+    /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
+    fn effect_alone(&self, w: usize, id: Id) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.alone[id][w].get_or_init(|| {
-            if !witness.concerns(mistake) {
+            if !witness.can_affect(mistake) {
                 return None;
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.effect_of(w, &answer))
+            (*answer != witness.right).then(|| self.answer_effect(w, &answer))
         })
     }
 
-    fn effect_of(&self, w: usize, answer: &Answer) -> SetEffect {
+    fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
         SetEffect {
-            worth: self.worth_of(w, answer),
+            worth: self.worth_of_answer(w, answer),
             agreement: self.witnesses[w].agreement(answer),
             answer: self.fingerprint(w, answer),
         }
     }
 
-    /// Returns a hash of an answer, and 0 for the answer of a decoder without mistakes.
+    /// Returns a hash of an answer, or 0 for the answer of a decoder without mistakes.
     fn fingerprint(&self, w: usize, answer: &Answer) -> u64 {
-        if answer == self.witnesses[w].unmistaken() {
+        if answer == self.witnesses[w].correct_answer() {
             return 0;
         }
         let mut hasher = DefaultHasher::new();
@@ -544,8 +558,8 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the worth of an answer to one case.
-    fn worth_of(&self, w: usize, answer: &Answer) -> i64 {
+    /// Returns the worth of an answer to case `w`.
+    fn worth_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
         let is_open = matches!(
             witness.case.expect,
@@ -553,64 +567,69 @@ impl<'a> Search<'a> {
         );
         if witness.failed {
             match witness.agreement(answer) {
-                Agreement::None => credit(witness, answer),
-                agreement => worth(agreement),
+                Agreement::None => partial_credit(witness, answer),
+                agreement => agreement_worth(agreement),
             }
         } else if witness.contradicts(answer) {
-            WORTH_OF_A_CONTRADICTION
-        } else if is_open && witness.leans_away(answer) {
-            WORTH_OF_ANOTHER_LENIENT_ANSWER
+            CONTRADICTION_WORTH
+        } else if is_open && witness.differs_from_lenient_response(answer) {
+            OTHER_LENIENT_ANSWER_WORTH
         } else {
             0
         }
     }
 
-    /// Returns the mistake that adds most to `set`, among those that explain one of `tried`. If none adds anything, removes the
-    /// finalists from `all`.
-    fn one_more(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
-        let now: Vec<i64> = tried.iter().map(|&w| self.value(w, set)).collect();
-        let promise = self.each(all, |&id| {
+    /// Returns the mistake with the largest gain when added to `set`, among those that explain some case in `tried`.
+    /// If no mistake has a gain, removes the finalists from `all`.
+    fn best_candidate(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
+        let now: Vec<i64> = tried.iter().map(|&w| self.worth_of_set(w, set)).collect();
+        let promise = self.map_parallel(all, |&id| {
             let with = with_id(set, id);
-            let gain = |(&w, &now): (&usize, &i64)| match self.could_be(w, id) {
-                true => (self.value(w, &with) - now).max(0),
+            let gain = |(&w, &now): (&usize, &i64)| match self.can_explain(w, id) {
+                true => (self.worth_of_set(w, &with) - now).max(0),
                 false => 0,
             };
             tried.iter().zip(&now).map(gain).sum::<i64>()
         });
         let mut promising: Vec<(i64, Id)> = promise.into_iter().zip(all.iter().copied()).collect();
-        promising.retain(|&(gain, _)| gain >= WORTH_OF_A_CRASH);
-        // Among equals, misreadings of the clauses under test come first, then the order of the catalog.
-        promising.sort_by_key(|&(gain, id)| (-gain, !self.is_about(id)));
+        promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
+        // On ties, misreadings of the clauses under test come first, then the order of the catalog.
+        promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: Set = promising.into_iter().map(|(_, id)| id).collect();
-        let best = self.best(set, &finalists, &self.tried_for(tried));
+        let best = self.best_finalist(set, &finalists, &self.trial_flags(tried));
         all.retain(|id| !finalists.contains(id));
         best
     }
 
-    fn could_be(&self, w: usize, id: Id) -> bool {
-        self.witnesses[w].could_be(&self.mistakes[id])
+    fn can_explain(&self, w: usize, id: Id) -> bool {
+        self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
-    /// Marks the cases on which mistakes are tried: all but large maps, or all if only large maps are left.
-    fn tried_for(&self, left: &[usize]) -> Vec<bool> {
+    /// Returns one flag per case: whether to try mistakes on it. Skips large maps unless only large maps are left.
+    fn trial_flags(&self, left: &[usize]) -> Vec<bool> {
         let with_large = left.iter().all(|&w| !self.is_small(w));
         let all = 0..self.witnesses.len();
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the best of `finalists` on every case that is marked in `tried`, with the equally good ones.
-    fn best(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
+    /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
+    fn best_finalist(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| if tried[w] { self.value(w, set) } else { 0 })
+            .map(|w| {
+                if tried[w] {
+                    self.worth_of_set(w, set)
+                } else {
+                    0
+                }
+            })
             .collect();
-        let is_left =
-            |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < WORTH_OF_A_REFUSAL;
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < REFUSAL_WORTH;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
-        let gains = self.each(finalists, |&id| {
+        let gains = self.map_parallel(finalists, |&id| {
             let with = with_id(set, id);
-            let gain = |&w: &usize| match self.could_be(w, id) {
-                true => self.value(w, &with) - now[w],
+            let gain = |&w: &usize| match self.can_explain(w, id) {
+                true => self.worth_of_set(w, &with) - now[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -630,19 +649,19 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let least = best.map_or(WORTH_OF_A_CRASH, |best| {
-                WORTH_OF_A_CRASH.max(best - WORTH_OF_A_REFUSAL)
-            });
-            let totals = self.each(batch, |&(gain, place)| {
-                self.total(set, finalists[place], &now, gain, least, &others)
+            let least = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
+            let totals = self.map_parallel(batch, |&(gain, place)| {
+                self.total_worth(set, finalists[place], &now, gain, least, &others)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
         }
-        scored.sort_by_key(|&(total, place)| (-total, !self.is_about(finalists[place]), place));
+        scored.sort_by_key(|&(total, place)| {
+            (-total, !self.tests_misread_clause(finalists[place]), place)
+        });
         let &(total, first) = scored.first()?;
         let as_good = scored[1..].iter().filter(|&&(other, place)| {
-            total - other < WORTH_OF_A_REFUSAL && gains[place] == gains[first]
+            total - other < REFUSAL_WORTH && gains[place] == gains[first]
         });
         Some(Member {
             id: finalists[first],
@@ -651,13 +670,14 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if a failing case is about the misread clause.
-    fn is_about(&self, id: Id) -> bool {
-        let listed = self.mistakes[id].listed();
+    fn tests_misread_clause(&self, id: Id) -> bool {
+        let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total worth of a mistake that adds `gain` on the remaining cases, or `None` if it is less than `least`.
-    fn total(
+    /// Returns the total worth of a mistake with this `gain` on the remaining cases, or `None` if it is below
+    /// `least`.
+    fn total_worth(
         &self,
         set: &Set,
         id: Id,
@@ -672,30 +692,31 @@ impl<'a> Search<'a> {
             if total < least {
                 return None;
             }
-            if self.witnesses[w].concerns(&self.mistakes[id]) {
-                total += self.value(w, &with) - now[w];
+            if self.witnesses[w].can_affect(&self.mistakes[id]) {
+                total += self.worth_of_set(w, &with) - now[w];
             }
         }
         (total >= least).then_some(total)
     }
 
-    /// Returns two mistakes that explain an image only together. Tries pairs of mistakes that change it, on the smallest files.
-    fn two_more(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
-        let mut pictures = self.solvable(left);
-        pictures.sort_by_key(|&w| self.witnesses[w].built.file.len());
+    /// Returns two mistakes that only together explain an image. Tries pairs of mistakes that change the image, on
+    /// the smallest files.
+    fn best_pair_on_images(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
+        let mut images = self.comparable_images(left);
+        images.sort_by_key(|&w| self.witnesses[w].built.file.len());
         let spent = || self.work.load(Ordering::Relaxed);
         let before_all = spent();
-        let budget = || MAX_WORK_ON_PAIRS.saturating_sub(spent() - before_all);
+        let budget = || MAX_PAIR_WORK.saturating_sub(spent() - before_all);
         let format = |w: usize| self.witnesses[w].case.format();
         let mut best: Option<Vec<Member>> = None;
-        let mut asked = HashSet::new();
-        for w in spread(&pictures, format) {
-            // One file of each format is tried, and more if no pair explains these.
-            if budget() == 0 || best.is_some() && !asked.insert(format(w)) {
+        let mut tried_formats = HashSet::new();
+        for w in interleave_groups(&images, format) {
+            // Try one file of each format, and more only if no pair explains these.
+            if budget() == 0 || best.is_some() && !tried_formats.insert(format(w)) {
                 break;
             }
-            asked.insert(format(w));
-            let pairs = self.pairs_for(w, set, budget());
+            tried_formats.insert(format(w));
+            let pairs = self.explaining_pairs(w, set, budget());
             let Some(pair) = self.best_pair(set, pairs, left) else {
                 continue;
             };
@@ -707,43 +728,47 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Counts the failures in `left`, unexplained by a set, that it explains with more mistakes.
+    /// Counts the failures in `left` that `set` explains only with the additional mistakes in `more`.
     fn gain(&self, set: &[Id], more: &[Id], left: &[usize]) -> usize {
         let still = self.unexplained(&[set, more].concat());
         left.len().saturating_sub(still.len())
     }
 
-    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs of mistakes that change its answer.
-    fn pairs_for(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
-        let concerned: Set = (0..self.mistakes.len())
-            .filter(|&id| self.is_open(set, id) && self.witnesses[w].concerns(&self.mistakes[id]))
+    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the
+    /// answer.
+    fn explaining_pairs(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
+        let relevant_mistakes: Set = (0..self.mistakes.len())
+            .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
-        let acting = self.select(concerned, |id| self.differ(w, set, &with_id(set, id)));
+        let acting = self.select(relevant_mistakes, |id| {
+            self.answers_differ(w, set, &with_id(set, id))
+        });
         let pairs: Vec<[Id; 2]> = acting
             .iter()
             .enumerate()
             .flat_map(|(i, &a)| acting[i + 1..].iter().map(move |&b| [a, b]))
-            .filter(|&[a, b]| self.stackable(a, b))
+            .filter(|&[a, b]| self.can_combine(a, b))
             .take(most)
             .collect();
         let explains = |place: usize| {
             let with = [&set[..], &pairs[place]].concat();
-            self.value(w, &with) >= WORTH_OF_A_REFUSAL
+            self.worth_of_set(w, &with) >= REFUSAL_WORTH
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
-        let explaining = explaining.into_iter().take(MAX_AFFORDABLE);
+        let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
         explaining.map(|place| pairs[place]).collect()
     }
 
-    /// Returns the pair that explains most of the remaining failures. Tries all on a sample, and the best on every case.
+    /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on
+    /// every case.
     fn best_pair(&self, set: &Set, pairs: Vec<[Id; 2]>, left: &[usize]) -> Option<Vec<Member>> {
-        let wanted = self.tried_for(left);
+        let wanted = self.trial_flags(left);
         let all: Vec<usize> = (0..wanted.len()).filter(|&w| wanted[w]).collect();
         let mut pairs: Vec<([Id; 2], i64)> = pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
-            let totals = self.each(&pairs, |&([a, b], _)| {
+            let totals = self.map_parallel(&pairs, |&([a, b], _)| {
                 let with = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.value(w, &with) - self.value(w, set);
+                let gain = |&w: &usize| self.worth_of_set(w, &with) - self.worth_of_set(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -753,7 +778,7 @@ impl<'a> Search<'a> {
             pairs.truncate(MAX_PAIRS);
         }
         let best = pairs.first();
-        let &(pair, _) = best.filter(|&&(_, total)| total >= WORTH_OF_A_CRASH)?;
+        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_WORTH)?;
         let member = |id| Member {
             id,
             alike: Vec::new(),
@@ -761,44 +786,44 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes every mistake without which as much is explained, including large maps.
-    fn drop_needless(&self, members: &mut Vec<Member>) {
+    /// Removes redundant mistakes: those without which the set explains as much, including large maps.
+    fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &Set, places: &[usize]| {
-            let values = self.each(places, |&w| self.value(w, set));
+            let values = self.map_parallel(places, |&w| self.worth_of_set(w, set));
             values.iter().sum::<i64>()
         };
         for place in (0..members.len()).rev() {
             let with = ids_of(members);
             let mut without = with.clone();
             without.remove(place);
-            let needless = |places: &[usize]| {
-                total(&without, places) + WORTH_OF_A_CRASH > total(&with, places)
-            };
+            let needless =
+                |places: &[usize]| total(&without, places) + CRASH_WORTH > total(&with, places);
             if !without.is_empty() && needless(&small) && needless(&large) {
                 members.remove(place);
             }
         }
     }
 
-    /// Returns the small images of the correct shape.
-    pub fn solvable(&self, left: &[usize]) -> Vec<usize> {
-        let has_shape = |w: &usize| match (self.witnesses[*w].shown(), &self.witnesses[*w].right) {
-            (Some(shown), Answer::Decoded(right)) => {
-                shown.shape() == right.shape() && self.is_small(*w)
-            }
-            _ => false,
-        };
+    /// Selects the small images with the correct shape.
+    pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
+        let has_shape =
+            |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
+                (Some(shown), Answer::Decoded(right)) => {
+                    shown.shape() == right.shape() && self.is_small(*w)
+                }
+                _ => false,
+            };
         left.iter().copied().filter(has_shape).collect()
     }
 
-    /// Returns true if the budget of work is used up.
+    /// Returns true if the work budget is exhausted.
     fn is_spent(&self) -> bool {
         self.work.load(Ordering::Relaxed) > MAX_WORK
     }
 
-    /// Returns a sample of failing cases of different kinds, small ones first.
+    /// Returns a diverse sample of failing cases, small ones first.
     pub fn sample(&self, left: &[usize]) -> Vec<usize> {
         let kind = |w: usize| {
             let witness = &self.witnesses[w];
@@ -807,14 +832,14 @@ impl<'a> Search<'a> {
                 witness.case.clauses.first().cloned(),
             )
         };
-        let smallest = self.smallest(left, MAX_SAMPLES_TRIED);
-        let mut sample = spread(&smallest, kind);
+        let smallest = self.smallest(left, MAX_TRIED_SAMPLES);
+        let mut sample = interleave_groups(&smallest, kind);
         sample.truncate(MAX_SAMPLE);
         sample
     }
 
-    /// Returns the number of samples of the correct answer.
-    pub fn samples(&self, w: usize) -> usize {
+    /// Returns the number of samples in the correct answer.
+    pub fn sample_count(&self, w: usize) -> usize {
         match &self.witnesses[w].right {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize
@@ -823,18 +848,18 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if every mistake is tried on this image.
+    /// Returns true if the image is small enough to try every mistake on it.
     pub fn is_small(&self, w: usize) -> bool {
-        self.samples(w) <= MAX_SAMPLES_OF_A_SMALL_IMAGE
+        self.sample_count(w) <= MAX_SMALL_IMAGE_SAMPLES
     }
 
-    /// Returns the smallest of these cases, with at most `most` samples and bytes together, but at least one.
+    /// Returns the smallest of these cases, at least one, limited to a total of `most` samples and bytes.
     pub fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
-        smallest.sort_by_key(|&w| (self.samples(w), self.witnesses[w].built.file.len()));
+        smallest.sort_by_key(|&w| (self.sample_count(w), self.witnesses[w].built.file.len()));
         let mut all = 0;
         let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
-            all += self.samples(w) + self.witnesses[w].built.file.len();
+            all += self.sample_count(w) + self.witnesses[w].built.file.len();
             i < 1 || all <= most
         });
         let count = taken.count();
@@ -842,16 +867,20 @@ impl<'a> Search<'a> {
         smallest
     }
 
-    /// Returns the cases or mistakes for which `holds` returns true.
+    /// Returns the items for which `holds` is true, evaluated in parallel.
     pub fn select(&self, all: Vec<usize>, holds: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
-        let flags = self.each(&all, |&one| holds(one));
+        let flags = self.map_parallel(&all, |&one| holds(one));
         let pairs = all.into_iter().zip(flags);
         pairs.filter_map(|(one, is)| is.then_some(one)).collect()
     }
 
-    /// Returns `work` of every item, in order, computed on all threads.
-    pub fn each<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-        in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
+    /// Maps `work` over all items in parallel. Preserves the order.
+    pub fn map_parallel<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        work: impl Fn(&T) -> R + Sync,
+    ) -> Vec<R> {
+        map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
             let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
             done.unwrap_or_else(|panic| {
                 self.record_panic(&*panic);
@@ -861,13 +890,13 @@ impl<'a> Search<'a> {
     }
 }
 
-fn worth(agreement: Agreement) -> i64 {
+fn agreement_worth(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Image => WORTH_OF_AN_IMAGE,
-        Agreement::Word => WORTH_OF_A_REFUSAL,
-        Agreement::Crash => WORTH_OF_A_CRASH,
+        Agreement::Image => IMAGE_WORTH,
+        Agreement::Word => REFUSAL_WORTH,
+        Agreement::Crash => CRASH_WORTH,
         Agreement::None => 0,
-        Agreement::Against => WORTH_OF_A_REFUSAL_OF_AN_IMAGE,
+        Agreement::Against => REFUSED_IMAGE_WORTH,
     }
 }
 
@@ -875,7 +904,7 @@ pub(super) fn ids_of(members: &[Member]) -> Set {
     members.iter().map(|member| member.id).collect()
 }
 
-/// Returns the other members of a set.
+/// Returns `set` without `member`.
 pub(super) fn without_id(set: &[Id], member: Id) -> Set {
     let others = set.iter().copied().filter(|&other| other != member);
     others.collect()
@@ -885,8 +914,8 @@ fn with_id(set: &[Id], id: Id) -> Set {
     [set, &[id]].concat()
 }
 
-/// Returns the first of each kind, then the second of each, and so on.
-pub(super) fn spread<K: Ord>(places: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
+/// Interleaves the groups: the first item of each group, then the second of each, and so on.
+pub(super) fn interleave_groups<K: Ord>(places: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
     let mut kinds: BTreeMap<K, Vec<usize>> = BTreeMap::new();
     for &place in places {
         kinds.entry(kind(place)).or_default().push(place);

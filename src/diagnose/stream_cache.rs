@@ -1,4 +1,4 @@
-//! A cache of decoded streams. Hundreds of mistakes act after decoding, on the same planes.
+//! A cache of decoded streams, because hundreds of mistakes affect only the steps after decoding.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -8,17 +8,17 @@ use crate::error::Result;
 use crate::parts::PlaneStream;
 use crate::ptm::{Coding, Size};
 
-/// Bytes of streams and samples that the cache holds.
+/// Maximum size of the cached streams and samples.
 const MAX_CACHED_BYTES: usize = 128 << 20;
 
 type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
-/// Samples by standard, size and stream, and their size in bytes. The cache is global because a decision of
-/// [`Reading`](crate::Reading) is a plain function.
+/// Total size in bytes, and samples by standard, image size and stream. The cache is global because decisions of
+/// [`Reading`](crate::Reading) are plain functions.
 static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 
-/// Decodes a stream like the reference, but each stream only once.
+/// Decodes a stream like the reference, but decodes each stream only once.
 pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (coding, size) = (stream.coding, stream.size);
     let known = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
@@ -29,7 +29,7 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
     if let Some(samples) = known(&DECODED_STREAMS.lock().expect("no worker panics")) {
         return Ok(samples);
     }
-    let samples = planes::stream(stream)?;
+    let samples = planes::decode_stream(stream)?;
     let mut cache = DECODED_STREAMS.lock().expect("no worker panics");
     let (bytes, decoded) = cache.get_or_insert_default();
     if *bytes > MAX_CACHED_BYTES {

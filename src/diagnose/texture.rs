@@ -1,7 +1,8 @@
-//! From failures of a texture stage to causes: the misreadings that would have failed in the same way.
+//! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage with it gives the same answer. Every case that passed and that it would have
-//! failed contradicts it, and one that explains no more than contradicts it is not named.
+//! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts
+//! a misreading if such a stage would fail it. A misreading is reported only if it explains more cases than
+//! contradict it.
 
 use serde_json::Value;
 
@@ -19,7 +20,7 @@ use crate::suite::texture::choices::CHOICES;
 use crate::suite::texture::compare::difference;
 use crate::texture::Rules;
 
-/// Returns the fewest misreadings that explain the failures of `run`; the one that explains most is first.
+/// Returns the fewest misreadings that explain the failures of `run`, the misreading with the most failures first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
@@ -43,9 +44,10 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
     };
     match (&observation.response, case.answer(rules)) {
         (Response::Image { frame, .. }, Answer::Decoded(made)) => {
-            // An answer that equals the reference's is not stored. A field that only one of the two has is a difference.
+            // An answer that equals the reference's is not stored. A field that only one of the answers has counts as
+            // a difference.
             let shown = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&only_expected(case, &made), shown, case.tolerance());
+            let differs = difference(&expected_fields(case, &made), shown, case.tolerance());
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -53,8 +55,8 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
     }
 }
 
-/// Returns the fields of an answer that the case looks at.
-fn only_expected(case: &TextureCase, answer: &Value) -> Value {
+/// Returns the fields of an answer that the case checks.
+fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
     let fields = case.expect.as_object().into_iter().flatten();
     let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));
     Value::Object(kept.collect())

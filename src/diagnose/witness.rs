@@ -1,4 +1,4 @@
-//! The response to one case, compared with the answer of a decoder that makes some mistakes.
+//! Compares the response to a case with the answer of a decoder that makes certain mistakes.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -8,8 +8,8 @@ use super::stream_cache::stream_once;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{decode_as, examine_as};
 use crate::generate::Model;
-use crate::kit::parallel::in_parallel;
-use crate::misreadings::{self, Anatomy, At, Misreading, Seen, Stage};
+use crate::kit::parallel::map_in_parallel;
+use crate::misreadings::{self, Anatomy, At, EditedFile, Misreading, Stage};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
@@ -23,49 +23,49 @@ use crate::suite::compare::{Expected, is_close};
 use crate::suite::dialect::{Dialect, Right};
 use crate::suite::values::Values;
 
-/// A judged case: its file, the response, and the correct answer.
+/// A judged case: its file, the decoder's response, and the correct answer.
 pub(super) struct Witness<'a> {
-    /// Its place in the suite.
-    pub place: usize,
+    /// Index of the case in the suite.
+    pub case_index: usize,
     pub case: &'a Case,
     pub observation: &'a Observation,
     pub built: Arc<Built>,
     pub failed: bool,
-    /// The legal files of its format that were judged.
+    /// Number of judged legal files of the same format.
     pub legal_files: usize,
-    /// The reading of the open questions to which mistakes are applied.
+    /// Choices of the decoder to which mistakes are applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
     pub right: Answer,
-    /// The reference's answer in `reading`, if that is another dialect.
-    unmistaken: Option<Answer>,
-    /// The fields of the file, up to the first error.
+    /// The reference's answer under `reading`, if that is a different dialect.
+    correct_answer: Option<Answer>,
+    /// Fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
     pub facts: OnceLock<Facts>,
-    /// The map that the reference decodes.
+    /// The map that the reference decodes from the file.
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// The properties of a file.
+/// Properties and quantities of a file.
 pub(super) struct Facts {
-    /// For each known property, whether the file has it.
+    /// One flag per property in `PROPERTIES`: whether the file has it.
     pub properties: Vec<bool>,
-    /// For each known quantity, its value.
+    /// One value per quantity in `QUANTITIES`, if the file has it.
     pub quantities: Vec<Option<f64>>,
 }
 
-/// The agreement of an answer with the response.
+/// How an answer agrees with the response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
-    /// An equal image.
+    /// The images are equal.
     Image,
-    /// An equal refusal or acceptance.
+    /// Both are refusals, or both are acceptances.
     Word,
-    /// A refusal, but the response is a crash.
+    /// The answer is a refusal, and the response is a crash.
     Crash,
-    /// Another image or another outcome.
+    /// The images or outcomes differ.
     None,
-    /// A refusal, but the response is an image: the decoder does not make this mistake.
+    /// The answer is a refusal, but the response is an image: the decoder does not make this mistake.
     Against,
 }
 
@@ -76,8 +76,8 @@ impl Agreement {
     }
 }
 
-/// Returns every case that passed or failed and whose responses do not differ. Mistakes are made in `reading`, or in the dialect
-/// that the decoder seems to read.
+/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to
+/// `reading`, or to the dialect that was inferred for the decoder.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
@@ -90,23 +90,23 @@ pub(super) fn witnesses<'a>(
         let is_counted = case.expect == Expect::Decode && judged.is_some();
         *legal_files.entry(case.format()).or_default() += usize::from(is_counted);
     }
-    let witness = |place: usize| {
-        let case = &suite.cases[place];
-        let outcome = run.judgement.cases[place].as_ref()?.outcome;
-        // Different responses and broken promises are no evidence for a misreading.
-        let observation = run.observations[place]
+    let witness = |case_index: usize| {
+        let case = &suite.cases[case_index];
+        let outcome = run.judgement.cases[case_index].as_ref()?.outcome;
+        // Inconsistent responses and broken promises are no evidence for a misreading.
+        let observation = run.observations[case_index]
             .as_ref()
             .filter(|observation| observation.nondeterminism.is_none())
-            .filter(|observation| !breaks_its_promise(run, case, observation))?;
+            .filter(|observation| !breaks_promise(run, case, observation))?;
         // Inconclusive and unsupported cases are no evidence either.
         if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
             return None;
         }
         let built = case.build(run.table);
         let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
-        let (right, unmistaken) = (answer(dialect), reading.map(answer));
+        let (right, correct_answer) = (answer(dialect), reading.map(answer));
         Some(Witness {
-            place,
+            case_index,
             case,
             observation,
             built,
@@ -114,60 +114,61 @@ pub(super) fn witnesses<'a>(
             legal_files: legal_files.get(&case.format()).copied().unwrap_or_default(),
             reading: reading.unwrap_or(dialect),
             right,
-            unmistaken,
+            correct_answer,
             fields: OnceLock::new(),
             facts: OnceLock::new(),
             decoded: OnceLock::new(),
         })
     };
-    let all = in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
+    let all = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare and that it never reads.
-pub(super) fn breaks_its_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
+/// Returns true if the decoder exited with 69 on a file whose format its capabilities declare but which it never
+/// reads.
+pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
 }
 
 impl Witness<'_> {
     /// Returns the answer of a decoder with these misreadings.
-    pub fn answer_of_listed(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
-        // The file is parsed once, and most edits of bytes do not change most files.
+    pub fn answer_of_misreadings(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
+        // Parse the file only once. Most edits of bytes do not change most files.
         let [first, rest @ ..] = mistakes else {
-            return Cow::Borrowed(self.unmistaken());
+            return Cow::Borrowed(self.correct_answer());
         };
         if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
             return match self.decoded() {
                 Ok(ptm) => {
-                    let reading = misreadings::misread(mistakes, self.reading);
+                    let reading = misreadings::apply_to_reading(mistakes, self.reading);
                     let view = &self.observation.view;
                     Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
                 }
-                Err(_) => Cow::Borrowed(self.unmistaken()),
+                Err(_) => Cow::Borrowed(self.correct_answer()),
             };
         }
         let At::Bytes(edit) = first.at else {
-            return Cow::Owned(self.answer_to(mistakes, &self.built.file));
+            return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         let anatomy = Anatomy {
             file: &self.built.file,
             fields: self.fields().to_vec(),
         };
         match edit(&anatomy) {
-            Seen::Refused => Cow::Owned(Answer::Rejected),
-            Seen::File(bytes) if bytes == self.built.file => self.answer_of_listed(rest),
-            Seen::File(bytes) => Cow::Owned(self.answer_to(rest, &bytes)),
+            EditedFile::Refused => Cow::Owned(Answer::Rejected),
+            EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
+            EditedFile::File(bytes) => Cow::Owned(self.answer_to_file(rest, &bytes)),
         }
     }
 
-    /// Returns the answer of a decoder without mistakes in this reading.
-    pub fn unmistaken(&self) -> &Answer {
-        self.unmistaken.as_ref().unwrap_or(&self.right)
+    /// Returns the answer of a decoder without mistakes under `reading`.
+    pub fn correct_answer(&self) -> &Answer {
+        self.correct_answer.as_ref().unwrap_or(&self.right)
     }
 
-    /// Returns the answer of a decoder with these mistakes to other bytes.
-    fn answer_to(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
+    /// Returns the answer of a decoder with these mistakes to a modified file.
+    fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         misreadings::answer(mistakes, self.reading, file, &self.observation.view)
     }
 
@@ -177,23 +178,23 @@ impl Witness<'_> {
             .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
     }
 
-    /// Returns the image if it differs from the reference's.
-    pub fn shown(&self) -> Option<&Frame> {
+    /// Returns the image in the response if it differs from the reference's image.
+    pub fn wrong_image(&self) -> Option<&Frame> {
         self.observation.response.wrong_image()
     }
 
-    /// Returns true if colors were requested.
-    pub fn is_in_colors(&self) -> bool {
+    /// Returns true if the request was for colors.
+    pub fn requests_colors(&self) -> bool {
         matches!(self.observation.view, View::Rgb(_))
     }
 
-    /// Returns the map that the reference decodes.
+    /// Returns the map that the reference decodes from the file.
     pub fn decoded(&self) -> &crate::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
     }
 
-    /// Returns the place of the first byte after the header text.
+    /// Returns the offset of the first byte after the header text.
     pub fn payload(&self) -> usize {
         let anatomy = Anatomy {
             file: &self.built.file,
@@ -202,7 +203,7 @@ impl Witness<'_> {
         anatomy.payload()
     }
 
-    /// Returns the model from which the file was generated, if it was.
+    /// Returns the model from which the file was generated, if any.
     pub fn model(&self) -> Option<&Model> {
         match &self.built.values {
             Values::Painted(model) => Some(model),
@@ -210,31 +211,31 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true if a plane is neither predicted nor corrected.
-    pub fn is_of_stream(&self, plane: usize) -> bool {
+    /// Returns true if the plane is neither predicted nor corrected.
+    pub fn is_plain_plane(&self, plane: usize) -> bool {
         let coded = self.model().and_then(|model| model.compressed.as_ref());
         coded.is_some_and(|coded| {
             coded.plan.reference(plane).is_none() && coded.planes[plane].records.is_empty()
         })
     }
 
-    /// Returns the agreement of `answer` with the response to a failing case.
+    /// Returns how well `answer` agrees with the response to a failing case.
     pub fn agreement(&self, answer: &Answer) -> Agreement {
         match (&self.observation.response, answer) {
-            // A refusal of a file that the reference refuses is no mistake.
+            // A refusal is correct if the reference refuses the file as well.
             (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
             (
                 Response::Image {
                     frame: Some(shown), ..
                 },
                 Answer::Decoded(made),
-            ) if alike(shown, made)
-                && (!self.is_right(made) || self.is_nearer(made, shown))
+            ) if equal_up_to_rounding(shown, made)
+                && (!self.equals_reference(made) || self.is_closer_to_response(made, shown))
                 && self.is_more_than_tolerance(made, shown) =>
             {
                 Agreement::Image
             }
-            // Images of files that must be refused are not stored. The acceptance is the mistake.
+            // Images of files that must be refused are not stored. The acceptance itself is the mistake.
             (Response::Image { frame: None, .. }, Answer::Decoded(_))
                 if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
             {
@@ -256,8 +257,8 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true if two similar images do not agree by the tolerance of colors alone: wrong colors at 0 and 255 are equal, and
-    /// the other wrong colors are not all off by one in one direction.
+    /// Returns true if two similar images agree by more than the tolerance for colors. This requires that wrong
+    /// colors at 0 and 255 are equal, and that the other wrong colors are not all off by one in the same direction.
     fn is_more_than_tolerance(&self, made: &Frame, shown: &Frame) -> bool {
         let Answer::Decoded(right) = &self.right else {
             return true;
@@ -288,8 +289,9 @@ impl Witness<'_> {
         !is_at_limits && !all_off(1) && !all_off(-1)
     }
 
-    /// Returns true if `made` is equal to the response, or differs in fewer than half as many samples as the reference's image.
-    fn is_nearer(&self, made: &Frame, shown: &Frame) -> bool {
+    /// Returns true if `made` equals the response, or differs in less than half as many samples as the reference's
+    /// image.
+    fn is_closer_to_response(&self, made: &Frame, shown: &Frame) -> bool {
         let (Samples::U8(samples), Answer::Decoded(right)) = (&shown.samples, &self.right) else {
             return shown == made;
         };
@@ -301,20 +303,22 @@ impl Witness<'_> {
         shown == made || is_most(far.saturating_sub(near), far)
     }
 
-    /// Returns true if that is the reference's image up to rounding. Such an image explains no failure.
-    fn is_right(&self, made: &Frame) -> bool {
-        matches!(&self.right, Answer::Decoded(right) if alike(right, made))
+    /// Returns true if `made` equals the reference's image up to rounding. An image like this explains no failure.
+    fn equals_reference(&self, made: &Frame) -> bool {
+        matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, made))
     }
 
-    /// Returns true if `answer` would fail a case that passes. The answer without mistakes contradicts nothing, even if another
-    /// dialect shows here.
+    /// Returns true if `answer` would fail a passing case. The answer of a decoder without mistakes contradicts
+    /// nothing, even if its dialect differs.
     pub fn contradicts(&self, answer: &Answer) -> bool {
-        if std::ptr::eq(answer, &raw const self.right) || self.unmistaken.as_ref() == Some(answer) {
+        if std::ptr::eq(answer, &raw const self.right)
+            || self.correct_answer.as_ref() == Some(answer)
+        {
             return false;
         }
         match (self.case.expect, answer) {
             (Expect::Decode, Answer::Decoded(made)) => {
-                !self.is_right(made) && self.would_fail(made)
+                !self.equals_reference(made) && self.would_fail(made)
             }
             (Expect::Decode, _) => true,
             (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),
@@ -322,8 +326,9 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true if `answer` differs from the response to a lenient file, where a refusal and an image are both correct.
-    pub fn leans_away(&self, answer: &Answer) -> bool {
+    /// Returns true if `answer` differs from the response to a lenient file, for which both a refusal and an image
+    /// are correct.
+    pub fn differs_from_lenient_response(&self, answer: &Answer) -> bool {
         match (&self.observation.response, answer) {
             (Response::Rejected, Answer::Decoded(_))
             | (Response::Image { .. }, Answer::Rejected) => true,
@@ -332,29 +337,29 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true if that image would fail.
+    /// Returns true if a decoder that outputs `made` would fail the case.
     fn would_fail(&self, made: &Frame) -> bool {
         let right = match (&self.observation.response, &self.right) {
-            // The image shows an open question. The decoder's own dialect gives the correct image.
+            // The image depends on an open question, so the decoder's own dialect determines the correct image.
             (
                 Response::Image {
                     right: Right::In { .. },
                     ..
                 },
                 Answer::Decoded(right),
-            ) => return !alike(right, made),
+            ) => return !equal_up_to_rounding(right, made),
             _ => Expected::new(&self.built.values, &self.observation.view),
         };
         right.is_some_and(|right| right.compare(made).is_some())
     }
 }
 
-/// Returns true if the mistake acts on correctly decoded values.
+/// Returns true if the misreading only affects the steps after decoding.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.at.stage() >= Stage::Planes
 }
 
-/// Returns the reference's reading of the open questions, if the decoder seems to read some in another way.
+/// Returns the reference's choices if the inferred choices of the decoder differ from them.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
     let mut followed = judgement.dialect.0.iter().zip(&judgement.certain);
@@ -366,7 +371,7 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     })
 }
 
-/// Returns the decoder's reading of the open questions.
+/// Returns the choices that were inferred for the decoder.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
     let followed = judgement.dialect.0.iter().zip(&judgement.certain);
@@ -385,9 +390,10 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file: the file has the table, matrix or compressed planes that the clause is about.
+/// Returns true if the misreading can affect the file, because the file has the table, matrix or compressed planes
+/// that the clause is about.
 #[must_use]
-pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
+pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
     let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
     let section = |name: &str| misreading.clause.starts_with(name);
@@ -404,13 +410,13 @@ pub fn applies(misreading: &Misreading, file: &[u8]) -> bool {
     }
 }
 
-/// Returns true if two mistakes can be made together: they act in different places or on different decisions.
+/// Returns true if a decoder can make both mistakes, because they affect different steps or different decisions.
 #[must_use]
-pub fn composable(a: &Misreading, b: &Misreading) -> bool {
-    !a.at.is_at(&b.at)
+pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
+    !a.at.changes_same_step(&b.at)
 }
 
-/// Returns true if `explained` are at least three in four of the `acting` cases in one view.
+/// Returns true if in some view `explained` contains nearly all of the `acting` cases (see [`is_nearly_all`]).
 pub(super) fn explains_a_view(
     witnesses: &[Witness],
     explained: &[usize],
@@ -425,7 +431,7 @@ pub(super) fn explains_a_view(
 
 /// Returns true if two images are equal up to rounding.
 #[must_use]
-pub fn alike(a: &Frame, b: &Frame) -> bool {
+pub fn equal_up_to_rounding(a: &Frame, b: &Frame) -> bool {
     if a.shape() != b.shape() {
         return false;
     }

@@ -1,31 +1,31 @@
-//! An edit of a formula.
+//! Edits of formulas.
 
 use super::expression::{Expression, parse};
 use super::formulas::Formula;
 
-/// A formula that a decoder computes differently.
+/// A formula, and what a decoder computes instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
-    /// The edited formula.
+    /// Formula that is edited.
     pub formula: Formula,
-    /// The replacement.
+    /// Replacement for the formula.
     pub change: EditedForm,
 }
 
-/// The replacement of a formula.
+/// A replacement for a formula.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditedForm {
-    /// Another expression, in the formula's scope.
+    /// An expression in the scope of the formula.
     Expression(Expression),
-    /// A table of values, indexed by the formula's first variable from 0 to 255.
+    /// A table of values, indexed by the first variable of the formula (0 to 255).
     Table(Box<[u8; 256]>),
 }
 
 impl Edit {
-    /// Reads an edit: the name of a formula, and the expression that replaces it.
+    /// Parses an edit from the name of a formula and the expression that replaces it.
     ///
     /// # Errors
-    /// A sentence that names the unknown formula or what is wrong with the expression.
+    /// Returns a sentence that names the unknown formula or describes the error in the expression.
     pub fn parse(name: &str, expression: &str) -> Result<Edit, String> {
         let formula =
             Formula::from_name(name).ok_or_else(|| format!("unknown formula {name:?}"))?;
@@ -33,7 +33,7 @@ impl Edit {
         Ok(Edit { formula, change })
     }
 
-    /// Returns what is computed, as text.
+    /// Returns the edited expression as text.
     #[must_use]
     pub fn computes(&self) -> String {
         match &self.change {
@@ -58,7 +58,7 @@ impl Edit {
         }
     }
 
-    /// Returns the formula of the specification, as text.
+    /// Returns the formula in the specification as text.
     #[must_use]
     pub fn stated(&self) -> String {
         let stated = &self.formula.stated().expression;

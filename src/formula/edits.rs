@@ -1,16 +1,16 @@
-//! All edits of a formula that a programmer is likely to make, the most natural first.
+//! Generates all edits of a formula that a programmer is likely to make, the most likely ones first.
 //!
-//! Each operator is applied at every node of the expression. Structural operators come first: other loop orders, dropped terms,
-//! exchanged variables. Arithmetic around a node comes last.
+//! Each operator is applied to every node of the expression. Structural operators come first: different loop orders,
+//! dropped terms, swapped variables. Arithmetic around a node comes last.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use super::edit::{Edit, EditedForm};
-use super::expression::{Expression, Function, Scope, single_or};
+use super::expression::{Expression, Function, Scope, single_or_node};
 use super::formulas::Formula;
 
-/// Constants that are commonly confused. The first of each row is replaced by the others.
+/// Constants that are commonly confused. The first constant in each row is replaced with the others.
 const CONFUSED_CONSTANTS: [&[f64]; 5] = [
     &[255.0, 256.0, 254.0, 128.0, 127.0],
     &[128.0, 127.0, 129.0, 256.0, 255.0, 0.0, 64.0],
@@ -19,13 +19,13 @@ const CONFUSED_CONSTANTS: [&[f64]; 5] = [
     &[65536.0, 65535.0, 32768.0],
 ];
 
-/// Functions that are exchanged for each other.
-const SIBLINGS: [&[Function]; 2] = [
+/// Functions that are commonly confused with each other.
+const CONFUSED_FUNCTIONS: [&[Function]; 2] = [
     &[Function::Min, Function::Max],
     &[Function::Round, Function::Truncate, Function::Floor],
 ];
 
-/// Factors that are added by mistake.
+/// Factors that are commonly added by mistake.
 const EXTRA_FACTORS: [f64; 4] = [2.0, 255.0, 256.0, 128.0];
 
 /// Formulas that may be computed differently under a condition on records, planes or coefficients.
@@ -38,11 +38,11 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
     Formula::Corrected,
 ];
 
-/// The edits of every formula, in the order of [`Formula::ALL`].
+/// Edits of every formula, in the order of [`Formula::ALL`].
 static ALL: LazyLock<Vec<Vec<Edit>>> =
     LazyLock::new(|| Formula::ALL.iter().map(|row| generate(row.0)).collect());
 
-/// Returns the edits of a formula, the most natural first and each expression once.
+/// Returns the edits of a formula without duplicates, the most likely ones first.
 #[must_use]
 pub fn all(formula: Formula) -> &'static [Edit] {
     &ALL[formula as usize]
@@ -55,18 +55,26 @@ fn generate(formula: Formula) -> Vec<Edit> {
     if let Formula::Shown | Formula::FinalCoefficient | Formula::StoredValue = formula {
         all.push(number(0.0));
     }
-    for operator in [dropped, exchanged, renamed, reordered, renumbered] {
-        all.extend(everywhere(stated, &|node| operator(node, scope)));
+    for operator in [
+        drop_parts,
+        replace_operators,
+        replace_names,
+        change_loops,
+        replace_constants,
+    ] {
+        all.extend(apply_to_all_nodes(stated, &|node| operator(node, scope)));
     }
-    all.extend(exchanged_everywhere(stated, scope));
-    for operator in [scaled, shifted, wrapped, grouped] {
-        all.extend(everywhere(stated, &|node| match node {
+    all.extend(swap_names_everywhere(stated, scope));
+    for operator in [scale, shifted, apply_functions, change_groups] {
+        all.extend(apply_to_all_nodes(stated, &|node| match node {
             Expression::Number(_) => Vec::new(),
             _ => operator(node, scope),
         }));
     }
     if CONDITIONAL_FORMULAS.contains(&formula) {
-        all.extend(everywhere(stated, &|node| conditional(node, scope)));
+        all.extend(apply_to_all_nodes(stated, &|node| {
+            replace_conditionally(node, scope)
+        }));
     }
     let mut known = HashSet::from([stated.display(scope)]);
     all.retain(|expression| known.insert(expression.display(scope)));
@@ -74,14 +82,14 @@ fn generate(formula: Formula) -> Vec<Edit> {
     changes.map(|change| Edit { formula, change }).collect()
 }
 
-/// Applies an operator at every node, from the root to the leaves.
-fn everywhere(
+/// Applies an operator to every node, from the root to the leaves.
+fn apply_to_all_nodes(
     expression: &Expression,
     operator: &dyn Fn(&Expression) -> Vec<Expression>,
 ) -> Vec<Expression> {
     let mut all = operator(expression);
     for (place, child) in expression.children().into_iter().enumerate() {
-        let changed = everywhere(child, operator).into_iter();
+        let changed = apply_to_all_nodes(child, operator).into_iter();
         all.extend(changed.map(|child| expression.with_child(place, child)));
     }
     all
@@ -91,7 +99,7 @@ fn number(value: f64) -> Expression {
     Expression::Number(value)
 }
 
-fn negative(of: &Expression) -> Expression {
+fn negate(of: &Expression) -> Expression {
     match of {
         Expression::Negative(inner) => (**inner).clone(),
         other => Expression::Negative(Box::new(other.clone())),
@@ -102,14 +110,14 @@ fn call(function: Function, arguments: &[Expression]) -> Expression {
     Expression::Call(function, arguments.to_vec())
 }
 
-/// Drops a term, a factor or a function: the node becomes part of itself, or 0.
-fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Drops a term, a factor or a function: replaces the node with one of its parts, or with 0.
+fn drop_parts(node: &Expression, _: Scope) -> Vec<Expression> {
     let without =
         |all: &[Expression], node: fn(Vec<Expression>) -> Expression| -> Vec<Expression> {
             let one = |place| {
                 let mut others = all.to_vec();
                 others.remove(place);
-                single_or(others, node)
+                single_or_node(others, node)
             };
             let alone = all.iter().map(|part| match part {
                 Expression::Negative(inner) => (**inner).clone(),
@@ -127,21 +135,21 @@ fn dropped(node: &Expression, _: Scope) -> Vec<Expression> {
     }
 }
 
-/// Exchanges an operator for its counterpart, in one place or in every term of a sum, or the order of two nested functions.
-fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Replaces an operator with its counterpart, in one term or in every term of a sum, or swaps two nested functions.
+fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
     match node {
         Expression::Sum(terms) => {
             let one = |place: usize| {
                 let mut changed = terms.clone();
-                changed[place] = negative(&terms[place]);
+                changed[place] = negate(&terms[place]);
                 Expression::Sum(changed)
             };
-            let mut all: Vec<Expression> = terms.iter().map(negative).collect();
-            // A positive term comes first, for readability.
+            let mut all: Vec<Expression> = terms.iter().map(negate).collect();
+            // Put positive terms first, for readability.
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
             let in_every_term = |place: usize| {
                 let changed = |term: &Expression| match term {
-                    Expression::Product(factors) => split(factors)[place].clone(),
+                    Expression::Product(factors) => split_product(factors)[place].clone(),
                     other => other.clone(),
                 };
                 Expression::Sum(terms.iter().map(changed).collect())
@@ -150,7 +158,7 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
             let each = each.chain([Expression::Sum(all)]);
             each.chain([1, 0].map(in_every_term)).collect()
         }
-        Expression::Product(factors) => split(factors),
+        Expression::Product(factors) => split_product(factors),
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
             vec![
@@ -159,7 +167,9 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
             ]
         }
         Expression::Call(outer, arguments) => {
-            let family = SIBLINGS.iter().find(|family| family.contains(outer));
+            let family = CONFUSED_FUNCTIONS
+                .iter()
+                .find(|family| family.contains(outer));
             let others = family.copied().into_iter().flatten();
             let others = others.filter(|other| *other != outer);
             let mut all: Vec<Expression> = others.map(|other| call(*other, arguments)).collect();
@@ -175,28 +185,28 @@ fn exchanged(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Divides or adds two neighboring parts of a product instead of multiplying them.
-fn split(factors: &[Expression]) -> Vec<Expression> {
-    let split = |(start, place): (usize, usize)| {
+fn split_product(factors: &[Expression]) -> Vec<Expression> {
+    let split_product = |(start, place): (usize, usize)| {
         let parts = [&factors[start..place], &factors[place..]];
-        let [a, b] = parts.map(|part| single_or(part.to_vec(), Expression::Product));
+        let [a, b] = parts.map(|part| single_or_node(part.to_vec(), Expression::Product));
         let sum = Expression::Sum(vec![a.clone(), b.clone()]);
         [Expression::Quotient(Box::new(a), Box::new(b)), sum]
-            .map(|part| single_or([&factors[..start], &[part]].concat(), Expression::Product))
+            .map(|part| single_or_node([&factors[..start], &[part]].concat(), Expression::Product))
     };
     let ranges = (0..factors.len())
         .flat_map(|start| (start + 1..factors.len()).map(move |place| (start, place)));
-    ranges.flat_map(split).collect()
+    ranges.flat_map(split_product).collect()
 }
 
-/// Replaces a variable by another of its scope, a list by another, or an index by a neighboring one.
-fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
+/// Replaces a variable with another one in its scope, a list with another one, or an index with a neighboring one.
+fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
     match node {
         Expression::Variable(place) => {
             let others = (0..scope.variables.len()).filter(|other| other != place);
             others.map(Expression::Variable).collect()
         }
         Expression::Element(list, index) => {
-            // Only scales and biases are exchanged for each other.
+            // Only scales and biases are confused with each other.
             let lists =
                 (0..scope.lists.len()).filter(|other| other != list && scope.lists.len() == 2);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
@@ -204,7 +214,7 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
             let is_of_six = scope.lists == ["scale", "bias"];
             let last = if is_of_six { 5.0 } else { 15.0 };
             let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
-            let reversed = Expression::Sum(vec![number(last), negative(index)]);
+            let reversed = Expression::Sum(vec![number(last), negate(index)]);
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
             let near = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed];
             let indices = near.into_iter().chain([number(0.0), number(last), double]);
@@ -215,14 +225,14 @@ fn renamed(node: &Expression, scope: Scope) -> Vec<Expression> {
     }
 }
 
-/// Exchanges two variables everywhere, or two lists.
-fn exchanged_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression> {
+/// Swaps two variables or two lists in the whole expression.
+fn swap_names_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression> {
     let count = scope.variables.len();
     let mut all = Vec::new();
     for a in (0..count).filter(|&place| expression.uses(place)) {
         for b in 0..count {
             if b != a && (b > a || !expression.uses(b)) {
-                all.push(with_nodes(expression, &|node| match node {
+                all.push(replace_nodes(expression, &|node| match node {
                     Expression::Variable(place) if *place == a => Some(Expression::Variable(b)),
                     Expression::Variable(place) if *place == b => Some(Expression::Variable(a)),
                     _ => None,
@@ -231,7 +241,7 @@ fn exchanged_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression
         }
     }
     if scope.lists.len() == 2 {
-        all.push(with_nodes(expression, &|node| match node {
+        all.push(replace_nodes(expression, &|node| match node {
             Expression::Element(list, index) => Some(Expression::Element(1 - list, index.clone())),
             _ => None,
         }));
@@ -239,21 +249,21 @@ fn exchanged_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression
     all
 }
 
-/// Replaces the nodes for which `change` returns another expression.
-fn with_nodes(
+/// Replaces the nodes for which `change` returns a new expression.
+fn replace_nodes(
     expression: &Expression,
     change: &dyn Fn(&Expression) -> Option<Expression>,
 ) -> Expression {
     change(expression).unwrap_or_else(|| {
         let children = expression.children().into_iter().enumerate();
         children.fold(expression.clone(), |changed, (place, child)| {
-            changed.with_child(place, with_nodes(child, change))
+            changed.with_child(place, replace_nodes(child, change))
         })
     })
 }
 
-/// Changes the loops of an address: their order, their direction, their length.
-fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Changes the loops of an address: their order, their direction, or their length.
+fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Address(digits) = node else {
         return Vec::new();
     };
@@ -268,11 +278,15 @@ fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
         Expression::Address(changed)
     };
     for (place, (digit, radix)) in digits.iter().enumerate() {
-        let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negative(digit)]);
+        let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negate(digit)]);
         all.push(with_digit(place, reversed, radix.clone()));
         if place > 0 {
             for multiple in [4.0, 8.0, 2.0] {
-                all.push(with_digit(place, digit.clone(), padded(radix, multiple)));
+                all.push(with_digit(
+                    place,
+                    digit.clone(),
+                    round_up_to_multiple(radix, multiple),
+                ));
             }
             for by in [1.0, -1.0] {
                 let longer = Expression::Sum(vec![radix.clone(), number(by)]);
@@ -283,8 +297,8 @@ fn reordered(node: &Expression, _: Scope) -> Vec<Expression> {
     all
 }
 
-/// Returns `value` rounded up to a multiple.
-fn padded(value: &Expression, multiple: f64) -> Expression {
+/// Rounds `value` up to a multiple.
+fn round_up_to_multiple(value: &Expression, multiple: f64) -> Expression {
     let over = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
     let quotient = Expression::Quotient(Box::new(over), Box::new(number(multiple)));
     Expression::Product(vec![call(Function::Floor, &[quotient]), number(multiple)])
@@ -303,8 +317,8 @@ fn permutations(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-/// Replaces a constant by its neighbors, its half and double, and the constants that it is commonly confused with.
-fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Replaces a constant with its neighbors, its half, its double, and the constants that it is commonly confused with.
+fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Number(value) = *node else {
         return Vec::new();
     };
@@ -316,8 +330,8 @@ fn renumbered(node: &Expression, _: Scope) -> Vec<Expression> {
     rivals.chain(neighbors).map(number).collect()
 }
 
-/// Multiplies or divides by a factor.
-fn scaled(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Multiplies or divides a node by a factor.
+fn scale(node: &Expression, _: Scope) -> Vec<Expression> {
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
     let rival =
@@ -329,14 +343,14 @@ fn scaled(node: &Expression, _: Scope) -> Vec<Expression> {
         .collect()
 }
 
-/// Adds a constant.
+/// Adds a constant to a node.
 fn shifted(node: &Expression, _: Scope) -> Vec<Expression> {
     let sum = |by| Expression::Sum(vec![node.clone(), number(by)]);
     [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()
 }
 
-/// Applies a function: rounds, limits, or keeps part of the bits.
-fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
+/// Applies a function to a node: rounds it, limits it, or keeps some of its bits.
+fn apply_functions(node: &Expression, _: Scope) -> Vec<Expression> {
     let own = || node.clone();
     let of = |function| call(function, &[own()]);
     let two = |function, limit| call(function, &[own(), number(limit)]);
@@ -351,7 +365,7 @@ fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
         of(Function::Round),
         of(Function::Floor),
         of(Function::Abs),
-        negative(node),
+        negate(node),
         between(0.0, 255.0),
         two(Function::Max, 0.0),
         two(Function::Min, 255.0),
@@ -364,12 +378,12 @@ fn wrapped(node: &Expression, _: Scope) -> Vec<Expression> {
         two(Function::Mod, 255.0),
         signed(32768.0),
         call(Function::Mod, &[of(Function::Truncate), number(256.0)]),
-        Expression::Sum(vec![number(255.0), negative(node)]),
+        Expression::Sum(vec![number(255.0), negate(node)]),
     ]
 }
 
 /// Drops two or more neighboring terms or factors, or applies a function to them.
-fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
+fn change_groups(node: &Expression, scope: Scope) -> Vec<Expression> {
     let (all, node): (&[Expression], fn(Vec<Expression>) -> Expression) = match node {
         Expression::Sum(terms) => (terms, Expression::Sum),
         Expression::Product(factors) => (factors, Expression::Product),
@@ -380,19 +394,20 @@ fn grouped(node: &Expression, scope: Scope) -> Vec<Expression> {
         for end in (start + 2..=all.len()).filter(|end| end - start < all.len()) {
             let replaced = |by: Option<Expression>| {
                 let parts = [&all[..start], by.as_slice(), &all[end..]].concat();
-                single_or(parts, node)
+                single_or_node(parts, node)
             };
             let group = node(all[start..end].to_vec());
             changed.push(replaced(None));
-            let wrapped = wrapped(&group, scope).into_iter();
-            changed.extend(wrapped.map(|by| replaced(Some(by))));
+            let apply_functions = apply_functions(&group, scope).into_iter();
+            changed.extend(apply_functions.map(|by| replaced(Some(by))));
         }
     }
     changed
 }
 
-/// Replaces a variable by another one under a condition: a variable of the scope is 0, or is at most 255, or is not.
-fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
+/// Replaces a variable with another one under a condition: some variable in the scope is 0, is not 0, or is above
+/// 255.
+fn replace_conditionally(node: &Expression, scope: Scope) -> Vec<Expression> {
     let Expression::Variable(own) = node else {
         return Vec::new();
     };
@@ -424,7 +439,7 @@ fn conditional(node: &Expression, scope: Scope) -> Vec<Expression> {
 mod tests {
     use super::*;
 
-    fn texts(formula: Formula) -> Vec<String> {
+    fn edit_texts(formula: Formula) -> Vec<String> {
         all(formula).iter().map(Edit::computes).collect()
     }
 
@@ -445,7 +460,7 @@ mod tests {
             (Predictor, "invert(displace(reference))"),
             (Predictor, "displace(invert(coded))"),
         ] {
-            let is_generated = texts(formula).iter().any(|text| text == wanted);
+            let is_generated = edit_texts(formula).iter().any(|text| text == wanted);
             assert!(is_generated, "{wanted} is not generated");
         }
     }
@@ -453,10 +468,10 @@ mod tests {
     #[test]
     fn edits_are_distinct_and_differ_from_the_formula() {
         for (formula, name) in Formula::ALL {
-            let texts = texts(formula);
-            assert!(texts.len() > 3, "{name}: {}", texts.len());
+            let edit_texts = edit_texts(formula);
+            assert!(edit_texts.len() > 3, "{name}: {}", edit_texts.len());
             let stated = formula.stated().expression.display(formula.scope());
-            assert!(!texts.contains(&stated), "{name}");
+            assert!(!edit_texts.contains(&stated), "{name}");
         }
     }
 }

@@ -1,18 +1,18 @@
-//! Expressions: the arithmetic of the specification as data.
+//! Expressions, which represent the arithmetic of the specification as data.
 //!
 //! ```text
-//! (raw - bias[i]) * scale[i]             numbers, variables, elements of lists, + - * / and parentheses
+//! (raw - bias[i]) * scale[i]             numbers, variables, list elements, + - * / and parentheses
 //! min(max(c, 0), 255)                    functions
 //! [row:height, x:width, i:6]             an address: digits with their radices, the slowest first
 //! ```
 //!
-//! Arithmetic is on real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
-//! list and a division of zero by zero are not a number.
+//! Values are real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
+//! list and a division of zero by zero evaluate to NaN.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// The names that an expression may use: its variables and its lists. An expression refers to them by position.
+/// Names that an expression may use: variables and lists. Expressions refer to them by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scope {
     /// Names of single values.
@@ -26,32 +26,32 @@ pub struct Scope {
 pub enum Expression {
     /// A constant.
     Number(f64),
-    /// A variable, by its position in the scope.
+    /// A variable, by index in the scope.
     Variable(usize),
-    /// An element of a list, by the list's position in the scope.
+    /// An element of a list, with the index of the list in the scope.
     Element(usize, Box<Expression>),
     /// A sum of two or more terms.
     Sum(Vec<Expression>),
     /// A product of two or more factors.
     Product(Vec<Expression>),
-    /// The value with the opposite sign.
+    /// A negated expression.
     Negative(Box<Expression>),
     /// A quotient.
     Quotient(Box<Expression>, Box<Expression>),
     /// A function of one or more arguments.
     Call(Function, Vec<Expression>),
-    /// A position in a loop nest: digits with their radices, the slowest first.
+    /// A position in a loop nest: digits with their radices, the most significant first.
     Address(Vec<(Expression, Expression)>),
 }
 
-/// The functions of expressions.
+/// Functions that expressions may call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Function {
     /// `floor(a)`.
     Floor,
-    /// `round(a)`: halves away from zero.
+    /// `round(a)`, with halves away from zero.
     Round,
-    /// `truncate(a)`: toward zero.
+    /// `truncate(a)`, toward zero.
     Truncate,
     /// `abs(a)`.
     Abs,
@@ -59,24 +59,24 @@ pub enum Function {
     Min,
     /// `max(a, b)`.
     Max,
-    /// `mod(a, b)`: the remainder, at least 0 and less than `b`.
+    /// `mod(a, b)`, the remainder, at least 0 and less than `b`.
     Mod,
     /// `power(a, b)`.
     Power,
     /// `sin(a)`, with `a` in radians.
     Sin,
-    /// `at_most(a, b)`: 1 if `a <= b`, otherwise 0.
+    /// `at_most(a, b)`, 1 if `a <= b`, otherwise 0.
     AtMost,
-    /// `select(condition, a, b)`: `b` if the condition is 0, otherwise `a`.
+    /// `select(condition, a, b)`, `b` if the condition is 0, otherwise `a`.
     Select,
-    /// `invert(plane)`, of a whole plane.
+    /// `invert(plane)`, applied to a whole plane.
     Invert,
-    /// `displace(plane)`, of a whole plane.
+    /// `displace(plane)`, applied to a whole plane.
     Displace,
 }
 
 impl Function {
-    /// All functions in the order of the enum, with their names and numbers of arguments.
+    /// All functions in the order of the enum, with their names and number of arguments.
     const ALL: [(Function, &'static str, usize); 13] = [
         (Function::Floor, "floor", 1),
         (Function::Round, "round", 1),
@@ -99,7 +99,7 @@ impl Function {
 }
 
 impl Expression {
-    /// Evaluates the expression. `variables` and `lists` are in the order of its scope.
+    /// Evaluates the expression. `variables` and `lists` are in the order of the scope.
     #[must_use]
     pub fn value(&self, variables: &[f64], lists: &[&[f64]]) -> f64 {
         let value = |expression: &Expression| expression.value(variables, lists);
@@ -147,7 +147,7 @@ impl Expression {
         }
     }
 
-    /// Returns the expression with another child at `place`.
+    /// Returns the expression after replacing the child with index `place`.
     #[must_use]
     pub fn with_child(&self, place: usize, child: Expression) -> Expression {
         let mut changed = self.clone();
@@ -172,14 +172,14 @@ impl Expression {
         changed
     }
 
-    /// Returns true if the expression uses the variable at `place` of its scope.
+    /// Returns true if the expression uses the variable with this index.
     #[must_use]
     pub fn uses(&self, place: usize) -> bool {
         *self == Expression::Variable(place)
             || self.children().iter().any(|child| child.uses(place))
     }
 
-    /// Returns the expression as text, addresses as sums of products and choices in words.
+    /// Formats the expression. Formats addresses as sums of products, and choices in words.
     #[must_use]
     pub fn display(&self, scope: Scope) -> String {
         let mut text = String::new();
@@ -187,8 +187,8 @@ impl Expression {
         text
     }
 
-    /// Appends the text, in parentheses if the expression binds more weakly than `strength`: 1 for a term, 2 for a factor,
-    /// 3 for the right side of a division.
+    /// Appends the expression to `text`. Adds parentheses if it binds more weakly than `strength`: 1 for a term, 2
+    /// for a factor, 3 for the right side of a division.
     fn write(&self, text: &mut String, scope: Scope, strength: u8) {
         let own = match self {
             Expression::Sum(_) => 0,
@@ -265,7 +265,7 @@ impl Expression {
         }
     }
 
-    /// Writes a condition as a comparison.
+    /// Writes the expression as a condition, in the form of a comparison.
     fn write_condition(&self, text: &mut String, scope: Scope) {
         let (left, sign, right) = match self {
             Expression::Call(Function::AtMost, sides) => match &sides[..] {
@@ -283,7 +283,7 @@ impl Expression {
         right.write(text, scope, 0);
     }
 
-    /// Writes the last digit, and before it the other digits times its radix.
+    /// Writes an address as the last digit plus the value of the other digits times its radix.
     fn write_address(digits: &[(Expression, Expression)], text: &mut String, scope: Scope) {
         if let [others @ .., (digit, radix)] = digits {
             if !others.is_empty() {
@@ -297,10 +297,10 @@ impl Expression {
     }
 }
 
-/// Reads an expression.
+/// Parses an expression.
 ///
 /// # Errors
-/// A sentence that names the unexpected text or the unknown name.
+/// Returns a sentence that names the unexpected text or the unknown name.
 pub fn parse(text: &str, scope: Scope) -> Result<Expression, String> {
     let mut parser = ExpressionParser {
         rest: text.chars().peekable(),
@@ -319,7 +319,7 @@ struct ExpressionParser<'a> {
 }
 
 impl ExpressionParser<'_> {
-    /// Skips spaces and returns the next character without taking it.
+    /// Skips spaces and returns the next character without consuming it.
     fn peek(&mut self) -> Option<char> {
         while self.rest.next_if(|c| c.is_whitespace()).is_some() {}
         self.rest.peek().copied()
@@ -353,36 +353,36 @@ impl ExpressionParser<'_> {
             } else if self.take('-') {
                 terms.push(Expression::Negative(Box::new(self.product()?)));
             } else {
-                return Ok(single_or(terms, Expression::Sum));
+                return Ok(single_or_node(terms, Expression::Sum));
             }
         }
     }
 
     fn product(&mut self) -> Result<Expression, String> {
-        let mut factors = vec![self.signed()?];
+        let mut factors = vec![self.parse_signed()?];
         loop {
             if self.take('*') {
-                factors.push(self.signed()?);
+                factors.push(self.parse_signed()?);
             } else if self.take('/') {
-                let over = single_or(factors, Expression::Product);
+                let over = single_or_node(factors, Expression::Product);
                 factors = vec![Expression::Quotient(
                     Box::new(over),
-                    Box::new(self.signed()?),
+                    Box::new(self.parse_signed()?),
                 )];
             } else {
-                return Ok(single_or(factors, Expression::Product));
+                return Ok(single_or_node(factors, Expression::Product));
             }
         }
     }
 
-    fn signed(&mut self) -> Result<Expression, String> {
+    fn parse_signed(&mut self) -> Result<Expression, String> {
         match self.take('-') {
-            true => Ok(Expression::Negative(Box::new(self.signed()?))),
-            false => self.atom(),
+            true => Ok(Expression::Negative(Box::new(self.parse_signed()?))),
+            false => self.parse_atom(),
         }
     }
 
-    fn atom(&mut self) -> Result<Expression, String> {
+    fn parse_atom(&mut self) -> Result<Expression, String> {
         match self.peek() {
             Some('(') => {
                 self.next();
@@ -454,8 +454,8 @@ impl ExpressionParser<'_> {
     }
 }
 
-/// Returns the only element, or a node of all of them.
-pub(super) fn single_or(
+/// Returns the only element, or creates a node from all elements.
+pub(super) fn single_or_node(
     mut all: Vec<Expression>,
     node: fn(Vec<Expression>) -> Expression,
 ) -> Expression {
@@ -521,7 +521,7 @@ mod tests {
         ] {
             assert_eq!(shown(text), text);
         }
-        // An address is shown as arithmetic, a choice in words.
+        // An address is formatted as arithmetic, and a choice in words.
         let address = shown("[a:3, b + 1:width, 1:6]");
         assert_eq!(address, "(a * width + b + 1) * 6 + 1");
         let choice = shown("1 + select(at_most(abs(a), 0), b, 2)");

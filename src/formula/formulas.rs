@@ -1,4 +1,4 @@
-//! The formulas of the specification: `spec-cases/formulas.yaml`, and the names that each of them may use.
+//! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each of them may use.
 
 use std::sync::LazyLock;
 
@@ -8,9 +8,9 @@ use super::expression::{Expression, Scope, parse};
 use crate::kit::yaml;
 use crate::ptm::Format;
 
-/// A step from the bytes of a file to an image that the specification states, or implies, as arithmetic.
+/// A step of decoding that the specification states, or implies, as arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[allow(missing_docs)] // `formulas.yaml` describes each of them
+#[allow(missing_docs)] // see `formulas.yaml`
 pub enum Formula {
     LightU,
     LightV,
@@ -57,14 +57,14 @@ pub enum Formula {
     Corrected,
 }
 
-/// The stages of decoding, in their order. A mistake at one stage shows there and at later stages.
+/// Stages of decoding, in order. A mistake in one stage affects this and all later stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// The bytes that are read.
+    /// Reading the bytes.
     File,
-    /// From bytes to planes.
+    /// Converting bytes to planes.
     Decoding,
-    /// The finished planes.
+    /// Finished planes.
     Planes,
     /// Final coefficients.
     Coefficients,
@@ -73,7 +73,7 @@ pub enum Stage {
 }
 
 impl Formula {
-    /// All formulas with their names, from the image back to the bytes.
+    /// All formulas with their names, in order from the image back to the bytes.
     pub const ALL: [(Formula, &'static str); 43] = [
         (Formula::LightU, "light u"),
         (Formula::LightV, "light v"),
@@ -120,13 +120,13 @@ impl Formula {
         (Formula::Corrected, "corrected value"),
     ];
 
-    /// Returns the name in `formulas.yaml` and in reports.
+    /// Returns the name that `formulas.yaml` and reports use.
     #[must_use]
     pub fn name(self) -> &'static str {
         Formula::ALL[self as usize].1
     }
 
-    /// Returns the names that the formula may use.
+    /// Returns the names that the formula and its edits may use.
     #[must_use]
     pub fn scope(self) -> Scope {
         self.stated().scope
@@ -143,7 +143,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if the values of some file of that format depend on the formula.
+    /// Returns true if the values of some file in this format depend on the formula.
     #[must_use]
     pub fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();
@@ -162,7 +162,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if an edit of the formula can lead outside the data, so that the file is refused.
+    /// Returns true if an edit of the formula may address bytes outside the data, so that the file is refused.
     #[must_use]
     pub fn may_refuse(self) -> bool {
         let addresses = [
@@ -174,30 +174,30 @@ impl Formula {
         addresses.iter().any(|range| range.contains(&self))
     }
 
-    /// Returns the formula of that name.
+    /// Returns the formula with this name, if any.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Formula> {
         let row = Formula::ALL.iter().find(|row| row.1 == name);
         row.map(|row| row.0)
     }
 
-    /// Returns the specification's clause and expression.
+    /// Returns the formula as the specification states it.
     #[must_use]
-    pub fn stated(self) -> &'static Stated {
+    pub fn stated(self) -> &'static StatedFormula {
         &STATED_FORMULAS[self as usize]
     }
 }
 
-/// A formula as `formulas.yaml` states it.
+/// A formula as stated in `formulas.yaml`.
 #[derive(Debug)]
-pub struct Stated {
-    /// The clause that states or implies it.
+pub struct StatedFormula {
+    /// Clause that states or implies the formula.
     pub clause: &'static str,
-    /// The computed value, as a noun phrase.
+    /// Noun phrase for the computed value.
     pub computes: &'static str,
-    /// The names that it and its edits may use.
+    /// Names that the formula and its edits may use.
     pub scope: Scope,
-    /// The expression, in that scope.
+    /// Expression in this scope.
     pub expression: Expression,
 }
 
@@ -213,14 +213,14 @@ struct FormulaRecord {
     lists: String,
 }
 
-/// All formulas in the order of [`Formula::ALL`].
-static STATED_FORMULAS: LazyLock<Vec<Stated>> = LazyLock::new(|| {
+/// All formulas, in the order of [`Formula::ALL`].
+static STATED_FORMULAS: LazyLock<Vec<StatedFormula>> = LazyLock::new(|| {
     let text = include_str!("../../spec-cases/formulas.yaml");
     read(text).unwrap_or_else(|error| unreachable!("formulas.yaml, which a test reads: {error}"))
 });
 
-/// Reads the formulas. Their texts live as long as the program.
-fn read(text: &str) -> Result<Vec<Stated>, String> {
+/// Parses the formulas. Their texts are never freed.
+fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
     let records = yaml::records::<FormulaRecord>(text)?;
     let all = Formula::ALL.iter().map(|row| row.1);
     if !records.iter().map(|(_, record)| &*record.name).eq(all) {
@@ -236,7 +236,7 @@ fn read(text: &str) -> Result<Vec<Stated>, String> {
             lists: names(record.lists),
         };
         let expression = parse(&record.formula, scope);
-        Ok(Stated {
+        Ok(StatedFormula {
             clause: record.clause.leak(),
             computes: record.computes.leak(),
             scope,

@@ -1,9 +1,10 @@
-//! The specification as formulas, and decoders that compute one of them differently.
+//! The specification as formulas, and decoders that compute a formula differently.
 //!
-//! From the bytes of a file to an image, the specification amounts to some forty formulas (`spec-cases/formulas.yaml`). The
-//! functions of [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition; a test proves that each formula
-//! equals its function. An [`Edit`] is another expression in the place of a formula: the catalog states misreadings so, and
-//! the diagnosis finds mistakes by trying the edits that [`edits::all`] generates.
+//! The decoding of a file to an image can be written as some forty formulas (`spec-cases/formulas.yaml`). The
+//! functions of [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition, and a test
+//! proves that each formula equals its function. An [`Edit`] replaces a formula with a different expression. The
+//! catalog states some misreadings in this way, and the diagnosis finds mistakes by trying the edits that
+//! [`edits::all`] generates.
 
 mod edit;
 pub mod edits;
@@ -13,6 +14,6 @@ mod stages;
 
 pub use edit::{Edit, EditedForm};
 pub use expression::{Expression, Function, Scope, parse};
-pub use formulas::{Formula, Stage, Stated};
+pub use formulas::{Formula, Stage, StatedFormula};
 pub use stages::Edits;
 pub(crate) use stages::{decode, finals, image, stored};

@@ -1,7 +1,7 @@
-//! The stages from stored bytes to an image, written in terms of the formulas.
+//! The stages of decoding from stored bytes to an image, in terms of formulas.
 //!
-//! A formula without an edit is computed by the function of the [`Reading`], so edits combine with other readings of the open
-//! questions and with misreadings that are functions.
+//! A formula without an edit is computed by the function of the [`Reading`]. Edits can therefore be combined with
+//! other readings of the open questions, and with misreadings that are functions.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -12,13 +12,13 @@ use super::expression::{Expression, Function};
 use super::formulas::{Formula, Stage};
 use crate::decode::{self, Streams, decode_as};
 use crate::error::{Error, Kind, Result};
-use crate::evaluate::{self, Coefficients, Picture};
+use crate::evaluate::{self, Coefficients, RelitImage};
 use crate::input::Input;
 use crate::parts::{Coded, RawLists, Step};
 use crate::ptm::{Coding, Header, Limits, Planes, Ptm, ScaleBias, Shape, Size, Storage};
 use crate::reading::Reading;
 
-/// The edits that a decoder makes, at most one of each formula.
+/// Edits that a decoder makes, at most one per formula.
 #[derive(Clone, Copy)]
 pub struct Edits<'a>(pub &'a [&'a Edit]);
 
@@ -29,8 +29,8 @@ impl Edits<'_> {
         edit.map(|edit| &edit.change)
     }
 
-    /// Returns true if one of these formulas is edited.
-    fn affect(&self, formulas: RangeInclusive<Formula>) -> bool {
+    /// Returns true if any of these formulas is edited.
+    fn edits_any(&self, formulas: RangeInclusive<Formula>) -> bool {
         self.0.iter().any(|edit| formulas.contains(&edit.formula))
     }
 
@@ -38,24 +38,24 @@ impl Edits<'_> {
         self.change(formula).is_some()
     }
 
-    fn is_at(&self, stage: Stage) -> bool {
+    fn has_stage(&self, stage: Stage) -> bool {
         self.0.iter().any(|edit| edit.formula.stage() == stage)
     }
 
-    /// Evaluates a formula: its edit, or what the specification states.
+    /// Evaluates the edit of a formula, or the stated formula if there is no edit.
     fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
         let stated = || formula.stated().expression.value(variables, lists);
-        self.edited(formula, variables, lists)
+        self.edited_value(formula, variables, lists)
             .unwrap_or_else(stated)
     }
 
-    /// Evaluates the edit of a formula; calls `unedited` if there is none.
+    /// Evaluates the edit of a formula, or calls `unedited` if there is no edit.
     fn value_or(&self, formula: Formula, variables: &[f64], unedited: impl FnOnce() -> f64) -> f64 {
-        let edited = self.edited(formula, variables, &[]);
-        edited.unwrap_or_else(unedited)
+        let edited_value = self.edited_value(formula, variables, &[]);
+        edited_value.unwrap_or_else(unedited)
     }
 
-    fn edited(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
+    fn edited_value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
         self.change(formula).map(|change| match change {
             EditedForm::Expression(expression) => expression.value(variables, lists),
             EditedForm::Table(table) => f64::from(table[usize::from(byte(variables[0]))]),
@@ -63,34 +63,35 @@ impl Edits<'_> {
     }
 }
 
-/// Returns the value that a byte holds: rounded down, modulo 256.
+/// Converts a value to a byte: rounds down, modulo 256.
 fn byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
-/// Decodes a file with some formulas edited.
+/// Decodes a file with edited formulas.
 pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
-    match edits.is_at(Stage::Decoding) {
+    match edits.has_stage(Stage::Decoding) {
         true => decode_stages(file, reading, edits),
         false => decode_as(file, reading, &Limits::default()),
     }
 }
 
-/// Computes the stored values of a decoded map with some formulas edited.
+/// Computes the stored values of a decoded map with edited formulas.
 pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
-    if edits.is_at(Stage::Planes) {
+    if edits.has_stage(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
         for (at, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
-            let [i, c] = coefficient(at % channels);
+            let [i, c] = coefficient_index(at % channels);
             *sample = byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
         }
     }
     ptm
 }
 
-/// Returns the number of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
-fn coefficient(channel: usize) -> [f64; 2] {
+/// Returns the index of the coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second
+/// polynomial.
+fn coefficient_index(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
 
@@ -107,7 +108,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     // A texel takes at least one byte, so an edited address cannot make a small file large.
     let texels_at_most = input.rest().len() as u64;
     if header.format.coding().is_none() && header.size.bytes(1) > texels_at_most {
-        return Err(outside_data(input.at()));
+        return Err(outside_data_error(input.at()));
     }
     let samples = match header.format.storage() {
         Storage::Texels => texels.samples_of_blocks(&input)?,
@@ -132,7 +133,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     Ok(Ptm { header, planes })
 }
 
-/// The layout of a file: the address of each value.
+/// Layout of a file, which determines the address of each value.
 struct TexelLayout<'a> {
     header: &'a Header,
     reading: &'a Reading,
@@ -140,7 +141,7 @@ struct TexelLayout<'a> {
 }
 
 /// Returns the error for an address outside the data.
-fn outside_data(at: usize) -> Error {
+fn outside_data_error(at: usize) -> Error {
     let kind = Kind::Short {
         what: "the values that an edited formula addresses",
         needs: 1,
@@ -149,11 +150,11 @@ fn outside_data(at: usize) -> Error {
     Error::new("2.7/3", at, kind)
 }
 
-/// Returns the element at an address.
+/// Returns the element at an address, or an error if the address is outside the data.
 fn element<T>(data: &[T], address: f64) -> Result<&T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();
-    found.ok_or_else(|| outside_data(0))
+    found.ok_or_else(|| outside_data_error(0))
 }
 
 impl TexelLayout<'_> {
@@ -162,7 +163,8 @@ impl TexelLayout<'_> {
         [f64::from(width), f64::from(height)]
     }
 
-    /// Calls `sample` with the stored row and column of every texel and with every channel, in the order of the image.
+    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column and the
+    /// channel.
     fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
         let [width, height] = self.size();
         let channels = self.header.format.channels();
@@ -181,15 +183,16 @@ impl TexelLayout<'_> {
         Ok(samples)
     }
 
-    /// Returns the address of a value in the payload. `table` is the number of entries, their size and the bytes of an index.
+    /// Returns the address of a value in the payload. `table` contains the number of entries, their size and the
+    /// number of bytes per index.
     fn address(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
         let [row, x] = at;
         let [width, height] = self.size();
         let [i, c] = match formula {
             Formula::LumSample | Formula::LrgbPlane => [channel as f64, 0.0],
-            _ => coefficient(channel),
+            _ => coefficient_index(channel),
         };
-        // Color k of a texel, or byte k of an index.
+        // Index of the color in a texel, or of the byte in an index.
         let k = match formula {
             Formula::IndexByte => channel,
             _ => channel.saturating_sub(6),
@@ -216,7 +219,7 @@ impl TexelLayout<'_> {
     fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
         let count = (self.reading.entry_count)(input)?;
         let entry_size = self.header.format.entry_size();
-        // A line feed after the table, if the reading has one, does not count.
+        // An optional line feed after the table is not part of the payload.
         let table = input.take(
             "2.5/3",
             "the table's entries",
@@ -242,7 +245,7 @@ impl TexelLayout<'_> {
             let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
             let own_index = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
-            // The formula is about indices of two bytes.
+            // The formula only applies to indices of two bytes.
             let index = match stored.len() {
                 1 => own_index(),
                 _ => self.edits.value_or(Formula::Index, &variables, own_index),
@@ -250,7 +253,7 @@ impl TexelLayout<'_> {
             // An edited index keeps its fraction and its sign, so that its address is refused.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
                 true => (self.reading.entry)(index as usize, count)
-                    .ok_or_else(|| outside_data(0))? as f64,
+                    .ok_or_else(|| outside_data_error(0))? as f64,
                 false => index,
             };
             last.set((row, column, entry));
@@ -291,7 +294,7 @@ impl TexelLayout<'_> {
     }
 }
 
-/// The planes of a compressed file, before their rows are turned.
+/// Planes of a compressed file, before their rows are flipped.
 struct CompressedPlanes<'a> {
     coded: Coded<'a>,
     lists: &'a RawLists,
@@ -345,7 +348,10 @@ impl CompressedPlanes<'_> {
     /// Returns the prediction step of plane `p`.
     fn step(&self, p: usize) -> Result<Step> {
         let own = self.coded.plan.steps[p];
-        if !self.edits.affect(Formula::Transform..=Formula::Reference) {
+        if !self
+            .edits
+            .edits_any(Formula::Transform..=Formula::Reference)
+        {
             return Ok(own);
         }
         let raw = self.lists;
@@ -371,7 +377,7 @@ impl CompressedPlanes<'_> {
             own.reference.map_or(-1, |plane| plane as i64),
         );
         if reference >= self.coded.plan.steps.len() as i64 {
-            return Err(outside_data(self.coded.at));
+            return Err(outside_data_error(self.coded.at));
         }
         Ok(Step {
             reference: usize::try_from(reference).ok(),
@@ -384,27 +390,29 @@ impl CompressedPlanes<'_> {
         })
     }
 
-    /// Returns the predictor of a plane. The sources are its reference (corrected, uncorrected, as coded) and the plane decoded
-    /// before.
+    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, as coded) and the
+    /// previously decoded plane.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
-        if !self.edits.affect(Formula::Predictor..=Formula::EdgeY) {
+        if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
             let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
             return Ok(own.into_owned());
         }
         match self.edits.change(Formula::Predictor) {
-            Some(EditedForm::Expression(expression)) => self.whole_plane(expression, sources, step),
-            _ => self.whole_plane(&Formula::Predictor.stated().expression, sources, step),
+            Some(EditedForm::Expression(expression)) => {
+                self.evaluate_planes(expression, sources, step)
+            }
+            _ => self.evaluate_planes(&Formula::Predictor.stated().expression, sources, step),
         }
     }
 
-    /// Evaluates an expression of whole planes.
-    fn whole_plane(
+    /// Evaluates an expression on whole planes.
+    fn evaluate_planes(
         &self,
         expression: &Expression,
         sources: &[&Vec<u8>; 4],
         step: &Step,
     ) -> Result<Vec<u8>> {
-        let inner = |inner| self.whole_plane(inner, sources, step);
+        let inner = |inner| self.evaluate_planes(inner, sources, step);
         match expression {
             Expression::Variable(source) => Ok(sources[*source].clone()),
             Expression::Call(Function::Invert, arguments) => {
@@ -422,7 +430,7 @@ impl CompressedPlanes<'_> {
                     Ok(plane)
                 }
             }
-            // Any other expression is evaluated value by value.
+            // Any other expression is evaluated element by element.
             _ => {
                 let value = |at: usize| {
                     let values = sources.map(|plane| f64::from(plane[at]));
@@ -454,13 +462,13 @@ impl CompressedPlanes<'_> {
             let variables = [x, y, mx, my, width, height];
             let place = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
             let (x2, y2) = (place(Formula::DisplacedX), place(Formula::DisplacedY));
-            displaced.push(self.interpolated(plane, x2, y2)?);
+            displaced.push(self.interpolate(plane, x2, y2)?);
         }
         Ok(displaced)
     }
 
-    /// Returns the value at a place in half texels.
-    fn interpolated(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
+    /// Returns the interpolated value at a position in half texels.
+    fn interpolate(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
         let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
         let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
         let at = |x, y| self.sample_at(plane, x, y);
@@ -486,10 +494,10 @@ impl CompressedPlanes<'_> {
         Ok(byte(self.edits.value(formula, values, &[])))
     }
 
-    /// Returns the sample of a texel, which may lie outside the plane.
+    /// Returns the sample at a position that may be outside the plane.
     fn sample_at(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
         let size = self.coded.size;
-        if !self.edits.affect(Formula::EdgeX..=Formula::EdgeY) {
+        if !self.edits.edits_any(Formula::EdgeX..=Formula::EdgeY) {
             return Ok((self.reading.motion_border)(
                 plane, size, x as i64, y as i64,
             ));
@@ -501,7 +509,7 @@ impl CompressedPlanes<'_> {
         element(plane, row * width + column).copied()
     }
 
-    /// Adds the predictor to residuals.
+    /// Adds the predictor to the residuals.
     fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
         if !self.edits.has(Formula::Plane) {
             return match self.coded.coding {
@@ -516,23 +524,23 @@ impl CompressedPlanes<'_> {
         }
     }
 
-    /// Applies the side information of plane `p`, whose stream holds `residuals`.
+    /// Applies the side information of plane `p`, whose stream decodes to `residuals`.
     fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
         let edits = self.edits;
-        if !edits.affect(Formula::RecordCount..=Formula::Corrected) {
+        if !edits.edits_any(Formula::RecordCount..=Formula::Corrected) {
             return self.coded.correct(p, plane, self.reading);
         }
         let block = (self.reading.side_information)(&self.coded, p);
         let at = self.coded.at + self.coded.plan.extents[p].side.start;
-        if !edits.affect(Formula::RecordCount..=Formula::RecordByte) {
+        if !edits.edits_any(Formula::RecordCount..=Formula::RecordByte) {
             (self.reading.records)(block, at, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];
         let count = edits.value(Formula::RecordCount, &size, &[]);
         if count.fract() != 0.0 {
-            return Err(outside_data(at));
+            return Err(outside_data_error(at));
         }
-        // An edited count may be any number. There are not more records than bytes.
+        // An edited count may be any number, but there are never more records than bytes.
         for r in 0..(count as usize).min(block.len()) {
             let mut bytes = [0.0; 5];
             for (k, value) in bytes.iter_mut().enumerate() {
@@ -558,11 +566,11 @@ impl CompressedPlanes<'_> {
     }
 }
 
-/// Returns the final values with some formulas edited (2.4).
+/// Computes the final values with edited formulas (2.4).
 pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
     let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
-    let mut coefficients = evaluate::apply(set, planes, reading);
-    if edits.is_at(Stage::Coefficients) {
+    let mut coefficients = evaluate::compute_coefficients(set, planes, reading);
+    if edits.has_stage(Stage::Coefficients) {
         let channels = planes.shape.channels();
         let values = coefficients.values.iter_mut().zip(&planes.samples);
         for (at, (value, &raw)) in values.enumerate() {
@@ -580,19 +588,19 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
 }
 
 fn final_value(formula: Formula, raw: u8, channel: usize, set: &ScaleBias, edits: Edits) -> f64 {
-    let [i, c] = coefficient(channel);
+    let [i, c] = coefficient_index(channel);
     edits.value(formula, &[f64::from(raw), i, c], &[&set.scale, &set.bias])
 }
 
-/// Returns the image under a light with some formulas edited (1.0, 2.6, 2.7.3).
+/// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).
 pub(crate) fn image(
     coefficients: &Coefficients,
     lu: f64,
     lv: f64,
     reading: &Reading,
     edits: Edits,
-) -> Picture {
-    if !edits.is_at(Stage::Color) {
+) -> RelitImage {
+    if !edits.has_stage(Stage::Color) {
         return evaluate::evaluate(coefficients, lu, lv, reading);
     }
     let (lu, lv) = (reading.light)(lu, lv);
@@ -635,13 +643,13 @@ pub(crate) fn image(
     };
     let shown = |value: f64| {
         let shown = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
-        // A byte of an image cannot hold NaN.
+        // A byte of an image cannot represent NaN.
         if shown.is_nan() { 0.0 } else { shown }
     };
     let texels = coefficients
         .values
         .chunks_exact(coefficients.shape.channels());
-    Picture {
+    RelitImage {
         size: coefficients.size,
         values: texels.flat_map(color).map(shown).collect(),
     }

@@ -8,7 +8,7 @@ use arbitrary::Unstructured;
 use super::draft::Draft;
 use super::draws::random_bytes;
 use super::minimise::minimise;
-use crate::diagnose::alike;
+use crate::diagnose::equal_up_to_rounding;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
@@ -229,7 +229,7 @@ fn explains(
                 frame: Some(shown), ..
             },
             Answer::Decoded(made),
-        ) => alike(shown, &made),
+        ) => equal_up_to_rounding(shown, &made),
         // The image of a file that must be refused is not kept, because accepting the file is the mistake.
         (Response::Image { .. }, Answer::Decoded(_)) => is_damaged,
         (Response::Rejected, Answer::Rejected) => true,
@@ -330,7 +330,7 @@ fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownD
 /// Returns true if two answers are equal.
 fn are_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
-        (Answer::Decoded(a), Answer::Decoded(b)) => alike(a, b),
+        (Answer::Decoded(a), Answer::Decoded(b)) => equal_up_to_rounding(a, b),
         (a, b) => a.name() == b.name(),
     }
 }

@@ -13,7 +13,7 @@ use crate::codec::{jpeg, jpeg_ls};
 use crate::decode::{decode, decode_as, fields};
 #[cfg(unix)]
 use crate::diagnose::diagnose;
-use crate::evaluate::{apply, evaluate};
+use crate::evaluate::{compute_coefficients, evaluate};
 use crate::fuzz::draft::Draft;
 use crate::generate::spelling::Lists;
 use crate::generate::{Model, Recipe, Spelling, write};
@@ -55,7 +55,8 @@ pub fn file(bytes: &[u8]) {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
                 assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");
-                let coefficients = apply(&ptm.header.scale_bias, &ptm.planes, &reading);
+                let coefficients =
+                    compute_coefficients(&ptm.header.scale_bias, &ptm.planes, &reading);
                 let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
             }
             Err(error) => {
@@ -138,7 +139,7 @@ pub fn re_encoding(bytes: &[u8]) {
     if compressed.compression.parameter > 0 {
         return;
     }
-    let format = compressed.format.plain();
+    let format = compressed.format.uncompressed();
     let plain = Recipe {
         format,
         compression: crate::generate::Compression::ordinary(format),

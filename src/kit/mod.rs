@@ -1,8 +1,8 @@
-//! Shared by several modules: work on all threads, digests, YAML, last messages of crashed programs.
+//! Utilities that several modules share: threads, digests, YAML, messages of crashed programs.
 
 pub mod digest;
 #[cfg(unix)]
-pub(crate) mod last_words;
+pub(crate) mod last_message;
 pub mod parallel;
 pub mod yaml;
 
@@ -18,9 +18,9 @@ macro_rules! embedded {
 }
 pub(crate) use embedded;
 
-/// Returns the message of an error without the number that the operating system gives it.
+/// Returns the message of an error without the error number of the operating system.
 #[must_use]
-pub fn without_code(error: &dyn std::fmt::Display) -> String {
+pub fn strip_os_error_code(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
     let (message, _) = text.split_once(" (os error").unwrap_or((&text, ""));
     message.to_owned()

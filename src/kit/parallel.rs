@@ -1,11 +1,12 @@
-//! Work on all threads, results in order.
+//! Parallel work with ordered results.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex};
 
-/// Calls `work` with every number below `count`, each on a separate thread, or on this thread if the system has no more.
-pub(crate) fn on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
+/// Calls `work` with every number below `count`, each on a separate thread. Falls back to this thread if no thread
+/// can be started.
+pub(crate) fn run_on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         let refused = |&i: &usize| {
             let thread = std::thread::Builder::new();
@@ -16,8 +17,8 @@ pub(crate) fn on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     });
 }
 
-/// Returns the results of `make` for every number below `count`, in order; `jobs` run in parallel.
-pub(crate) fn in_parallel<T: Send>(
+/// Returns the results of `make` for every number below `count`, in order. Runs up to `jobs` calls in parallel.
+pub(crate) fn map_in_parallel<T: Send>(
     count: usize,
     jobs: usize,
     progress: &(impl Fn(usize, usize) + Sync),
@@ -25,7 +26,7 @@ pub(crate) fn in_parallel<T: Send>(
 ) -> Vec<T> {
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
-    on_threads(jobs.clamp(1, count.max(1)), &|_| {
+    run_on_threads(jobs.clamp(1, count.max(1)), &|_| {
         loop {
             let place = next.fetch_add(1, Relaxed);
             if place >= count {
@@ -41,19 +42,19 @@ pub(crate) fn in_parallel<T: Send>(
     made.flatten().collect()
 }
 
-/// Results that wait for an earlier one.
+/// Maximum number of results that wait for an earlier one.
 const MAX_WAITING_RESULTS: usize = 256;
 
-/// The place of the next result to show, and the results after it that are ready.
+/// Index of the next result to emit, and later results that are ready.
 struct OrderedResults<R, S> {
     next: usize,
     waiting: BTreeMap<usize, R>,
     show: S,
 }
 
-/// Calls `work` with every item, `jobs` in parallel, and `show` with every result, in the order of the items. Only a few results
-/// are held: a thread that is far ahead waits. `work` must not panic.
-pub fn in_turn<T: Send, R: Send>(
+/// Calls `work` with every item, up to `jobs` in parallel, and `show` with every result, in the order of the items.
+/// Buffers only a few results: a thread that is too far ahead waits. `work` must not panic.
+pub fn process_in_order<T: Send, R: Send>(
     items: impl Iterator<Item = T> + Send,
     jobs: usize,
     work: &(impl Fn(T) -> R + Sync),
@@ -67,7 +68,7 @@ pub fn in_turn<T: Send, R: Send>(
         show,
     });
     let moved = Condvar::new();
-    on_threads(jobs.max(1), &|_| {
+    run_on_threads(jobs.max(1), &|_| {
         loop {
             let Some((turn, item)) = items.lock().expect(LOCK_NOT_POISONED).next() else {
                 break;
@@ -100,7 +101,7 @@ mod tests {
             }
             item
         };
-        in_turn(0..2000, 4, &work, |result| shown.push(result));
+        process_in_order(0..2000, 4, &work, |result| shown.push(result));
         assert!(shown.into_iter().eq(0..2000));
     }
 }

@@ -1,7 +1,7 @@
-//! Reading and writing YAML.
+//! Reading and writing of YAML.
 //!
-//! A file is read into a tree of nodes with their lines, and records are read from the tree, so every error names its line. Size
-//! and depth are limited. Anchors, aliases and tags are refused.
+//! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so every
+//! error names its line. Size and depth are limited. Anchors, aliases and tags are rejected.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -15,25 +15,26 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
-use crate::kit::without_code;
+use crate::kit::strip_os_error_code;
 
-/// Maximum size of a file in bytes: about 200,000 cases.
+/// Maximum size of a file in bytes, enough for about 200,000 cases.
 const MAX_BYTES: u64 = 64 << 20;
-/// Maximum number of nodes of a file.
+/// Maximum number of nodes in a file.
 const MAX_NODES: usize = 8_000_000;
-/// Maximum depth of nested lists and mappings.
+/// Maximum nesting depth of lists and mappings.
 const MAX_DEPTH: usize = 16;
 
-/// Returns the text of a file that a user names.
+/// Reads a text file that the user named.
 ///
 /// # Errors
-/// A sentence that names the file.
+/// Returns a sentence that names the file.
 #[expect(
     clippy::naive_bytecount,
     reason = "files are small where bytes are counted"
 )]
-pub fn text_of(path: &Path) -> Result<String, String> {
-    let named = |error: &dyn fmt::Display| format!("{}: {}", path.display(), without_code(error));
+pub fn read_text(path: &Path) -> Result<String, String> {
+    let named =
+        |error: &dyn fmt::Display| format!("{}: {}", path.display(), strip_os_error_code(error));
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| named(&error))?;
     file.take(MAX_BYTES + 1)
@@ -55,18 +56,18 @@ pub fn text_of(path: &Path) -> Result<String, String> {
     })
 }
 
-/// Reads one value.
+/// Parses a single value.
 ///
 /// # Errors
-/// A sentence that names the line.
+/// Returns a sentence that names the line.
 pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(&parse(text)?).map_err(|error| error.to_string())
 }
 
-/// Reads a list of records, each with the line on which it begins. An empty file is an empty list.
+/// Parses a list of records, each with its first line. An empty file is an empty list.
 ///
 /// # Errors
-/// A sentence that names the line.
+/// Returns a sentence that names the line.
 pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, String> {
     let Node { line, value } = parse(text)?;
     let nodes = match value {
@@ -75,26 +76,26 @@ pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, Strin
         _ => return Err(format!("line {line}: expected a list")),
     };
     let record = |node: &Node| Ok((node.line, T::deserialize(node)?));
-    let records: Result<_, Flaw> = nodes.iter().map(record).collect();
+    let records: Result<_, YamlError> = nodes.iter().map(record).collect();
     records.map_err(|error| error.to_string())
 }
 
-/// Writes a value.
+/// Serializes a value.
 ///
 /// # Errors
-/// If YAML cannot represent the value; this program has no such records.
+/// Returns an error if YAML cannot represent the value. No value in this program causes it.
 pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
     serde_saphyr::to_string(value).map_err(|error| error.to_string())
 }
 
-/// A scalar, list or mapping, and the line on which it begins, counted from 1.
+/// A scalar, list or mapping, with its first line (starting at 1).
 struct Node {
     line: usize,
     value: Value,
 }
 
 enum Value {
-    /// Its text, and true if it is unquoted, so that it may be a number, a Boolean or null.
+    /// A scalar. An unquoted one (`plain`) may be a number, a Boolean or null.
     Scalar {
         text: String,
         plain: bool,
@@ -103,31 +104,31 @@ enum Value {
     Map(Vec<(Node, Node)>),
 }
 
-/// An error and its line; 0 if the line is not known yet.
+/// An error with its line, or 0 if the line is not known yet.
 #[derive(Debug)]
-struct Flaw {
+struct YamlError {
     line: usize,
     what: String,
 }
 
-impl fmt::Display for Flaw {
+impl fmt::Display for YamlError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "line {}: {}", self.line, self.what)
     }
 }
 
-impl std::error::Error for Flaw {}
+impl std::error::Error for YamlError {}
 
-impl de::Error for Flaw {
-    fn custom<T: fmt::Display>(what: T) -> Flaw {
-        Flaw {
+impl de::Error for YamlError {
+    fn custom<T: fmt::Display>(what: T) -> YamlError {
+        YamlError {
             line: 0,
             what: what.to_string(),
         }
     }
 }
 
-/// The error of a text with an anchor or an alias.
+/// Message for a text with an anchor or an alias.
 const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
 /// Parses a text into a tree.
@@ -162,7 +163,7 @@ fn parse(text: &str) -> Result<Node, String> {
             Event::SequenceEnd | Event::MappingEnd => {
                 let (node, _) = open.pop().expect("the parser pairs starts and ends");
                 node.check_keys()?;
-                put(node, &mut open, &mut root);
+                add_node(node, &mut open, &mut root);
                 continue;
             }
             Event::DocumentStart(..) if documents == 1 => return refuse("a second document"),
@@ -179,7 +180,7 @@ fn parse(text: &str) -> Result<Node, String> {
         let is_scalar = matches!(value, Value::Scalar { .. });
         let node = Node { line, value };
         if is_scalar {
-            put(node, &mut open, &mut root);
+            add_node(node, &mut open, &mut root);
         } else if open.len() == MAX_DEPTH {
             return refuse("too deeply nested");
         } else {
@@ -195,8 +196,8 @@ fn parse(text: &str) -> Result<Node, String> {
     }))
 }
 
-/// Adds a finished node to the innermost open one. An open mapping has the key that waits for its value.
-fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
+/// Adds a finished node to the innermost open one. An open mapping stores the key that waits for a value.
+fn add_node(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
     let Some((parent, waiting)) = open.last_mut() else {
         *root = Some(node);
         return;
@@ -212,7 +213,7 @@ fn put(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
 }
 
 impl Node {
-    /// Checks that a key is a scalar and not a duplicate.
+    /// Checks that all keys of a mapping are distinct scalars.
     fn check_keys(&self) -> Result<(), String> {
         let Value::Map(entries) = &self.value else {
             return Ok(());
@@ -230,8 +231,8 @@ impl Node {
         Ok(())
     }
 
-    /// Parses an unquoted scalar by the core schema of YAML 1.2.
-    fn meaning(&self) -> Unexpected<'_> {
+    /// Interprets a scalar according to the core schema of YAML 1.2.
+    fn interpret(&self) -> Unexpected<'_> {
         let (text, plain) = match &self.value {
             Value::List(_) => return Unexpected::Seq,
             Value::Map(_) => return Unexpected::Map,
@@ -242,16 +243,16 @@ impl Node {
             "" | "~" | "null" | "Null" | "NULL" => Unexpected::Unit,
             "true" | "True" | "TRUE" => Unexpected::Bool(true),
             "false" | "False" | "FALSE" => Unexpected::Bool(false),
-            _ => number(text).unwrap_or(Unexpected::Str(text)),
+            _ => parse_number(text).unwrap_or(Unexpected::Str(text)),
         }
     }
 
-    fn flaw<'de>(&self, visitor: &impl Visitor<'de>) -> Flaw {
-        de::Error::invalid_type(self.meaning(), visitor)
+    fn type_error<'de>(&self, visitor: &impl Visitor<'de>) -> YamlError {
+        de::Error::invalid_type(self.interpret(), visitor)
     }
 }
 
-fn number(text: &str) -> Option<Unexpected<'_>> {
+fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     let digits = text.trim_start_matches(['+', '-']);
     match digits {
         ".inf" | ".Inf" | ".INF" if text.starts_with('-') => {
@@ -259,7 +260,7 @@ fn number(text: &str) -> Option<Unexpected<'_>> {
         }
         ".inf" | ".Inf" | ".INF" => return Some(Unexpected::Float(f64::INFINITY)),
         ".nan" | ".NaN" | ".NAN" => return Some(Unexpected::Float(f64::NAN)),
-        // Rust's parser also accepts words such as infinity.
+        // Rust's parser also accepts words such as "infinity".
         _ if !digits.starts_with(|c: char| c == '.' || c.is_ascii_digit()) => return None,
         _ => {}
     }
@@ -269,24 +270,25 @@ fn number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Reads with a function of the node, and adds the node's line to an error without one.
+/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors without
+/// one.
 macro_rules! read {
     ($($name:ident($($more:ident: $type:ty),*) = $read:expr;)*) => {$(
-        fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, Flaw> {
-            let read: fn(&Node, V) -> Result<V::Value, Flaw> = $read;
-            read(self, visitor).map_err(|flaw| match flaw.line {
-                0 => Flaw { line: self.line, ..flaw },
-                _ => flaw,
+        fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, YamlError> {
+            let read: fn(&Node, V) -> Result<V::Value, YamlError> = $read;
+            read(self, visitor).map_err(|type_error| match type_error.line {
+                0 => YamlError { line: self.line, ..type_error },
+                _ => type_error,
             })
         }
     )*};
 }
 
 impl<'de> Deserializer<'de> for &Node {
-    type Error = Flaw;
+    type Error = YamlError;
 
     read! {
-        deserialize_any() = |node, visitor| match (&node.value, node.meaning()) {
+        deserialize_any() = |node, visitor| match (&node.value, node.interpret()) {
             (Value::List(items), _) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
             (Value::Map(entries), _) => {
                 let entries = entries.iter().map(|(key, value)| (key, value));
@@ -299,24 +301,24 @@ impl<'de> Deserializer<'de> for &Node {
             (_, Unexpected::Float(value)) => visitor.visit_f64(value),
             (Value::Scalar { text, .. }, _) => visitor.visit_str(text),
         };
-        // If a string is expected, it needs no quotation marks, even if it looks like a number.
+        // A string does not need quotation marks, even if it looks like a number.
         deserialize_str() = |node, visitor| match &node.value {
-            Value::Scalar { plain: true, .. } if matches!(node.meaning(), Unexpected::Unit) => {
-                Err(node.flaw(&visitor))
+            Value::Scalar { plain: true, .. } if matches!(node.interpret(), Unexpected::Unit) => {
+                Err(node.type_error(&visitor))
             }
             Value::Scalar { text, .. } => visitor.visit_str(text),
-            _ => Err(node.flaw(&visitor)),
+            _ => Err(node.type_error(&visitor)),
         };
         deserialize_string() = |node, visitor| node.deserialize_str(visitor);
         deserialize_identifier() = |node, visitor| node.deserialize_str(visitor);
-        deserialize_option() = |node, visitor| match node.meaning() {
+        deserialize_option() = |node, visitor| match node.interpret() {
             Unexpected::Unit => visitor.visit_none(),
             _ => visitor.visit_some(node),
         };
         deserialize_struct(_name: &'static str, _fields: &'static [&'static str]) = |node, visitor| {
             match &node.value {
                 Value::Map(_) => node.deserialize_any(visitor),
-                _ => Err(node.flaw(&visitor)),
+                _ => Err(node.type_error(&visitor)),
             }
         };
         deserialize_enum(_name: &'static str, _variants: &'static [&'static str]) = |node, visitor| {
@@ -326,7 +328,7 @@ impl<'de> Deserializer<'de> for &Node {
                     let entries = entries.iter().map(|(key, value)| (key, value));
                     visitor.visit_enum(MapAccessDeserializer::new(MapDeserializer::new(entries)))
                 }
-                Value::List(_) => Err(node.flaw(&visitor)),
+                Value::List(_) => Err(node.type_error(&visitor)),
             }
         };
         deserialize_newtype_struct(_name: &'static str) = |node, visitor| {
@@ -341,7 +343,7 @@ impl<'de> Deserializer<'de> for &Node {
     }
 }
 
-impl IntoDeserializer<'_, Flaw> for &Node {
+impl IntoDeserializer<'_, YamlError> for &Node {
     type Deserializer = Self;
 
     fn into_deserializer(self) -> Self {

@@ -1,27 +1,27 @@
-//! A file and its header fields, for misreadings that edit bytes.
+//! Files and their header fields, for misreadings that edit bytes.
 
 use crate::decode::examine_as;
 use crate::ptm::Field;
 use crate::reading::Reading;
 
-/// The file as a reader with a mistake sees it.
-pub enum Seen {
-    /// It is refused.
+/// The file as a decoder with a mistake sees it.
+pub enum EditedFile {
+    /// The decoder refuses the file.
     Refused,
-    /// It is read as if it had these bytes.
+    /// The decoder reads the file as if it contained these bytes.
     File(Vec<u8>),
 }
 
 /// A file and its fields.
 pub struct Anatomy<'a> {
-    /// The file.
+    /// Contents of the file.
     pub file: &'a [u8],
-    /// Its fields, up to the first error.
+    /// Fields of the file, up to the first error.
     pub fields: Vec<Field>,
 }
 
 impl<'a> Anatomy<'a> {
-    /// Finds the fields of `file` in a reading of the open questions.
+    /// Parses the fields of `file` under a reading of the open questions.
     #[must_use]
     pub fn new(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
@@ -32,15 +32,15 @@ impl<'a> Anatomy<'a> {
 
     /// Returns the file, unchanged.
     #[must_use]
-    pub fn unchanged(&self) -> Seen {
-        Seen::File(self.file.to_vec())
+    pub fn unchanged(&self) -> EditedFile {
+        EditedFile::File(self.file.to_vec())
     }
 
-    /// Refuses the file if `refused`.
+    /// Returns a refusal if `refused` is true, otherwise the unchanged file.
     #[must_use]
-    pub fn refused_if(&self, refused: bool) -> Seen {
+    pub fn refuse_if(&self, refused: bool) -> EditedFile {
         if refused {
-            Seen::Refused
+            EditedFile::Refused
         } else {
             self.unchanged()
         }
@@ -56,13 +56,13 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// Returns the `n`th field of a clause in the header.
+    /// Returns the `n`th field with this clause in the header.
     #[must_use]
     pub fn field(&self, clause: &str, n: usize) -> Option<&Field> {
         self.tokens().filter(|field| field.clause == clause).nth(n)
     }
 
-    /// Returns the texts of the fields of these clauses.
+    /// Returns the texts of all header fields with these clauses.
     #[must_use]
     pub fn texts(&self, clauses: &[&str]) -> Vec<&'a str> {
         let chosen = self
@@ -73,7 +73,7 @@ impl<'a> Anatomy<'a> {
             .collect()
     }
 
-    /// Returns the offset of the payload, after the line feed of the last header line.
+    /// Returns the offset of the payload, which starts after the line feed of the last header line.
     #[must_use]
     pub fn payload(&self) -> usize {
         let end = self.tokens().last().map_or(0, |field| field.range.end);
@@ -87,7 +87,7 @@ impl<'a> Anatomy<'a> {
         &self.file[..self.payload()]
     }
 
-    /// Returns the bytes between the `n`th field of a clause and the next field.
+    /// Returns the bytes between the `n`th field with this clause and the next field.
     #[must_use]
     pub fn after(&self, clause: &str, n: usize) -> &'a [u8] {
         let mut from = self
@@ -101,10 +101,10 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// Returns the file with other texts for its header fields. `spell` returns the new text of a field, or `None`.
+    /// Replaces the texts of header fields. `spell` returns the new text of a field, or `None` to keep it.
     ///
-    /// Fields after an error are unknown, so this is repeated until nothing changes.
-    pub fn respelled(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> Seen {
+    /// Fields after an error are unknown, so this is repeated until the file no longer changes.
+    pub fn respell(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> EditedFile {
         let mut file = self.file.to_vec();
         for _ in 0..40 {
             let anatomy = Anatomy::new(&file, &Reading::SPEC);
@@ -124,6 +124,6 @@ impl<'a> Anatomy<'a> {
             }
             file = bytes;
         }
-        Seen::File(file)
+        EditedFile::File(file)
     }
 }

@@ -1,8 +1,8 @@
-//! The answer of a decoder with mistakes.
+//! Computes the answers of a decoder that makes mistakes.
 
 use std::borrow::Cow;
 
-use super::anatomy::{Anatomy, Seen};
+use super::anatomy::{Anatomy, EditedFile};
 use super::at::At;
 use super::misreading::Misreading;
 use crate::error::{Class, Error};
@@ -11,55 +11,56 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
-/// Returns the answer of a decoder with these mistakes that otherwise follows `reading`.
+/// Returns the answer of a decoder that makes these mistakes and otherwise follows `reading`.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
     match read(misreadings, reading, file) {
         Ok((ptm, reading)) => show(misreadings, &reading, &ptm, view),
-        Err(why) => refused(why),
+        Err(why) => refusal_answer(why),
     }
 }
 
-/// Returns the answer to a file that is not read. Without an error, a mistake refuses it.
-pub(crate) fn refused(why: Option<Error>) -> Answer {
+/// Returns the answer to a file that was refused, by a mistake if there is no error.
+pub(crate) fn refusal_answer(why: Option<Error>) -> Answer {
     match why {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
         _ => Answer::Rejected,
     }
 }
 
-/// Returns the map that a decoder with these mistakes reads, before mistakes that change finished planes, and its reading.
+/// Decodes a file with these mistakes, except those that change finished planes. Returns the map and the modified
+/// reading.
 ///
 /// # Errors
-/// The error for which it refuses the file, or `None` if a mistake refuses it.
+/// Returns the error for which the decoder refuses the file, or `None` if a mistake refuses it.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,
     file: &[u8],
 ) -> Result<(Ptm, Reading), Option<Error>> {
-    let reading = misread(misreadings, reading);
+    let reading = apply_to_reading(misreadings, reading);
     let mut seen = Cow::Borrowed(file);
     for misreading in misreadings {
         if let At::Bytes(edit) = misreading.at {
             match edit(&Anatomy::new(&seen, &reading)) {
-                Seen::Refused => return Err(None),
-                Seen::File(bytes) => seen = Cow::Owned(bytes),
+                EditedFile::Refused => return Err(None),
+                EditedFile::File(bytes) => seen = Cow::Owned(bytes),
             }
         }
     }
-    let edits = edits_of(misreadings);
+    let edits = formula_edits(misreadings);
     let ptm = formula::decode(&seen, &reading, Edits(&edits)).map_err(Some)?;
     Ok((ptm, reading))
 }
 
-/// Returns `reading` with these mistakes.
-pub(crate) fn misread(misreadings: &[&Misreading], reading: Reading) -> Reading {
+/// Applies these mistakes to `reading`.
+pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
     misreadings
         .iter()
         .fold(reading, |reading, misreading| misreading.at.change(reading))
 }
 
-/// Returns the image that a decoder with these mistakes shows for a decoded map. `reading` includes them.
+/// Renders a decoded map like a decoder with these mistakes. `reading` must already include them.
 pub(crate) fn show(
     misreadings: &[&Misreading],
     reading: &Reading,
@@ -67,14 +68,14 @@ pub(crate) fn show(
     view: &View,
 ) -> Answer {
     let mut ptm = Cow::Borrowed(ptm);
-    for edit in edits_of_planes(misreadings) {
+    for edit in plane_edits(misreadings) {
         edit(ptm.to_mut());
     }
-    let edits = edits_of(misreadings);
+    let edits = formula_edits(misreadings);
     Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
 }
 
-/// Returns the colors that a decoder with these mistakes computes under a light, before it rounds them.
+/// Computes the colors of a decoder with these mistakes under a light, before rounding.
 #[cfg(unix)]
 pub(crate) fn colors(
     misreadings: &[&Misreading],
@@ -83,17 +84,18 @@ pub(crate) fn colors(
     light: &crate::protocol::frame::Light,
 ) -> Vec<f64> {
     let mut ptm = Cow::Borrowed(ptm);
-    for edit in edits_of_planes(misreadings) {
+    for edit in plane_edits(misreadings) {
         edit(ptm.to_mut());
     }
-    let edits = edits_of(misreadings);
+    let edits = formula_edits(misreadings);
     let ptm = formula::stored(&ptm, Edits(&edits));
     let finals = formula::finals(&ptm, reading, Edits(&edits));
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
-/// Returns the formulas that these mistakes compute differently; of two edits of one formula the later counts.
-pub(crate) fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
+/// Returns the edits of formulas that these mistakes make. If two of them edit the same formula, the later mistake
+/// comes first.
+pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
@@ -104,8 +106,8 @@ pub(crate) fn edits_of(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     edits.flatten().collect()
 }
 
-/// Applies the mistakes that change finished planes.
-pub(crate) fn edits_of_planes(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
+/// Returns the mistakes that change finished planes.
+pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
         .filter_map(|misreading| match misreading.at {

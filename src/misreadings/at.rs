@@ -1,8 +1,8 @@
-//! The places where a mistake can act.
+//! The steps of decoding that a mistake can change.
 
 use std::mem::discriminant;
 
-use super::anatomy::{Anatomy, Seen};
+use super::anatomy::{Anatomy, EditedFile};
 use crate::error::Result;
 use crate::formula::{Edit, Formula, Stage};
 use crate::parts::{Block, Plan, PlaneStream, RawLists, Record};
@@ -11,12 +11,12 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
-/// The place where a mistake acts, and its function there.
+/// The step that a mistake changes, and the function that replaces it.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // a decision is documented at the function that `Reading::SPEC` names
 pub enum At {
     /// Changes the bytes of the file.
-    Bytes(fn(&Anatomy) -> Seen),
+    Bytes(fn(&Anatomy) -> EditedFile),
     /// Changes the decoded map.
     Planes(fn(&mut Ptm)),
     /// Edits formulas.
@@ -28,7 +28,7 @@ pub enum At {
     FinalCoefficient(fn(u8, usize, &ScaleBias) -> f64),
     Finals(Finals),
     // 2.6
-    /// The vector that the matrix multiplies, for readers with Y first and with Cr first (ruling `lum-vector`).
+    /// The vector that the matrix multiplies, for decoders that put Y first or Cr first (ruling `lum-vector`).
     LumVector(fn(f64, f64, f64) -> [f64; 3], fn(f64, f64, f64) -> [f64; 3]),
     LumMatrix(fn(&ColorMatrix) -> [[f64; 4]; 3]),
     LumTranslation(fn(f64) -> f64),
@@ -46,7 +46,7 @@ pub enum At {
     Predictor(Predictor),
     Invert(fn(&mut [u8])),
     MotionHalf(fn([u8; 4]) -> u8),
-    /// Acts on JPEG and on JPEG-LS planes.
+    /// Changes both JPEG and JPEG-LS planes.
     Predict(fn(&mut [u8], &[u8])),
     Reconstruct(Reconstruct),
     Stream(fn(&PlaneStream) -> Result<Vec<u8>>),
@@ -56,7 +56,7 @@ pub enum At {
 }
 
 impl At {
-    /// Returns `reading` with this mistake, if it is a decision of [`Reading`].
+    /// Applies the mistake to `reading` if it is a decision of [`Reading`].
     pub(crate) fn change(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
@@ -92,7 +92,7 @@ impl At {
         other
     }
 
-    /// Returns the stage of decoding at which it acts.
+    /// Returns the stage of decoding that the mistake changes.
     #[must_use]
     pub fn stage(&self) -> Stage {
         match self {
@@ -114,7 +114,7 @@ impl At {
         }
     }
 
-    /// Returns true if it may refuse a file; other mistakes only change values.
+    /// Returns true if the mistake may refuse a file. Other mistakes only change values.
     #[must_use]
     pub fn may_refuse(&self) -> bool {
         if let At::Edits(edits) = self {
@@ -133,18 +133,18 @@ impl At {
         self.stage() <= Stage::Decoding && !makes_values
     }
 
-    /// Returns true if both act in the same place: the bytes, the decoded map, one decision or one formula.
+    /// Returns true if both mistakes change the same thing: the bytes, the decoded map, one decision or one formula.
     #[must_use]
-    pub fn is_at(&self, other: &At) -> bool {
+    pub fn changes_same_step(&self, other: &At) -> bool {
         let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
         match is_edited {
-            // Two mistakes that edit different formulas act in different places.
+            // Two mistakes that edit different formulas change different things.
             true => !self.formulas().is_empty() && self.formulas() == other.formulas(),
             false => discriminant(self) == discriminant(other),
         }
     }
 
-    /// Returns the formulas that are computed differently.
+    /// Returns the formulas that the mistake changes.
     #[must_use]
     pub fn formulas(&self) -> Vec<Formula> {
         match self {
@@ -164,7 +164,7 @@ impl At {
         }
     }
 
-    /// Returns true if it is a decision of [`Reading`]. A decoder makes each decision in one way.
+    /// Returns true if the mistake changes a decision of [`Reading`]. A decoder makes each decision in only one way.
     #[must_use]
     pub const fn is_decision(&self) -> bool {
         !matches!(self, At::Bytes(_) | At::Planes(_))

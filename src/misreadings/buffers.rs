@@ -1,6 +1,6 @@
 //! §2.0–2.9: mistakes with strings, buffers and short integers
 
-use super::anatomy::{Anatomy, Seen};
+use super::anatomy::{Anatomy, EditedFile};
 use super::at::At;
 use crate::decode::{indices, planes};
 
@@ -13,7 +13,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let end = payload.iter().position(|&byte| byte == 0);
             let mut copied = payload.to_vec();
             copied[end.unwrap_or(payload.len())..].fill(0);
-            Seen::File([file.header(), &copied].concat())
+            EditedFile::File([file.header(), &copied].concat())
         }),
     ),
     (
@@ -22,7 +22,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let payload = &file.file[file.payload()..];
             let end = payload.iter().position(|&byte| byte == 255);
             let end = end.unwrap_or(payload.len());
-            Seen::File([file.header(), &payload[..end]].concat())
+            EditedFile::File([file.header(), &payload[..end]].concat())
         }),
     ),
     (
@@ -30,7 +30,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Bytes(|file| {
             let payload = &file.file[file.payload()..];
             let payload = payload.strip_prefix(b"\xef\xbb\xbf").unwrap_or(payload);
-            Seen::File([file.header(), payload].concat())
+            EditedFile::File([file.header(), payload].concat())
         }),
     ),
     (
@@ -44,27 +44,27 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             } else {
                 0
             };
-            Seen::File([file.header(), &payload[skipped..]].concat())
+            EditedFile::File([file.header(), &payload[skipped..]].concat())
         }),
     ),
     (
         "version-anywhere",
         At::Bytes(|file| match file.file.strip_prefix(b"XPTM_1.2\n") {
-            Some(rest) => Seen::File([b"PTM_1.2\n", rest].concat()),
+            Some(rest) => EditedFile::File([b"PTM_1.2\n", rest].concat()),
             None => file.unchanged(),
         }),
     ),
     (
         "version-by-number",
         At::Bytes(|file| match file.file.strip_prefix(b"PTM_1.20") {
-            Some(rest) => Seen::File([b"PTM_1.2", rest].concat()),
+            Some(rest) => EditedFile::File([b"PTM_1.2", rest].concat()),
             None => file.unchanged(),
         }),
     ),
     (
         "format-by-its-end",
         At::Bytes(|file| match file.file.strip_prefix(b"PTM_1.2\nXPTM_") {
-            Some(rest) => Seen::File([b"PTM_1.2\nPTM_", rest].concat()),
+            Some(rest) => EditedFile::File([b"PTM_1.2\nPTM_", rest].concat()),
             None => file.unchanged(),
         }),
     ),
@@ -74,7 +74,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             Some(rest)
                 if !rest.to_ascii_uppercase().starts_with(b"PTM_") && !rest.starts_with(b"X") =>
             {
-                Seen::File([b"PTM_1.2\nPTM_FORMAT_", rest].concat())
+                EditedFile::File([b"PTM_1.2\nPTM_FORMAT_", rest].concat())
             }
             _ => file.unchanged(),
         }),
@@ -84,20 +84,20 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "line-of-1024",
         At::Bytes(|file| {
             let mut lines = file.header().split(|&byte| byte == b'\n');
-            file.refused_if(lines.any(|line| line.len() > 1023))
+            file.refuse_if(lines.any(|line| line.len() > 1023))
         }),
     ),
     (
         "header-of-4096",
-        At::Bytes(|file| file.refused_if(file.header().len() > 4096)),
+        At::Bytes(|file| file.refuse_if(file.header().len() > 4096)),
     ),
     (
         "extra-scales-ignored",
-        At::Bytes(|file| with_words(file, 4..6, 6)),
+        At::Bytes(|file| limit_words(file, 4..6, 6)),
     ),
     (
         "extra-sizes-ignored",
-        At::Bytes(|file| with_words(file, 2..4, 1)),
+        At::Bytes(|file| limit_words(file, 2..4, 1)),
     ),
     // Short integers
     (
@@ -105,13 +105,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Bytes(|file| {
             let counts = file.texts(&["2.5/2"]);
             let mut numbers = counts.iter().filter_map(|text| text.parse::<u64>().ok());
-            file.refused_if(numbers.any(|count| count & 0xffff > 0x7fff))
+            file.refuse_if(numbers.any(|count| count & 0xffff > 0x7fff))
         }),
     ),
     (
         "stream-sizes-in-16-bits",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let size: u64 = text.parse().ok()?;
                 (clause == "2.9.6/1" && size > 0xffff).then(|| (size & 0xffff).to_string())
             })
@@ -120,7 +120,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-sizes-in-8-bits",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let size: u64 = text.parse().ok()?;
                 (clause == "2.9.7/1" && size > 0xff).then(|| (size & 0xff).to_string())
             })
@@ -129,14 +129,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-records-counted-in-8-bits",
         At::Records(|block, at, texels| {
-            let mut records = planes::records(block, at, texels)?;
+            let mut records = planes::parse_records(block, at, texels)?;
             records.truncate(255);
             Ok(records)
         }),
     ),
     (
         "last-entry-refused",
-        At::Entry(|index, entries| indices::entry(index, entries.saturating_sub(1))),
+        At::Entry(|index, entries| indices::valid_entry(index, entries.saturating_sub(1))),
     ),
     // Loops
     (
@@ -171,16 +171,15 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
 ];
 
-/// Returns the file with at most `count` words on these lines, if size, scales and biases have the lines of the ordinary
-/// spelling.
-fn with_words(file: &Anatomy, lines: std::ops::Range<usize>, count: usize) -> Seen {
+/// Limits these lines of the header to `count` words, if the size, the scales and the biases are on the usual lines.
+fn limit_words(file: &Anatomy, lines: std::ops::Range<usize>, count: usize) -> EditedFile {
     let mut parts = file.file.splitn(7, |&byte| byte == b'\n');
     let head: Vec<&[u8]> = parts.by_ref().take(6).collect();
     let Some(rest) = parts.next() else {
         return file.unchanged();
     };
     let words = |line: &[u8]| line.split(|&byte| byte == b' ').count();
-    // A size on one line, or twelve numbers on one, is another spelling.
+    // A size on one line, or twelve numbers on one line, is a different spelling.
     let plain = head[2..4].iter().all(|line| line.len() < 20) && words(head[4]) < 9;
     if !plain || words(head[2]) > 1 {
         return file.unchanged();
@@ -193,5 +192,5 @@ fn with_words(file: &Anatomy, lines: std::ops::Range<usize>, count: usize) -> Se
         bytes.push(b'\n');
     }
     bytes.extend_from_slice(rest);
-    Seen::File(bytes)
+    EditedFile::File(bytes)
 }

@@ -1,15 +1,15 @@
-//! All misreadings of the PTM suite.
+//! The catalog of all misreadings of the PTM suite.
 
 use std::sync::LazyLock;
 
 use super::at::At;
-use super::misreading::{Misreading, catalog};
+use super::misreading::{Misreading, load_catalog};
 use super::{
     buffers, codecs, header, layout, lists, lookup, luminance, motion, places, prediction,
     side_information, transforms,
 };
 
-/// The catalog, read on first use.
+/// The catalog, loaded on first use.
 static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let sections = [
         header::CHANGES,
@@ -26,18 +26,18 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         codecs::CHANGES,
     ];
     let yaml = include_str!("../../spec-cases/misreadings.yaml");
-    catalog(yaml, sections.into_iter().flatten(), |edits| {
+    load_catalog(yaml, sections.into_iter().flatten(), |edits| {
         Some(At::Edits(edits))
     })
     .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });
 
-/// Returns all misreadings, in the order of the sections.
+/// Returns all misreadings, in the order of sections.
 pub fn all() -> impl Iterator<Item = &'static Misreading> {
     ALL.iter()
 }
 
-/// Returns the misreading with this slug.
+/// Returns the misreading with this slug, if any.
 #[must_use]
 pub fn find(slug: &str) -> Option<&'static Misreading> {
     all().find(|misreading| misreading.slug == slug)

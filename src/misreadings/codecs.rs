@@ -1,7 +1,7 @@
-//! §2.9.8: the streams of planes, and the order of their rows
+//! §2.9.8: mistakes with the streams of planes, and the order of their rows
 
 use super::at::At;
-use super::layout::{turned, turned_if};
+use super::layout::{flip_rows, stored_row_if_top_down};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, PlaneStream};
@@ -14,25 +14,27 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     // Rows
     (
         "compressed-rows-top-down",
-        At::StoredRow(|header, row| turned_if(header.format.coding().is_some(), header, row)),
+        At::StoredRow(|header, row| {
+            stored_row_if_top_down(header.format.coding().is_some(), header, row)
+        }),
     ),
     (
         "jpeg-rows-top-down",
         At::StoredRow(|header, row| {
-            turned_if(header.format.coding() == Some(Coding::Jpeg), header, row)
+            stored_row_if_top_down(header.format.coding() == Some(Coding::Jpeg), header, row)
         }),
     ),
     (
         "jpeg-ls-rows-top-down",
         At::StoredRow(|header, row| {
-            turned_if(header.format.coding() == Some(Coding::JpegLs), header, row)
+            stored_row_if_top_down(header.format.coding() == Some(Coding::JpegLs), header, row)
         }),
     ),
     (
         "compressed-colors-top-down",
         At::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
-                turned(ptm, 6..9);
+                flip_rows(ptm, 6..9);
             }
         }),
     ),
@@ -40,23 +42,23 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "compressed-green-and-blue-top-down",
         At::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
-                turned(ptm, 6..18);
+                flip_rows(ptm, 6..18);
             }
         }),
     ),
     // Samples
     (
         "jpeg-rows-padded-to-4",
-        At::Stream(|plane| sheared(plane, 4)),
+        At::Stream(|plane| decode_sheared(plane, 4)),
     ),
     (
         "jpeg-rows-padded-to-8",
-        At::Stream(|plane| sheared(plane, 8)),
+        At::Stream(|plane| decode_sheared(plane, 8)),
     ),
     (
         "compressed-columns-mirrored",
         At::Stream(|plane| {
-            let mut samples = planes::stream(plane)?;
+            let mut samples = planes::decode_stream(plane)?;
             samples
                 .chunks_exact_mut(plane.size.width as usize)
                 .for_each(<[u8]>::reverse);
@@ -66,38 +68,40 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "jpeg-studio-range",
         At::Stream(|plane| {
-            each(plane, |value| {
+            decode_and_map(plane, |value| {
                 ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
             })
         }),
     ),
     (
         "jpeg-studio-range-made",
-        At::Stream(|plane| each(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)),
+        At::Stream(|plane| {
+            decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)
+        }),
     ),
     (
         "jpeg-without-level-shift",
-        At::Stream(|plane| each(plane, |value| value.saturating_sub(128))),
+        At::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128))),
     ),
     (
         "jpeg-gamma",
         At::Stream(|plane| {
-            // A square root is similar to color management, and exact on every machine.
-            each(plane, |value| (u16::from(value) * 255).isqrt() as u8)
+            // A square root resembles color management, and is exact on every machine.
+            decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
         }),
     ),
     (
         "jpeg-low-bit-lost",
-        At::Stream(|plane| each(plane, |value| value & 0xFE)),
+        At::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
     ),
     // Optional features of streams
     (
         "restart-markers-refused",
-        At::Stream(|plane| refused_if(has(plane.bytes, 0xDD), plane)),
+        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane)),
     ),
     (
         "sof1-refused",
-        At::Stream(|plane| refused_if(has(plane.bytes, 0xC1), plane)),
+        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
     ),
     (
         "tables-of-16-bits-refused",
@@ -105,13 +109,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let wide = segments(plane.bytes).any(|(code, segment)| {
                 code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
             });
-            refused_if(wide, plane)
+            decode_unless(wide, plane)
         }),
     ),
     (
         "tables-of-16-bits-cut",
         At::Stream(|plane| {
-            edited(plane, |code, segment| {
+            decode_edited(plane, |code, segment| {
                 if let (0xDB, Some((16..=31, table))) = (
                     code,
                     segment
@@ -130,11 +134,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "quantisation-table-in-rows",
         At::Stream(|plane| {
-            edited(plane, |code, segment| {
+            decode_edited(plane, |code, segment| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
-                    // Entry k of the file is used for frequency k, although the file is in zigzag order.
+                    // Entry k in the file is used for frequency k, although the file is in zigzag order.
                     let stored = table.to_vec();
                     table
                         .iter_mut()
@@ -155,7 +159,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             };
             let own = segments(plane.bytes)
                 .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
-            refused_if(own, plane)
+            decode_unless(own, plane)
         }),
     ),
     (
@@ -164,28 +168,28 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let factors = segments(plane.bytes).any(|(code, segment)| {
                 matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
             });
-            refused_if(factors, plane)
+            decode_unless(factors, plane)
         }),
     ),
     (
         "jfif-required",
         At::Stream(|plane| {
             let is_jpeg = plane.coding == Coding::Jpeg;
-            refused_if(is_jpeg && !has(plane.bytes, 0xE0), plane)
+            decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
         }),
     ),
     (
         "one-row-refused",
         At::Stream(|plane| {
             let is_small = plane.size.width < 8 || plane.size.height < 8;
-            refused_if(is_small && plane.coding == Coding::Jpeg, plane)
+            decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
         }),
     ),
     // JPEG-LS parameters
     (
         "near-ignored",
         At::Stream(|plane| {
-            edited(plane, |code, segment| {
+            decode_edited(plane, |code, segment| {
                 let of = (code, segment, plane.coding);
                 if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
                     *near = 0;
@@ -195,27 +199,27 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "presets-ignored",
-        At::Stream(|plane| with_presets(plane, |segment| segment[1..11].fill(0))),
+        At::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0))),
     ),
     (
         "thresholds-ignored",
-        At::Stream(|plane| with_presets(plane, |segment| segment[3..9].fill(0))),
+        At::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0))),
     ),
     (
         "reset-ignored",
-        At::Stream(|plane| with_presets(plane, |segment| segment[9..11].fill(0))),
+        At::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0))),
     ),
     (
         "presets-kept",
-        At::Reconstruct(|coded, _, reading| keeping(coded, reading, 0xF8)),
+        At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8)),
     ),
     (
         "restart-interval-kept",
-        At::Reconstruct(|coded, _, reading| keeping(coded, reading, 0xDD)),
+        At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD)),
     ),
     (
         "presets-refused",
-        At::Stream(|plane| refused_if(has(plane.bytes, 0xF8), plane)),
+        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane)),
     ),
     // Streams that must be refused
     (
@@ -225,16 +229,16 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7))
                 .map(|(_, segment)| segment);
             let Some([_, h1, h0, w1, w0, ..]) = found else {
-                return planes::stream(plane);
+                return planes::decode_stream(plane);
             };
             let own = Size {
                 width: u16::from_be_bytes([*w1, *w0]).into(),
                 height: u16::from_be_bytes([*h1, *h0]).into(),
             };
             if own.texels() > 1 << 24 {
-                return planes::stream(plane);
+                return planes::decode_stream(plane);
             }
-            let samples = planes::stream(&PlaneStream {
+            let samples = planes::decode_stream(&PlaneStream {
                 size: own,
                 ..*plane
             })?;
@@ -254,7 +258,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             if plane.bytes.is_empty() {
                 Ok(vec![0; plane.size.texels()])
             } else {
-                planes::stream(plane)
+                planes::decode_stream(plane)
             }
         }),
     ),
@@ -263,29 +267,29 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Stream(|plane| {
             let coding = match plane.bytes {
                 [] => plane.coding,
-                bytes if has(bytes, 0xF7) => Coding::JpegLs,
+                bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
                 _ => Coding::Jpeg,
             };
-            planes::stream(&PlaneStream { coding, ..*plane })
+            planes::decode_stream(&PlaneStream { coding, ..*plane })
         }),
     ),
     (
         "broken-plane-is-blank",
         At::Stream(|plane| {
-            Ok(planes::stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
+            Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
         }),
     ),
 ];
 
-/// Decodes all planes; a plane without a segment of this marker uses the previous plane's.
-fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
+/// Decodes all planes. A plane without a segment with this marker reuses the segment of the previous plane.
+fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
     let mut payload = Vec::new();
     let mut plan = coded.plan.clone();
     let mut known: Vec<u8> = Vec::new();
     for extent in &mut plan.extents {
         let mut stream = coded.payload[extent.stream.clone()].to_vec();
-        // Four bytes: the marker and the length.
-        let own = places(&stream)
+        // The marker and the length have four bytes.
+        let own = segment_ranges(&stream)
             .into_iter()
             .find(|&(code, _)| code == marker)
             .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
@@ -311,9 +315,9 @@ fn keeping(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>>
     planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
 }
 
-/// Changes the samples of JPEG streams.
-fn each(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
-    let mut samples = planes::stream(plane)?;
+/// Decodes a plane and changes its samples if it is a JPEG stream.
+fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
+    let mut samples = planes::decode_stream(plane)?;
     if plane.coding == Coding::Jpeg {
         for value in &mut samples {
             *value = change(*value);
@@ -322,9 +326,10 @@ fn each(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
     Ok(samples)
 }
 
-/// Returns the first samples of a buffer whose rows are padded to a multiple of `unit`, for JPEG streams.
-fn sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
-    let samples = planes::stream(plane)?;
+/// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of
+/// `unit`.
+fn decode_sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
+    let samples = planes::decode_stream(plane)?;
     if plane.coding != Coding::Jpeg {
         return Ok(samples);
     }
@@ -334,7 +339,7 @@ fn sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
     Ok((0..samples.len()).map(at).collect())
 }
 
-fn refused_if(refused: bool, plane: &PlaneStream) -> PlaneSamples {
+fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
     if refused {
         let kind = Kind::Stream {
             plane: plane.plane,
@@ -343,21 +348,21 @@ fn refused_if(refused: bool, plane: &PlaneStream) -> PlaneSamples {
         };
         return Err(Error::new("2.9.8/3", plane.at, kind));
     }
-    planes::stream(plane)
+    planes::decode_stream(plane)
 }
 
-/// Returns the markers of a stream up to its scan, with the contents of their segments.
+/// Returns the marker segments of a stream up to the scan: code and contents.
 fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
-    places(bytes)
+    segment_ranges(bytes)
         .into_iter()
         .map(|(code, range)| (code, &bytes[range]))
 }
 
-fn has(bytes: &[u8], marker: u8) -> bool {
+fn has_marker(bytes: &[u8], marker: u8) -> bool {
     segments(bytes).any(|(code, _)| code == marker)
 }
 
-fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
+fn segment_ranges(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
     let mut found = Vec::new();
     let mut at = 2;
     while let Some(&[0xFF, code, high, low]) = bytes.get(at..at + 4) {
@@ -374,35 +379,35 @@ fn places(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
     found
 }
 
-/// Returns the samples of the stream with other segments.
-fn edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamples {
+/// Decodes a plane after editing the marker segments of its stream.
+fn decode_edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamples {
     let mut stream = plane.bytes.to_vec();
-    for (code, range) in places(plane.bytes) {
+    for (code, range) in segment_ranges(plane.bytes) {
         edit(code, &mut stream[range]);
     }
     let bytes = &stream;
-    planes::stream(&PlaneStream { bytes, ..*plane })
+    planes::decode_stream(&PlaneStream { bytes, ..*plane })
 }
 
-/// Returns the samples of the stream with other preset parameters; 0 stands for the default.
-fn with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
-    edited(plane, |code, segment| {
+/// Decodes a plane after editing the preset parameters of its stream. 0 means the default.
+fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
+    decode_edited(plane, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
             edit(segment);
         }
     })
 }
 
-/// Returns the zigzag index of each place in row order, and the inverse.
+/// Returns the zigzag permutation of the positions in a block.
 fn zigzag() -> [usize; 64] {
     let mut order: Vec<usize> = (0..64).collect();
-    // Diagonals in turn: even ones upward, odd ones downward.
+    // Visits the diagonals in order, even ones upward and odd ones downward.
     order.sort_by_key(|&place| {
         let (row, column) = (place / 8, place % 8);
         let diagonal = row + column;
         (diagonal, if diagonal % 2 == 0 { column } else { row })
     });
-    let mut places = [0; 64];
-    places.copy_from_slice(&order);
-    places
+    let mut segment_ranges = [0; 64];
+    segment_ranges.copy_from_slice(&order);
+    segment_ranges
 }

@@ -1,6 +1,6 @@
-//! §2.0–2.3, and the spelling of the numbers of §2.4
+//! §2.0–2.3: mistakes with the header, and with the spelling of numbers in §2.4
 
-use super::anatomy::{Anatomy, Seen};
+use super::anatomy::{Anatomy, EditedFile};
 use super::at::At;
 
 const SCALE: &str = "2.4/3";
@@ -9,54 +9,54 @@ const BIAS: &str = "2.4/4";
 pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "greedy-whitespace",
-        At::Bytes(|file| skipped(file, |byte| matches!(byte, b'\t'..=b'\r' | b' '))),
+        At::Bytes(|file| skip_payload_bytes(file, |byte| matches!(byte, b'\t'..=b'\r' | b' '))),
     ),
     (
         "greedy-line-feeds",
-        At::Bytes(|file| skipped(file, |byte| byte == b'\n')),
+        At::Bytes(|file| skip_payload_bytes(file, |byte| byte == b'\n')),
     ),
     (
         "greedy-line-ends",
-        At::Bytes(|file| skipped(file, |byte| matches!(byte, b'\n' | b'\r'))),
+        At::Bytes(|file| skip_payload_bytes(file, |byte| matches!(byte, b'\n' | b'\r'))),
     ),
     (
         "greedy-blanks",
-        At::Bytes(|file| skipped(file, |byte| matches!(byte, b' ' | b'\t'))),
+        At::Bytes(|file| skip_payload_bytes(file, |byte| matches!(byte, b' ' | b'\t'))),
     ),
     (
         "carriage-return-skipped",
         At::Bytes(|file| match file.file.get(file.payload()) {
-            Some(b'\r') => without(file, 1),
+            Some(b'\r') => remove_payload_bytes(file, 1),
             _ => file.unchanged(),
         }),
     ),
     (
         "no-space-before-newline",
-        At::Bytes(|file| file.refused_if(file.header().windows(2).any(|pair| pair == b" \n"))),
+        At::Bytes(|file| file.refuse_if(file.header().windows(2).any(|pair| pair == b" \n"))),
     ),
     (
         "names-compared-with-their-space",
         At::Bytes(|file| {
-            file.refused_if(file.after("2.1/1", 0) == b" \n" || file.after("2.2/1", 0) == b" \n")
+            file.refuse_if(file.after("2.1/1", 0) == b" \n" || file.after("2.2/1", 0) == b" \n")
         }),
     ),
     (
         "no-space-behind-the-size",
         At::Bytes(|file| {
-            file.refused_if(file.after("2.3/1", 0) == b" \n" || file.after("2.3/1", 1) == b" \n")
+            file.refuse_if(file.after("2.3/1", 0) == b" \n" || file.after("2.3/1", 1) == b" \n")
         }),
     ),
     (
         "no-space-behind-scale-and-bias",
         At::Bytes(|file| {
-            file.refused_if(file.after(SCALE, 5) == b" \n" || file.after(BIAS, 5) == b" \n")
+            file.refuse_if(file.after(SCALE, 5) == b" \n" || file.after(BIAS, 5) == b" \n")
         }),
     ),
     (
         "version-with-space-is-1.1",
         At::Bytes(|file| {
             if file.after("2.1/1", 0) == b" \n" {
-                as_interleaved(file)
+                deinterleave_payload(file)
             } else {
                 file.unchanged()
             }
@@ -71,7 +71,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .filter(|pair| *pair == b" \n")
                 .count();
             let payload = file.payload();
-            Seen::File([file.header(), &file.file[payload - spaces..]].concat())
+            EditedFile::File([file.header(), &file.file[payload - spaces..]].concat())
         }),
     ),
     (
@@ -83,13 +83,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                     bytes.push(byte);
                 }
             }
-            Seen::File(bytes)
+            EditedFile::File(bytes)
         }),
     ),
     (
         "text-mode-end-of-file",
         At::Bytes(|file| {
-            Seen::File(
+            EditedFile::File(
                 file.file
                     .split(|&byte| byte == 0x1a)
                     .next()
@@ -109,30 +109,30 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                     _ => bytes.push(byte),
                 }
             }
-            Seen::File(bytes)
+            EditedFile::File(bytes)
         }),
     ),
     (
         "white-space-at-the-end-stripped",
-        At::Bytes(|file| Seen::File(file.file.trim_ascii_end().to_vec())),
+        At::Bytes(|file| EditedFile::File(file.file.trim_ascii_end().to_vec())),
     ),
     (
         "zeros-at-the-end-trimmed",
         At::Bytes(|file| {
             let end = file.file.iter().rposition(|&byte| byte != 0);
-            Seen::File(file.file[..end.map_or(0, |last| last + 1)].to_vec())
+            EditedFile::File(file.file[..end.map_or(0, |last| last + 1)].to_vec())
         }),
     ),
     (
         "version-unchecked",
         At::Bytes(|file| {
-            file.respelled(|clause, _| (clause == "2.1/1").then(|| "PTM_1.2".to_owned()))
+            file.respell(|clause, _| (clause == "2.1/1").then(|| "PTM_1.2".to_owned()))
         }),
     ),
     (
         "version-by-prefix",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.1/1" && text.starts_with("PTM_1.2")).then(|| "PTM_1.2".to_owned())
             })
         }),
@@ -140,7 +140,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "version-1.x-accepted",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.1/1" && text.starts_with("PTM_1.")).then(|| "PTM_1.2".to_owned())
             })
         }),
@@ -148,7 +148,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "format-by-beginning",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.2/1" && text.starts_with("PTM_FORMAT_LRGB"))
                     .then(|| "PTM_FORMAT_LRGB".to_owned())
             })
@@ -157,28 +157,28 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "format-in-any-case",
         At::Bytes(|file| {
-            file.respelled(|clause, text| (clause == "2.2/1").then(|| text.to_uppercase()))
+            file.respell(|clause, text| (clause == "2.2/1").then(|| text.to_uppercase()))
         }),
     ),
     (
         "size-two-lines-only",
-        At::Bytes(|file| file.refused_if(!file.after("2.3/1", 0).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(!file.after("2.3/1", 0).contains(&b'\n'))),
     ),
     (
         "size-one-line-only",
-        At::Bytes(|file| file.refused_if(file.after("2.3/1", 0).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(file.after("2.3/1", 0).contains(&b'\n'))),
     ),
     (
         "scale-bias-two-lines-only",
-        At::Bytes(|file| file.refused_if(!file.after(SCALE, 5).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(!file.after(SCALE, 5).contains(&b'\n'))),
     ),
     (
         "scale-bias-one-line-only",
-        At::Bytes(|file| file.refused_if(file.after(SCALE, 5).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(file.after(SCALE, 5).contains(&b'\n'))),
     ),
     (
         "double-space-dies",
-        At::Bytes(|file| file.refused_if(file.header().windows(2).any(|pair| pair == b"  "))),
+        At::Bytes(|file| file.refuse_if(file.header().windows(2).any(|pair| pair == b"  "))),
     ),
     (
         "double-space-is-zero",
@@ -186,26 +186,26 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             if !file.header().windows(2).any(|pair| pair == b"  ") {
                 return file.unchanged();
             }
-            file.respelled(|clause, _| (clause == SCALE || clause == BIAS).then(|| "0".to_owned()))
+            file.respell(|clause, _| (clause == SCALE || clause == BIAS).then(|| "0".to_owned()))
         }),
     ),
     (
         "last-number-needs-space",
         At::Bytes(|file| {
             let mut bytes = file.file.to_vec();
-            // The biases are changed first, so that the offsets of the scales stay valid.
+            // Change the biases first, so that the offsets of the scales stay valid.
             for clause in [BIAS, SCALE] {
                 if let (Some(field), b"\n") = (file.field(clause, 5), file.after(clause, 5)) {
                     bytes.splice(field.range.clone(), *b"0");
                 }
             }
-            Seen::File(bytes)
+            EditedFile::File(bytes)
         }),
     ),
     (
         "line-buffer",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.header()
                     .split(|&byte| byte == b'\n')
                     .any(|line| line.len() > 255),
@@ -215,7 +215,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "short-line-buffer",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.header()
                     .split(|&byte| byte == b'\n')
                     .any(|line| line.len() > 79),
@@ -225,7 +225,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sizes-of-four-digits",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 text.get(..4)
                     .filter(|_| clause == "2.3/1")
                     .map(str::to_owned)
@@ -235,7 +235,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "leading-zero-is-octal",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let octal =
                     matches!(clause, "2.3/1" | BIAS) && text.len() > 1 && text.starts_with('0');
                 octal
@@ -251,7 +251,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "leading-zeros-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&["2.3/1", BIAS])
                     .iter()
                     .any(|text| text.len() > 1 && text.starts_with('0')),
@@ -261,7 +261,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sign-ignored-in-sizes",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.3/1").then(|| text.trim_start_matches('-').to_owned())
             })
         }),
@@ -269,7 +269,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sizes-wrap-at-32-bits",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let value = text
                     .parse::<u64>()
                     .ok()
@@ -281,7 +281,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sizes-wrap-at-64-bits",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let value = text
                     .parse::<u128>()
                     .ok()
@@ -293,7 +293,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "exponent-ignored",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 text.split_once(['e', 'E'])
                     .filter(|_| clause == SCALE)
                     .map(|(m, _)| m.to_owned())
@@ -303,7 +303,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "exponent-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[SCALE])
                     .iter()
                     .any(|text| text.contains(['e', 'E'])),
@@ -313,13 +313,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "capital-exponent-refused",
         At::Bytes(|file| {
-            file.refused_if(file.texts(&[SCALE]).iter().any(|text| text.contains('E')))
+            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| text.contains('E')))
         }),
     ),
     (
         "plus-sign-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[SCALE, BIAS])
                     .iter()
                     .any(|text| text.starts_with('+')),
@@ -329,7 +329,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "leading-point-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[SCALE])
                     .iter()
                     .any(|text| text.trim_start_matches(['+', '-']).starts_with('.')),
@@ -339,19 +339,19 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "trailing-point-refused",
         At::Bytes(|file| {
-            file.refused_if(file.texts(&[SCALE]).iter().any(|text| text.ends_with('.')))
+            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| text.ends_with('.')))
         }),
     ),
     (
         "scale-needs-a-point",
         At::Bytes(|file| {
-            file.refused_if(file.texts(&[SCALE]).iter().any(|text| !text.contains('.')))
+            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| !text.contains('.')))
         }),
     ),
     (
         "scale-to-the-point",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let (whole, _) = text.split_once('.').filter(|_| clause == SCALE)?;
                 Some(if whole.trim_start_matches(['+', '-']).is_empty() {
                     "0".to_owned()
@@ -364,7 +364,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "scale-with-six-characters",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 text.get(..6).filter(|_| clause == SCALE).map(str::to_owned)
             })
         }),
@@ -372,7 +372,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "negative-scale-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[SCALE])
                     .iter()
                     .any(|text| text.starts_with('-')),
@@ -382,7 +382,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "zero-scale-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[SCALE])
                     .iter()
                     .any(|text| text.parse() == Ok(0.0)),
@@ -392,13 +392,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "negative-bias-refused",
         At::Bytes(|file| {
-            file.refused_if(file.texts(&[BIAS]).iter().any(|text| text.starts_with('-')))
+            file.refuse_if(file.texts(&[BIAS]).iter().any(|text| text.starts_with('-')))
         }),
     ),
     (
         "large-bias-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&[BIAS])
                     .iter()
                     .any(|text| text.parse::<f64>().is_ok_and(|bias| bias > 255.0)),
@@ -408,7 +408,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "bias-fraction-cut",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 text.split_once('.')
                     .filter(|_| clause == BIAS)
                     .map(|(whole, _)| whole.to_owned())
@@ -418,21 +418,21 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "numbers-by-prefix",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 let numeric = matches!(clause, "2.3/1" | SCALE | BIAS | "2.6/2" | "2.5/2")
                     && text.parse::<f64>().is_err();
-                numeric.then(|| prefix(text))
+                numeric.then(|| number_prefix(text))
             })
         }),
     ),
     (
         "not-a-number-accepted",
-        At::Bytes(|file| file.respelled(|_, text| (text == "nan").then(|| "0".to_owned()))),
+        At::Bytes(|file| file.respell(|_, text| (text == "nan").then(|| "0".to_owned()))),
     ),
     (
         "infinity-accepted",
         At::Bytes(|file| {
-            file.respelled(|_, text| {
+            file.respell(|_, text| {
                 text.trim_start_matches('-')
                     .starts_with("inf")
                     .then(|| "1e300".to_owned())
@@ -442,7 +442,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "overflow-accepted",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == SCALE && text == "1e400").then(|| "1e300".to_owned())
             })
         }),
@@ -450,7 +450,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "hexadecimal-accepted",
         At::Bytes(|file| {
-            file.respelled(|_, text| match text {
+            file.respell(|_, text| match text {
                 "0x1p-1" => Some("0.5".to_owned()),
                 _ => text
                     .strip_prefix("0x")
@@ -461,14 +461,16 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "short-payload-padded",
-        At::Bytes(|file| Seen::File([file.file, &vec![0; file.file.len() + 4096]].concat())),
+        At::Bytes(|file| EditedFile::File([file.file, &vec![0; file.file.len() + 4096]].concat())),
     ),
     (
         "header-ends-at-its-last-space",
         At::Bytes(|file| {
             let payload = file.payload();
             if file.header().ends_with(b" \n") {
-                Seen::File([&file.file[..payload - 2], b"\n", &file.file[payload - 1..]].concat())
+                EditedFile::File(
+                    [&file.file[..payload - 2], b"\n", &file.file[payload - 1..]].concat(),
+                )
             } else {
                 file.unchanged()
             }
@@ -477,21 +479,22 @@ pub(super) const CHANGES: &[(&str, At)] = &[
 ];
 
 /// Removes the bytes at the start of the payload that `skip` accepts as white space.
-fn skipped(file: &Anatomy, skip: fn(u8) -> bool) -> Seen {
+fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
     let count = file.file[file.payload()..]
         .iter()
         .take_while(|&&byte| skip(byte))
         .count();
-    without(file, count)
+    remove_payload_bytes(file, count)
 }
 
-/// Removes the first bytes of the payload.
-fn without(file: &Anatomy, count: usize) -> Seen {
-    Seen::File([file.header(), &file.file[file.payload() + count..]].concat())
+/// Removes the first `count` bytes of the payload.
+fn remove_payload_bytes(file: &Anatomy, count: usize) -> EditedFile {
+    EditedFile::File([file.header(), &file.file[file.payload() + count..]].concat())
 }
 
-/// Rearranges an LRGB payload so that a correct reader finds the values that a reader of nine interleaved bytes would find.
-fn as_interleaved(file: &Anatomy) -> Seen {
+/// Rearranges an LRGB payload so that a correct decoder finds the values that a decoder for nine interleaved bytes
+/// would find.
+fn deinterleave_payload(file: &Anatomy) -> EditedFile {
     if file.texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
         return file.unchanged();
     }
@@ -499,11 +502,11 @@ fn as_interleaved(file: &Anatomy) -> Seen {
     let blocks = texels()
         .flat_map(|texel| &texel[..6])
         .chain(texels().flat_map(|texel| &texel[6..]));
-    Seen::File(file.header().iter().chain(blocks).copied().collect())
+    EditedFile::File(file.header().iter().chain(blocks).copied().collect())
 }
 
-/// Returns the value of the longest prefix that is a number, or 0.
-fn prefix(text: &str) -> String {
+/// Returns the longest prefix that is a number, or "0".
+fn number_prefix(text: &str) -> String {
     let ends = (1..=text.len())
         .rev()
         .filter(|&end| text.is_char_boundary(end));

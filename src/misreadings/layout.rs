@@ -1,8 +1,8 @@
-//! §2.7 Uncompressed Per Texel Data: the layout of texels
+//! §2.7 Uncompressed Per Texel Data: mistakes with the layout of texels
 
 use std::ops::Range;
 
-use super::anatomy::Seen;
+use super::anatomy::EditedFile;
 use super::at::At;
 use crate::decode::{decode, texels};
 use crate::ptm::{Format, Header, Ptm};
@@ -11,14 +11,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "payload-reversed",
         At::Bytes(|file| {
-            let turned = file.file[file.payload()..].iter().rev();
-            Seen::File(file.header().iter().chain(turned).copied().collect())
+            let flip_rows = file.file[file.payload()..].iter().rev();
+            EditedFile::File(file.header().iter().chain(flip_rows).copied().collect())
         }),
     ),
     (
         "rgb-as-lrgb",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.2/1" && text == "PTM_FORMAT_RGB")
                     .then(|| "PTM_FORMAT_LRGB".to_owned())
             })
@@ -27,7 +27,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "coefficients-reversed",
         At::Planes(|ptm| {
-            each(ptm, |texel| {
+            for_each_texel(ptm, |texel| {
                 let polynomials = if texel.len() == 18 { 18 } else { 6 };
                 texel[..polynomials]
                     .chunks_exact_mut(6)
@@ -38,7 +38,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "a0-last",
         At::Planes(|ptm| {
-            each(ptm, |texel| {
+            for_each_texel(ptm, |texel| {
                 let polynomials = if texel.len() == 18 { 18 } else { 6 };
                 texel[..polynomials]
                     .chunks_exact_mut(6)
@@ -140,7 +140,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "height-before-width",
         At::Bytes(
             |file| match (file.field("2.3/1", 0), file.field("2.3/1", 1)) {
-                (Some(width), Some(height)) => Seen::File(
+                (Some(width), Some(height)) => EditedFile::File(
                     [
                         &file.file[..width.range.start],
                         &file.file[height.range.clone()],
@@ -173,7 +173,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                     bytes.remove(separator);
                 }
             }
-            Seen::File(bytes)
+            EditedFile::File(bytes)
         }),
     ),
     (
@@ -185,15 +185,15 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 _ => 0,
             };
             match file.file.get(file.payload() + extra..) {
-                Some(payload) => Seen::File([file.header(), payload].concat()),
+                Some(payload) => EditedFile::File([file.header(), payload].concat()),
                 None => file.unchanged(),
             }
         }),
     ),
 ];
 
-/// Returns the stored row of a reader that reads some files top row first.
-pub(super) fn turned_if(top_down: bool, header: &Header, row: usize) -> usize {
+/// Returns the index of the stored row if the top row is stored first in some files.
+pub(super) fn stored_row_if_top_down(top_down: bool, header: &Header, row: usize) -> usize {
     if top_down {
         row
     } else {
@@ -202,7 +202,7 @@ pub(super) fn turned_if(top_down: bool, header: &Header, row: usize) -> usize {
 }
 
 /// Flips some channels vertically.
-pub(super) fn turned(ptm: &mut Ptm, channels: Range<usize>) {
+pub(super) fn flip_rows(ptm: &mut Ptm, channels: Range<usize>) {
     let (row, texel) = row_and_channels(ptm);
     let upright = ptm.planes.samples.clone();
     let rows = ptm.planes.samples.chunks_exact_mut(row);
@@ -212,8 +212,8 @@ pub(super) fn turned(ptm: &mut Ptm, channels: Range<usize>) {
     }
 }
 
-/// Changes the channels of every texel.
-pub(super) fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
+/// Applies `change` to the channels of every texel.
+pub(super) fn for_each_texel(ptm: &mut Ptm, change: fn(&mut [u8])) {
     let channels = ptm.planes.shape.channels();
     ptm.planes
         .samples
@@ -221,7 +221,7 @@ pub(super) fn each(ptm: &mut Ptm, change: fn(&mut [u8])) {
         .for_each(change);
 }
 
-/// Returns the number of bytes of a row, and of a texel.
+/// Returns the number of bytes in a row and in a texel.
 fn row_and_channels(ptm: &Ptm) -> (usize, usize) {
     let channels = ptm.planes.shape.channels();
     (ptm.planes.size.width as usize * channels, channels)

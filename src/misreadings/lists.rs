@@ -1,4 +1,4 @@
-//! §2.9 and §2.9.1: lines, sizes and the compression parameter
+//! §2.9 and §2.9.1: mistakes with lines, sizes and the compression parameter
 
 use super::at::At;
 
@@ -7,13 +7,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "motion-on-one-line-only",
         At::Bytes(|file| {
             let vectors = file.texts(&["2.9.3/1"]).len();
-            file.refused_if(vectors > 1 && file.after("2.9.3/1", vectors / 2 - 1).contains(&b'\n'))
+            file.refuse_if(vectors > 1 && file.after("2.9.3/1", vectors / 2 - 1).contains(&b'\n'))
         }),
     ),
     (
         "missing-records-forgiven",
         At::Bytes(|file| match crate::decode::fields(file.file).1 {
-            Some(error) if error.clause() == "2.9.8/2" => file.respelled(|clause, text| {
+            Some(error) if error.clause() == "2.9.8/2" => file.respell(|clause, text| {
                 (clause == "2.9.7/1" && text != "0").then(|| "0".to_owned())
             }),
             _ => file.unchanged(),
@@ -22,7 +22,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "compressed-size-sign-ignored",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 text.strip_prefix('-')
                     .filter(|_| clause == "2.9.6/1")
                     .map(str::to_owned)
@@ -32,20 +32,20 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-information-always",
         At::Bytes(|file| {
-            file.respelled(|clause, text| {
+            file.respell(|clause, text| {
                 (clause == "2.9.7/1" && text == "0").then(|| "5".to_owned())
             })
         }),
     ),
     (
         "parameter-not-read",
-        At::Bytes(|file| file.refused_if(!file.texts(&["2.9.1/1"]).is_empty())),
+        At::Bytes(|file| file.refuse_if(!file.texts(&["2.9.1/1"]).is_empty())),
     ),
     (
         "parameter-always-a-quality",
         At::Bytes(|file| {
             let below = |text: &&str| text.parse().is_ok_and(|value: i64| value < 20);
-            file.refused_if(file.texts(&["2.9.1/1"]).first().is_some_and(below))
+            file.refuse_if(file.texts(&["2.9.1/1"]).first().is_some_and(below))
         }),
     ),
     (
@@ -59,7 +59,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .texts(&["2.2/1"])
                 .first()
                 .is_some_and(|text| text.contains("JPEGLS"));
-            file.refused_if(lossy && jpeg_ls)
+            file.refuse_if(lossy && jpeg_ls)
         }),
     ),
     (
@@ -69,13 +69,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .texts(&["2.2/1"])
                 .first()
                 .is_some_and(|text| text.starts_with("PTM_FORMAT_JPEG") && text.ends_with("_RGB"));
-            file.refused_if(rgb)
+            file.refuse_if(rgb)
         }),
     ),
     (
         "negative-vectors-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&["2.9.3/1"])
                     .iter()
                     .any(|text| text.starts_with('-')),

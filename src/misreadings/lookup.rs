@@ -1,30 +1,30 @@
-//! §2.5 Lookup Table and §2.8 Lookup Table Indices
+//! §2.5 Lookup Table and §2.8 Lookup Table Indices: mistakes with tables and indices
 
-use super::anatomy::{Anatomy, Seen};
+use super::anatomy::{Anatomy, EditedFile};
 use super::at::At;
-use crate::decode::indices::take;
+use crate::decode::indices::read_indices_of_width;
 use crate::ptm::Format;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "lut-formats-swapped",
         At::Bytes(|file| match file.texts(&["2.2/1"])[..] {
-            ["PTM_FORMAT_PTM_LUT"] => renamed(file, b"PTM_FORMAT_PTM_C_LUT"),
-            ["PTM_FORMAT_PTM_C_LUT"] => renamed(file, b"PTM_FORMAT_PTM_LUT"),
+            ["PTM_FORMAT_PTM_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_C_LUT"),
+            ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
     ),
     (
         "c-lut-is-ptm-lut",
         At::Bytes(|file| match file.texts(&["2.2/1"])[..] {
-            ["PTM_FORMAT_PTM_C_LUT"] => renamed(file, b"PTM_FORMAT_PTM_LUT"),
+            ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
     ),
     (
         "table-not-read",
         At::Bytes(|file| match (entries(file), entry_size(file)) {
-            (Some(count), Some(size)) => Seen::File(
+            (Some(count), Some(size)) => EditedFile::File(
                 [
                     file.header(),
                     &vec![0; count * size],
@@ -57,19 +57,21 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             // The indices are read 256 entries after the start of the table.
             let table = file.payload();
             match file.file.get(table + 256 * size..) {
-                Some(rest) => Seen::File([&file.file[..table + count * size], rest].concat()),
-                None => Seen::Refused,
+                Some(rest) => EditedFile::File([&file.file[..table + count * size], rest].concat()),
+                None => EditedFile::Refused,
             }
         }),
     ),
     (
         "table-one-entry-long",
-        At::Bytes(|file| with_table(file, |table, size, count| Some((table, size * (count + 1))))),
+        At::Bytes(|file| {
+            resize_table(file, |table, size, count| Some((table, size * (count + 1))))
+        }),
     ),
     (
         "table-one-entry-short",
         At::Bytes(|file| {
-            with_table(file, |table, size, count| {
+            resize_table(file, |table, size, count| {
                 (count > 1).then(|| (table, size * (count - 1)))
             })
         }),
@@ -84,11 +86,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let step = size + 1;
             let bytes = (count * step).saturating_sub(1);
             let Some(rest) = file.file.get(table + bytes..) else {
-                return Seen::Refused;
+                return EditedFile::Refused;
             };
             let found = (0..count)
                 .flat_map(|entry| &file.file[table + entry * step..table + entry * step + size]);
-            Seen::File(
+            EditedFile::File(
                 file.header()
                     .iter()
                     .chain(found)
@@ -103,7 +105,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         At::Indices(|table, size, input| {
             let mut pairs = input.rest().chunks_exact(2).take(size.texels());
             let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
-            take(if wide { 2 } else { 1 }, size, input)
+            read_indices_of_width(if wide { 2 } else { 1 }, size, input)
         }),
     ),
     (
@@ -142,32 +144,35 @@ fn format(file: &Anatomy) -> Option<Format> {
     file.texts(&["2.2/1"]).first()?.parse().ok()
 }
 
-/// Maximum number of entries of a table that a mistake allocates, far more than two-byte indices can address.
-const MOST_ENTRIES: usize = 1 << 20;
+/// Maximum number of table entries that a mistake allocates, which is far more than two-byte indices can address.
+const MAX_ENTRIES: usize = 1 << 20;
 
-/// Returns the number of table entries, if the file states one.
+/// Returns the number of table entries, if the file has a table.
 fn entries(file: &Anatomy) -> Option<usize> {
     format(file).filter(|format| format.has_table())?;
     file.texts(&["2.5/2"])
         .iter()
         .find_map(|text| text.parse().ok())
-        .filter(|count| (1..=MOST_ENTRIES).contains(count))
+        .filter(|count| (1..=MAX_ENTRIES).contains(count))
 }
 
 fn entry_size(file: &Anatomy) -> Option<usize> {
     format(file).map(Format::entry_size)
 }
 
-fn renamed(file: &Anatomy, name: &[u8]) -> Seen {
+fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     let mut bytes = file.file.to_vec();
     if let Some(field) = file.field("2.2/1", 0) {
         bytes.splice(field.range.clone(), name.iter().copied());
     }
-    Seen::File(bytes)
+    EditedFile::File(bytes)
 }
 
-/// Returns the file with a table of another length. `length` returns the start of the table and its length.
-fn with_table(file: &Anatomy, length: fn(usize, usize, usize) -> Option<(usize, usize)>) -> Seen {
+/// Changes the length of the table. `length` returns the start of the table and its new length.
+fn resize_table(
+    file: &Anatomy,
+    length: fn(usize, usize, usize) -> Option<(usize, usize)>,
+) -> EditedFile {
     let (Some(count), Some(size)) = (entries(file), entry_size(file)) else {
         return file.unchanged();
     };
@@ -175,9 +180,9 @@ fn with_table(file: &Anatomy, length: fn(usize, usize, usize) -> Option<(usize, 
         return file.unchanged();
     };
     let Some(rest) = file.file.get(start + length..) else {
-        return Seen::Refused;
+        return EditedFile::Refused;
     };
     let mut table = file.file[start..start + length].to_vec();
     table.resize(count * size, 0);
-    Seen::File([file.header(), &table, rest].concat())
+    EditedFile::File([file.header(), &table, rest].concat())
 }

@@ -1,6 +1,6 @@
-//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`
+//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes with the matrix and its operands
 
-use super::anatomy::Seen;
+use super::anatomy::EditedFile;
 use super::at::At;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
@@ -11,13 +11,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 return file.unchanged();
             };
             let matrix = &file.file[start..file.payload()];
-            Seen::File([file.header(), matrix, &file.file[file.payload()..]].concat())
+            EditedFile::File([file.header(), matrix, &file.file[file.payload()..]].concat())
         }),
     ),
     (
         "matrix-exponent-refused",
         At::Bytes(|file| {
-            file.refused_if(
+            file.refuse_if(
                 file.texts(&["2.6/2"])
                     .iter()
                     .any(|text| text.contains(['e', 'E'])),
@@ -35,7 +35,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .next()
                 .unwrap_or_default();
             match line.split(|&byte| byte == b' ').count() {
-                15 => Seen::File(
+                15 => EditedFile::File(
                     [
                         &file.file[..start + line.len()],
                         b" 0",
@@ -50,7 +50,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-numbers-cut",
         At::LumMatrix(|m| {
-            crate::decode::color_matrix::columns_first(m).map(|row| row.map(f64::trunc))
+            crate::decode::color_matrix::column_major_rows(m).map(|row| row.map(f64::trunc))
         }),
     ),
     (
@@ -88,7 +88,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "colors-of-jfif-first",
-        At::LumVector(colors_of_jfif, colors_of_jfif),
+        At::LumVector(jfif_colors, jfif_colors),
     ),
     (
         "chroma-removed",
@@ -97,7 +97,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-rows-as-blue-green-red",
         At::LumMatrix(|m| {
-            let [red, green, blue] = crate::decode::color_matrix::columns_first(m);
+            let [red, green, blue] = crate::decode::color_matrix::column_major_rows(m);
             [blue, green, red]
         }),
     ),
@@ -113,8 +113,8 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "chroma-signed",
         At::LumVector(
-            |y, cr, cb| [y, signed(cr), signed(cb)],
-            |y, cr, cb| [signed(cr), y, signed(cb)],
+            |y, cr, cb| [y, as_signed_byte(cr), as_signed_byte(cb)],
+            |y, cr, cb| [as_signed_byte(cr), y, as_signed_byte(cb)],
         ),
     ),
     (
@@ -137,8 +137,8 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
 ];
 
-/// Returns red, green and blue by the constants of JFIF.
-fn colors_of_jfif(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+/// Converts a color to red, green and blue with the constants of JFIF.
+fn jfif_colors(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     let (cr, cb) = (cr - 128.0, cb - 128.0);
     [
         y + 1.402 * cr,
@@ -147,7 +147,7 @@ fn colors_of_jfif(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     ]
 }
 
-/// Returns the byte of this value as a signed number.
-fn signed(value: f64) -> f64 {
+/// Reinterprets the byte with this value as a signed number.
+fn as_signed_byte(value: f64) -> f64 {
     f64::from(value as u8 as i8)
 }

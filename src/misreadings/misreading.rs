@@ -1,4 +1,4 @@
-//! The record of a misreading.
+//! Records of misreadings.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,23 +9,23 @@ use super::at::At;
 use crate::formula::Edit;
 use crate::kit::yaml;
 
-/// A mistake: a record of `misreadings.yaml`, and the place where it acts. The PTM suite and the texture suite share the record
-/// and have different places.
+/// A mistake: a record of `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share
+/// the record type and have different steps.
 #[derive(Clone, Debug)]
 pub struct Misreading<A = At> {
-    /// A permanent name.
+    /// Permanent name.
     pub slug: &'static str,
-    /// The clause that it misreads.
+    /// Clause that the decoder misreads.
     pub clause: &'static str,
-    /// Its effect, as a sentence without its subject: "reads …".
+    /// Effect, as a sentence without its subject: "reads …".
     pub effect: &'static str,
-    /// The fix, as a sentence without a period.
+    /// Fix, as a sentence without a period.
     pub fix: &'static str,
-    /// Its symptom.
+    /// Symptom of the mistake.
     pub shows: Symptom,
-    /// Public readers that make it.
+    /// Public decoders that make the mistake.
     pub seen: Vec<Sighting>,
-    /// The place where it acts.
+    /// Step that the mistake changes.
     pub at: A,
 }
 
@@ -33,20 +33,20 @@ pub struct Misreading<A = At> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Symptom {
-    /// It only refuses legal files.
+    /// The mistake only refuses legal files.
     Refusals,
-    /// It changes values in some files, or accepts files that should be refused.
+    /// The mistake changes values in some files, or accepts files that should be refused.
     #[default]
     Values,
 }
 
-/// A public reader that makes a mistake.
+/// A public decoder that makes a mistake.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sighting {
-    /// Its name; for a repository, owner and name.
+    /// Name of the decoder. For a repository, owner and name.
     pub reader: String,
-    /// The examined version, if known.
+    /// Version that was examined, if known.
     pub version: Option<String>,
 }
 
@@ -71,19 +71,19 @@ struct MisreadingRecord {
     shows: Symptom,
     #[serde(default)]
     seen: Vec<Sighting>,
-    /// Edits of formulas, by the names of the formulas.
+    /// Edits of formulas, indexed by the name of the formula.
     #[serde(default)]
     edits: BTreeMap<String, String>,
 }
 
-/// Joins the records of a YAML file with the places where they act. The place of a record with formulas is made by `edited`; the
-/// slug of any other record must be the next one of `acts`.
+/// Joins the records of a YAML file with the steps that they change. If a record has formulas, `edited` creates its
+/// step. Otherwise, its slug must be the next one in `acts`.
 ///
-/// The texts are never freed; a catalog is made once.
+/// The texts are never freed, because each catalog is created only once.
 ///
 /// # Errors
-/// A sentence that names the line.
-pub(crate) fn catalog<A: Copy + 'static>(
+/// Returns a sentence that names the line.
+pub(crate) fn load_catalog<A: Copy + 'static>(
     yaml: &str,
     mut acts: impl Iterator<Item = &'static (&'static str, A)>,
     edited: impl Fn(&'static [Edit]) -> Option<A>,
@@ -135,8 +135,9 @@ mod tests {
     }
 
     #[track_caller]
-    fn rejects(yaml: &str, why: &str) {
-        let error = catalog(yaml, CHANGES.iter(), |_| None).expect_err("the catalog is refused");
+    fn assert_rejected(yaml: &str, why: &str) {
+        let error =
+            load_catalog(yaml, CHANGES.iter(), |_| None).expect_err("the catalog is refused");
         assert!(error.contains(why), "{error}");
     }
 
@@ -144,7 +145,7 @@ mod tests {
     fn record_and_decision_become_one_misreading() {
         let yaml = record("one")
             + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
-        let all = catalog(&yaml, CHANGES.iter(), |_| None).unwrap();
+        let all = load_catalog(&yaml, CHANGES.iter(), |_| None).unwrap();
         assert_eq!(
             (all[0].slug, all[0].at, all[0].shows),
             ("one", 1, Symptom::Values)
@@ -158,17 +159,17 @@ mod tests {
 
     #[test]
     fn unknown_key_is_reported_with_its_line() {
-        rejects(&(record("one") + "- slug: two\n  cause: 2.2/1\n"), "line 3");
+        assert_rejected(&(record("one") + "- slug: two\n  cause: 2.2/1\n"), "line 3");
     }
 
     #[test]
     fn mismatched_slugs_are_errors() {
-        rejects(&record("one"), "expected two, found the end of the file");
-        rejects(
+        assert_rejected(&record("one"), "expected two, found the end of the file");
+        assert_rejected(
             &(record("two") + &record("one")),
             "line 1: expected one, found two",
         );
-        rejects(
+        assert_rejected(
             &(record("one") + &record("two") + &record("three")),
             "line 3: three acts nowhere",
         );

@@ -1,11 +1,12 @@
-//! Executable mistakes: each is a plausible misreading of one clause.
+//! Executable mistakes. Each is a plausible misreading of one clause.
 //!
-//! One catalog names the mistakes of failing decoders, measures the suite (every misreading must be caught, and every pair
-//! distinguished), and proves that each clause is tested.
+//! The same catalog identifies the mistakes of failing decoders, measures the suite (every misreading must be caught,
+//! and every pair distinguished), and proves that each clause is tested.
 //!
-//! A [`Misreading`] is data and one function. `spec-cases/misreadings.yaml` has slug, clause, effect and fix. The files of the
-//! sections have one line for each slug, in the order of the YAML, with the place ([`At`]) and the function. Every function is
-//! *total*: it returns on any bytes, also on the output of other misreadings, and checks every index.
+//! A [`Misreading`] is data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The
+//! modules for the sections have one line per slug, in the order of the YAML file, with the step ([`At`]) and the
+//! function. Every function is *total*: it returns on any bytes, including the output of other misreadings, and
+//! checks every index.
 
 mod misreading;
 
@@ -13,7 +14,7 @@ mod at;
 
 mod anatomy;
 
-/// §2.0–2.3, and the spelling of the numbers of §2.4
+/// §2.0–2.3: the header, and the spelling of numbers in §2.4
 mod header;
 
 /// §2.0–2.9: strings, buffers and short integers
@@ -51,7 +52,7 @@ mod codecs;
 
 mod catalog;
 
-/// The misreadings of the texture suite
+/// Misreadings of the texture suite
 pub mod texture;
 
 /// Mistakes of writers
@@ -60,16 +61,16 @@ pub mod writing;
 mod answer;
 
 pub use crate::formula::Stage;
-pub use anatomy::{Anatomy, Seen};
+pub use anatomy::{Anatomy, EditedFile};
 pub use answer::answer;
 #[cfg(feature = "tools")]
-pub(crate) use answer::edits_of;
+pub(crate) use answer::formula_edits;
 #[cfg(feature = "cli")]
-pub(crate) use answer::edits_of_planes;
+pub(crate) use answer::plane_edits;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{colors, misread, show};
+pub(crate) use answer::{apply_to_reading, colors, show};
 pub use at::At;
 pub use catalog::{all, find};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -1,4 +1,4 @@
-//! §2.9.3: motion vectors
+//! §2.9.3: mistakes with motion vectors
 
 #![allow(
     clippy::cast_possible_wrap,
@@ -17,7 +17,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-halves-toward-zero",
         At::Predictor(|reference, step, size, reading| {
-            tapped(reference, step, size, reading, |at, [d, _], _| {
+            displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
                 let first = at + d / 2;
                 [first, first + (d & 1)]
             })
@@ -26,7 +26,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-half-of-the-other-axis",
         At::Predictor(|reference, step, size, reading| {
-            tapped(reference, step, size, reading, |at, [d, other], axis| {
+            displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
                 let first = at + (d >> 1);
                 let half = if axis.is_x { d } else { other };
                 [first, first + (half & 1)]
@@ -36,7 +36,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-half-of-the-edge",
         At::Predictor(|reference, step, size, reading| {
-            tapped(reference, step, size, reading, |at, [d, _], axis| {
+            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 [first, first + (d & 1)]
             })
@@ -45,7 +45,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-half-begins-again",
         At::Predictor(|reference, step, size, reading| {
-            tapped(reference, step, size, reading, |at, [d, _], axis| {
+            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 let second = at + (d >> 1) + (d & 1);
                 let inside = (0..axis.length).contains(&second);
@@ -56,7 +56,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-x-within-the-height",
         At::Predictor(|reference, step, size, reading| {
-            tapped(reference, step, size, reading, |at, [d, _], axis| {
+            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = at + (d >> 1);
                 let most = if axis.is_x {
                     axis.other.min(axis.length)
@@ -70,7 +70,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-border-black",
         At::Predictor(|reference, step, size, reading| {
-            displaced(
+            displace_with_samples(
                 reference,
                 step,
                 size,
@@ -88,12 +88,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
 ];
 
-fn bounded(displacement: i64) -> i64 {
+fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// Displaces a reference by the correct rule, with another function for the sample at (x, y), inside or outside the plane.
-fn displaced<'a>(
+/// Displaces a reference by the correct rule, but with a custom function for the sample at (x, y), inside or outside
+/// the plane.
+fn displace_with_samples<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -102,7 +103,7 @@ fn displaced<'a>(
 ) -> Cow<'a, [u8]> {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let taps: Taps = |at, [d, _], _| [at + (d >> 1), at + (d >> 1) + (d & 1)];
-    walked(reference, step, size, reading, taps, |still, x, y| {
+    displace_with(reference, step, size, reading, taps, |still, x, y| {
         sample(still, x, y, width, height)
     })
 }
@@ -110,31 +111,31 @@ fn displaced<'a>(
 /// One axis of a plane.
 struct PlaneAxis {
     is_x: bool,
-    /// Number of samples along it.
+    /// Number of samples along this axis.
     length: i64,
     /// Number of samples along the other axis.
     other: i64,
 }
 
-/// Returns the positions of the two samples that are averaged along an axis, from the position and the displacements of both axes
-/// in half texels.
+/// Returns the positions of the two samples that are averaged along an axis, given the position and the displacements
+/// along this and the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
-/// Displaces a reference by the correct rule, with other positions of the averaged samples.
-fn tapped<'a>(
+/// Displaces a reference by the correct rule, but with custom positions of the averaged samples.
+fn displace_with_taps<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
     reading: &Reading,
     taps: Taps,
 ) -> Cow<'a, [u8]> {
-    walked(reference, step, size, reading, taps, |still, x, y| {
+    displace_with(reference, step, size, reading, taps, |still, x, y| {
         (reading.motion_border)(still, size, x, y)
     })
 }
 
-/// Displaces a reference; each sample is the mean of four, at positions from `taps`, read by `sample`.
-fn walked<'a>(
+/// Displaces a reference. Each sample is the mean of four samples at the positions that `taps` returns.
+fn displace_with<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -146,14 +147,14 @@ fn walked<'a>(
         moved: false,
         ..*step
     };
-    let still = rule::inverted_then_moved(reference, &still, size, reading);
+    let still = rule::invert_then_displace(reference, &still, size, reading);
     if !step.moved || step.motion == (0, 0) {
         return still;
     }
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let (mx, my) = (
-        bounded((reading.motion_sign)(step.motion.0)),
-        bounded((reading.motion_sign)((reading.motion_vertical)(
+        limit_displacement((reading.motion_sign)(step.motion.0)),
+        limit_displacement((reading.motion_sign)((reading.motion_vertical)(
             step.motion.1,
         ))),
     );

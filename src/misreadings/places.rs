@@ -1,4 +1,4 @@
-//! §2.9.6–2.9.8/1: sizes, offsets and order of the planes
+//! §2.9.6–2.9.8/1: mistakes with sizes, offsets and the order of the planes
 
 use super::at::At;
 use crate::decode::compressed;
@@ -10,10 +10,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "planes-in-decode-order",
         At::Plan(|lists| {
-            relaid(lists, |lists, plan| {
+            change_plan(lists, |lists, plan| {
                 let mut end = 0;
                 for &i in &plan.sequence {
-                    let (stream, side) = (size(&lists.sizes[i]), size(&lists.side_sizes[i]));
+                    let (stream, side) = (
+                        nonnegative_size(&lists.sizes[i]),
+                        nonnegative_size(&lists.side_sizes[i]),
+                    );
                     let (start, middle) = (end, usize::saturating_add(end, stream));
                     end = middle.saturating_add(side);
                     plan.extents[i] = Extent {
@@ -27,7 +30,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sizes-by-rank",
         At::Plan(|lists| {
-            relaid(lists, |_, plan| {
+            change_plan(lists, |_, plan| {
                 // The first stream, with its sizes, belongs to the plane that is decoded first.
                 let before = plan.extents.clone();
                 for (place, &i) in plan.sequence.iter().enumerate() {
@@ -39,11 +42,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-sizes-are-records",
         At::Plan(|lists| {
-            relaid(lists, |lists, plan| {
-                sized(plan, |i| {
+            change_plan(lists, |lists, plan| {
+                set_sizes(plan, |i| {
                     (
-                        size(&lists.sizes[i]),
-                        size(&lists.side_sizes[i]).saturating_mul(5),
+                        nonnegative_size(&lists.sizes[i]),
+                        nonnegative_size(&lists.side_sizes[i]).saturating_mul(5),
                     )
                 });
             })
@@ -52,11 +55,12 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "sizes-include-side-information",
         At::Plan(|lists| {
-            relaid(lists, |lists, plan| {
-                sized(plan, |i| {
+            change_plan(lists, |lists, plan| {
+                set_sizes(plan, |i| {
                     (
-                        size(&lists.sizes[i]).saturating_sub(size(&lists.side_sizes[i])),
-                        size(&lists.side_sizes[i]),
+                        nonnegative_size(&lists.sizes[i])
+                            .saturating_sub(nonnegative_size(&lists.side_sizes[i])),
+                        nonnegative_size(&lists.side_sizes[i]),
                     )
                 });
             })
@@ -65,15 +69,15 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-information-not-skipped",
         At::Plan(|lists| {
-            relaid(lists, |lists, plan| {
-                sized(plan, |i| (size(&lists.sizes[i]), 0));
+            change_plan(lists, |lists, plan| {
+                set_sizes(plan, |i| (nonnegative_size(&lists.sizes[i]), 0));
             })
         }),
     ),
     (
         "side-information-before-its-plane",
         At::Plan(|lists| {
-            relaid(lists, |_, plan| {
+            change_plan(lists, |_, plan| {
                 for extent in &mut plan.extents {
                     let (start, end) = (extent.stream.start, extent.side.end);
                     let side = start..start + extent.side.len();
@@ -88,7 +92,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-information-behind-all-planes",
         At::Plan(|lists| {
-            relaid(lists, |_, plan| {
+            change_plan(lists, |_, plan| {
                 let mut end = 0;
                 for extent in &mut plan.extents {
                     extent.stream = end..usize::saturating_add(end, extent.stream.len());
@@ -108,22 +112,22 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             lists
                 .side_sizes
                 .iter_mut()
-                .for_each(|size| size.value = size.value.max(0));
-            compressed::plan(&lists)
+                .for_each(|number| number.value = number.value.max(0));
+            compressed::make_plan(&lists)
         }),
     ),
     // 2.9.8: the order of the planes
 ];
 
-/// Returns the plan with the planes in other places.
-fn relaid(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
-    let mut plan = compressed::plan(lists)?;
+/// Returns the plan after changing the byte ranges of its planes.
+fn change_plan(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
+    let mut plan = compressed::make_plan(lists)?;
     change(lists, &mut plan);
     Ok(plan)
 }
 
-/// Lays the planes one after another with other sizes.
-fn sized(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
+/// Sets the byte ranges of consecutive planes with these sizes.
+fn set_sizes(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
     let mut end = 0usize;
     for (i, extent) in plan.extents.iter_mut().enumerate() {
         let (stream, side) = sizes(i);
@@ -136,7 +140,7 @@ fn sized(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
     }
 }
 
-/// Returns a size that has been checked not to be negative.
-fn size(number: &Number) -> usize {
+/// Returns a size that is known to be nonnegative.
+fn nonnegative_size(number: &Number) -> usize {
     number.value.max(0) as usize
 }

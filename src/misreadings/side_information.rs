@@ -1,4 +1,4 @@
-//! §2.9.8: side information
+//! §2.9.8: mistakes with side information
 
 use super::at::At;
 use crate::decode::planes as rule;
@@ -8,11 +8,11 @@ use crate::ptm::Coding;
 use crate::reading::Reading;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
-    // The time of correction
+    // Time of the correction
     (
         "side-information-too-late",
         At::Reconstruct(|coded, residuals, reading| {
-            let mut done = uncorrected(coded, residuals, reading)?;
+            let mut done = reconstruct_uncorrected(coded, residuals, reading)?;
             for (i, plane) in done.iter_mut().enumerate() {
                 coded.correct(i, plane, reading)?;
             }
@@ -45,11 +45,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             Ok(done)
         }),
     ),
-    ("side-information-ignored", At::Reconstruct(uncorrected)),
+    (
+        "side-information-ignored",
+        At::Reconstruct(reconstruct_uncorrected),
+    ),
     (
         "side-information-of-inverted-planes-ignored",
         At::Reconstruct(|coded, residuals, reading| {
-            only(coded, residuals, reading, |coded, i| {
+            reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                 let step = &coded.plan.steps[i];
                 step.reference.is_none() || !(step.inverted || step.moved)
             })
@@ -58,7 +61,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-information-of-colors-ignored",
         At::Reconstruct(|coded, residuals, reading| {
-            only(coded, residuals, reading, |coded, i| {
+            reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                 coded.plan.steps.len() == 18 || i < 6
             })
         }),
@@ -66,36 +69,36 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-information-of-jpeg-ls-ignored",
         At::SideInformation(|coded, plane| {
-            skipped_if(coded.coding == Coding::JpegLs, coded, plane)
+            side_information_unless(coded.coding == Coding::JpegLs, coded, plane)
         }),
     ),
     (
         "quality-100-is-lossless",
         At::SideInformation(|coded, plane| {
             let lossless = coded.plan.parameter == 100 && coded.coding == Coding::Jpeg;
-            skipped_if(lossless, coded, plane)
+            side_information_unless(lossless, coded, plane)
         }),
     ),
-    // The position
+    // Position
     (
         "side-last-texel-skipped",
         At::Records(|block, at, texels| {
-            kept_records(block, at, texels, |(position, _), texels| {
+            filter_records(block, at, texels, |(position, _), texels| {
                 (position as usize) < texels - 1
             })
         }),
     ),
     (
         "side-last-texel-refused",
-        At::Records(|block, at, texels| rule::records(block, at, texels - 1)),
+        At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1)),
     ),
     (
         "side-position-past-the-end-ignored",
         At::Records(|block, _, texels| {
             let (whole, rest) = block.as_chunks::<5>();
             // A partial record is still refused.
-            rule::records(rest, 0, texels)?;
-            Ok(inside(
+            rule::parse_records(rest, 0, texels)?;
+            Ok(records_inside(
                 whole
                     .iter()
                     .map(|&[p3, p2, p1, p0, value]| (u32::from_be_bytes([p3, p2, p1, p0]), value)),
@@ -103,11 +106,11 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             ))
         }),
     ),
-    // The value
+    // Value
     (
         "side-little-endian",
         At::Records(|block, at, texels| {
-            reread(block, at, texels, |&[p0, p1, p2, p3, value]| {
+            read_records_with(block, at, texels, |&[p0, p1, p2, p3, value]| {
                 (u32::from_le_bytes([p0, p1, p2, p3]), value)
             })
         }),
@@ -115,7 +118,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-words-swapped",
         At::Records(|block, at, texels| {
-            reread(block, at, texels, |&[p1, p0, p3, p2, value]| {
+            read_records_with(block, at, texels, |&[p1, p0, p3, p2, value]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
@@ -123,7 +126,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-value-first",
         At::Records(|block, at, texels| {
-            reread(block, at, texels, |&[value, p3, p2, p1, p0]| {
+            read_records_with(block, at, texels, |&[value, p3, p2, p1, p0]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
@@ -131,7 +134,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-bytes-signed",
         At::Records(|block, at, texels| {
-            reread(block, at, texels, |&[p3, p2, p1, p0, value]| {
+            read_records_with(block, at, texels, |&[p3, p2, p1, p0, value]| {
                 let signed = |byte: u8, shift: u32| (i64::from(byte.cast_signed()) << shift) as u32;
                 (
                     signed(p3, 24)
@@ -146,21 +149,21 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "side-cursor-by-one",
         At::Records(|block, at, texels| {
-            rule::records(block, at, texels)?;
+            rule::parse_records(block, at, texels)?;
             let seen = block.windows(5).map(|record| {
                 (
                     u32::from_be_bytes([record[0], record[1], record[2], record[3]]),
                     record[4],
                 )
             });
-            Ok(inside(seen, texels))
+            Ok(records_inside(seen, texels))
         }),
     ),
     (
         "side-records-of-four-bytes",
         At::Records(|block, _, texels| {
             let (whole, _) = block.as_chunks::<4>();
-            Ok(inside(
+            Ok(records_inside(
                 whole
                     .iter()
                     .map(|&[p2, p1, p0, value]| (u32::from_be_bytes([0, p2, p1, p0]), value)),
@@ -170,24 +173,26 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "side-partial-record-ignored",
-        At::Records(|block, at, texels| rule::records(&block[..block.len() / 5 * 5], at, texels)),
+        At::Records(|block, at, texels| {
+            rule::parse_records(&block[..block.len() / 5 * 5], at, texels)
+        }),
     ),
-    // The format of records
+    // Records
     (
         "side-values-exclusive-or",
-        At::Correct(|plane, records| each(plane, records, |old, value| old ^ value)),
+        At::Correct(|plane, records| update_texels(plane, records, |old, value| old ^ value)),
     ),
     (
         "side-first-of-two-wins",
         At::Correct(|plane, records| {
             let turned: Vec<_> = records.iter().rev().copied().collect();
-            rule::overwrite(plane, &turned);
+            rule::overwrite_samples(plane, &turned);
         }),
     ),
 ];
 
 /// Returns the side information of a plane, or nothing if it is skipped.
-fn skipped_if<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]
     } else {
@@ -195,13 +200,17 @@ fn skipped_if<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     }
 }
 
-/// Returns all planes without corrections.
-fn uncorrected(coded: &Coded, residuals: Vec<Vec<u8>>, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    only(coded, residuals, reading, |_, _| false)
+/// Reconstructs all planes without corrections.
+fn reconstruct_uncorrected(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+) -> Result<Vec<Vec<u8>>> {
+    reconstruct_partly_corrected(coded, residuals, reading, |_, _| false)
 }
 
-/// Returns all planes, with corrections of some of them.
-fn only(
+/// Reconstructs all planes, and corrects those for which `corrected` is true.
+fn reconstruct_partly_corrected(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
@@ -218,37 +227,40 @@ fn only(
     Ok(done)
 }
 
-/// Returns some of the records of a legal block.
-fn kept_records(
+/// Returns the records of a legal block for which `keep` is true.
+fn filter_records(
     block: &[u8],
     at: usize,
     texels: usize,
     keep: fn((u32, u8), usize) -> bool,
 ) -> Result<Vec<(u32, u8)>> {
-    Ok(rule::records(block, at, texels)?
+    Ok(rule::parse_records(block, at, texels)?
         .into_iter()
         .filter(|&record| keep(record, texels))
         .collect())
 }
 
-/// Reads the records of a legal block in another way; positions past the end are ignored.
-fn reread(
+/// Parses the records of a legal block with `read`. Ignores positions past the end.
+fn read_records_with(
     block: &[u8],
     at: usize,
     texels: usize,
     read: fn(&[u8; 5]) -> (u32, u8),
 ) -> Result<Vec<(u32, u8)>> {
-    rule::records(block, at, texels)?;
-    Ok(inside(block.as_chunks::<5>().0.iter().map(read), texels))
+    rule::parse_records(block, at, texels)?;
+    Ok(records_inside(
+        block.as_chunks::<5>().0.iter().map(read),
+        texels,
+    ))
 }
 
-fn inside(records: impl Iterator<Item = (u32, u8)>, texels: usize) -> Vec<(u32, u8)> {
+fn records_inside(records: impl Iterator<Item = (u32, u8)>, texels: usize) -> Vec<(u32, u8)> {
     records
         .filter(|&(position, _)| (position as usize) < texels)
         .collect()
 }
 
-fn each(plane: &mut [u8], records: &[(u32, u8)], change: fn(old: u8, value: u8) -> u8) {
+fn update_texels(plane: &mut [u8], records: &[(u32, u8)], change: fn(old: u8, value: u8) -> u8) {
     for &(position, value) in records {
         if let Some(texel) = plane.get_mut(position as usize) {
             *texel = change(*texel, value);

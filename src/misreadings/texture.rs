@@ -1,11 +1,12 @@
 //! Executable misreadings of the texture chapter.
 //!
-//! One catalog names the mistakes of a failing stage and measures the suite: every misreading must be caught, and every pair must
-//! be distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules), usually by an edit of the right one.
+//! The same catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
+//! caught, and every pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules),
+//! usually by modifying the correct one.
 
 use std::sync::LazyLock;
 
-use super::misreading::{Misreading, catalog};
+use super::misreading::{Misreading, load_catalog};
 use crate::texture::compose::{mix, times};
 use crate::texture::parameterize::{dot, length};
 use crate::texture::primitive::Terms;
@@ -20,16 +21,16 @@ use crate::texture::{
 pub type Change = fn(&mut Rules);
 
 impl Misreading<Change> {
-    /// Returns `rules` with this mistake.
+    /// Applies this mistake to `rules`.
     #[must_use]
     pub fn change(&self, rules: Rules) -> Rules {
-        changed(rules, self.at)
+        with_change(rules, self.at)
     }
 }
 
-/// The catalog, read on first use.
+/// The catalog, loaded on first use.
 static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
-    catalog(
+    load_catalog(
         include_str!("../../spec-cases/texture/misreadings.yaml"),
         CHANGES.iter(),
         |_| None,
@@ -42,7 +43,7 @@ pub fn all() -> impl Iterator<Item = &'static Misreading<Change>> {
     ALL.iter()
 }
 
-/// Returns the misreading with that slug.
+/// Returns the misreading with this slug, if any.
 #[must_use]
 pub fn find(slug: &str) -> Option<&'static Misreading<Change>> {
     all().find(|misreading| misreading.slug == slug)
@@ -50,41 +51,42 @@ pub fn find(slug: &str) -> Option<&'static Misreading<Change>> {
 
 const SPEC: Rules = Rules::SPEC;
 
-/// The function of each misreading, in the order of `spec-cases/texture/misreadings.yaml`.
+/// Function of each misreading, in the order of `spec-cases/texture/misreadings.yaml`.
 const CHANGES: &[(&str, Change)] = &[
     // ---------------------------------------------------------------- fallback values
     ("pre-light-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.rendering_control = RenderingControl::PreLight);
+        r.fallback_values = || fallback_with(|e| e.rendering_control = RenderingControl::PreLight);
     }),
     ("vertex-coordinates-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.parameterization = Parameterization::VertexMCCoord);
+        r.fallback_values =
+            || fallback_with(|e| e.parameterization = Parameterization::VertexMCCoord);
     }),
     ("reflection-in-world-by-default", |r| {
         r.fallback_values =
-            || fallback(|e| e.parameterization = Parameterization::ReflectionSphereWC);
+            || fallback_with(|e| e.parameterization = Parameterization::ReflectionSphereWC);
     }),
     ("modulate-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.composition = Composition::Modulate);
+        r.fallback_values = || fallback_with(|e| e.composition = Composition::Modulate);
     }),
     ("alpha-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.channel = Channel::Alpha);
+        r.fallback_values = || fallback_with(|e| e.channel = Channel::Alpha);
     }),
     ("white-by-default", |r| {
         r.fallback_values =
-            || fallback(|e| [e.env_color, e.background_color, e.clamp_color] = [[1.0; 3]; 3]);
+            || fallback_with(|e| [e.env_color, e.background_color, e.clamp_color] = [[1.0; 3]; 3]);
     }),
     ("weighted-by-default", |r| {
         r.fallback_values =
-            || fallback(|e| [e.min_sample, e.mag_sample] = [SampleMethod::WeightedBase; 2]);
+            || fallback_with(|e| [e.min_sample, e.mag_sample] = [SampleMethod::WeightedBase; 2]);
     }),
     ("border-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.boundary = [Boundary::ClampBorder; 3]);
+        r.fallback_values = || fallback_with(|e| e.boundary = [Boundary::ClampBorder; 3]);
     }),
     ("clamp-color-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.clamp_method = ClampMethod::Color);
+        r.fallback_values = || fallback_with(|e| e.clamp_method = ClampMethod::Color);
     }),
     ("hints-of-zero-by-default", |r| {
-        r.fallback_values = || fallback(|e| e.frequency = [0.0; 3]);
+        r.fallback_values = || fallback_with(|e| e.frequency = [0.0; 3]);
     }),
     // ---------------------------------------------------------------- indices
     ("index-zero-accepted", |r| {
@@ -122,7 +124,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.within_limit = |active, most| active[active.len().saturating_sub(most)..].to_vec();
     }),
     ("repeats-dropped", |r| {
-        r.within_limit = |active, most| changed((SPEC.within_limit)(active, most), Vec::dedup);
+        r.within_limit = |active, most| with_change((SPEC.within_limit)(active, most), Vec::dedup);
     }),
     ("limit-off-by-one", |r| {
         r.within_limit = |active, most| (SPEC.within_limit)(active, most.saturating_add(1));
@@ -161,13 +163,13 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("normal-is-not-transformed", |r| {
         r.parameterize = |entry, point, n, rules| {
-            let seen = changed(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
+            let seen = with_change(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
             (SPEC.parameterize)(entry, &seen, n, rules)
         };
     }),
     ("normal-in-world-always", |r| {
         r.parameterize = |entry, point, n, rules| {
-            let seen = changed(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
+            let seen = with_change(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
             (SPEC.parameterize)(entry, &seen, n, rules)
         };
     }),
@@ -188,7 +190,8 @@ const CHANGES: &[(&str, Change)] = &[
         };
     }),
     ("spline-parameters-exchanged", |r| {
-        r.spline_parameters = |point| changed((SPEC.spline_parameters)(point), |t| t.swap(0, 1));
+        r.spline_parameters =
+            |point| with_change((SPEC.spline_parameters)(point), |t| t.swap(0, 1));
     }),
     ("spline-parameters-elsewhere", |r| {
         r.spline_parameters = |point| match (&point.spline, point.mc.position) {
@@ -302,8 +305,8 @@ const CHANGES: &[(&str, Change)] = &[
         r.vrc_height = |s| (SPEC.vrc_height)([s[0], s[2], -s[1]]);
     }),
     ("sphere-map-of-opengl", |r| {
-        r.vrc_azimuth = |s| opengl(s)[0];
-        r.vrc_height = |s| opengl(s)[1];
+        r.vrc_azimuth = |s| opengl_sphere_map(s)[0];
+        r.vrc_height = |s| opengl_sphere_map(s)[1];
     }),
     // ---------------------------------------------------------------- orientation, interpolation
     ("orientation-ignored", |r| r.orient = |_, t| t),
@@ -317,7 +320,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.orient = |matrix, t| (SPEC.turn)(matrix, t);
     }),
     ("orientation-of-two-coordinates", |r| {
-        r.orient = |m, t| changed((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
+        r.orient = |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
     }),
     ("orientation-after-sampling-range", |r| {
         r.orient = |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor()));
@@ -364,31 +367,43 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("post-light-before-light", |r| {
         r.stage = |maps, lit, i, f, rules| {
-            (SPEC.stage)(&all_at(maps, RenderingControl::PreLight), lit, i, f, rules)
+            (SPEC.stage)(
+                &with_rendering_control(maps, RenderingControl::PreLight),
+                lit,
+                i,
+                f,
+                rules,
+            )
         };
     }),
     ("pre-light-after-light", |r| {
         r.stage = |maps, lit, i, f, rules| {
-            (SPEC.stage)(&all_at(maps, RenderingControl::PostLight), lit, i, f, rules)
+            (SPEC.stage)(
+                &with_rendering_control(maps, RenderingControl::PostLight),
+                lit,
+                i,
+                f,
+                rules,
+            )
         };
     }),
     ("list-order-over-stages", |r| {
         r.stage = |maps, lit, i, f, rules| {
             let control = |(entry, _): &(Entry, Fetched)| entry.rendering_control;
             let first = maps.first().map_or(RenderingControl::PostLight, control);
-            (SPEC.stage)(&all_at(maps, first), lit, i, f, rules)
+            (SPEC.stage)(&with_rendering_control(maps, first), lit, i, f, rules)
         };
     }),
     ("specular-textured", |r| {
         r.add_specular = |shade, specular| {
             let textured = [0, 1, 2].map(|c| shade.color[c] + specular[c] * shade.color[c]);
-            colored(shade, textured)
+            with_color(shade, textured)
         };
     }),
     ("specular-lost", |r| r.add_specular = |shade, _| shade),
     ("white-light-lost", |r| {
         r.stage = |maps, lit, i, f, rules| match is_split(i, f) {
-            true => unlit(maps, lit, rules),
+            true => apply_to_lit_color(maps, lit, rules),
             false => (SPEC.stage)(maps, lit, i, f, rules),
         };
     }),
@@ -403,7 +418,7 @@ const CHANGES: &[(&str, Change)] = &[
             }
             let [white, specular] = [lit.white, lit.specular];
             let twice = |c: usize| (shade.color[c] - specular[c]) * white[c] + specular[c];
-            colored(shade, [0, 1, 2].map(twice))
+            with_color(shade, [0, 1, 2].map(twice))
         };
     }),
     ("direct-form-unlit", |r| {
@@ -432,7 +447,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.replace = |x| with_alpha((SPEC.replace)(x), x.input.alpha * x.alpha.unwrap_or(1.0));
     }),
     ("replace-unlit", |r| {
-        r.replace = |x| colored((SPEC.replace)(x), x.color);
+        r.replace = |x| with_color((SPEC.replace)(x), x.color);
     }),
     ("modulate-keeps-alpha", |r| {
         r.modulate = |x| with_alpha((SPEC.modulate)(x), x.input.alpha);
@@ -441,39 +456,39 @@ const CHANGES: &[(&str, Change)] = &[
         r.modulate = |x| with_alpha((SPEC.modulate)(x), x.alpha.unwrap_or(x.input.alpha));
     }),
     ("modulate-doubles", |r| {
-        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = y.color.map(|c| 2.0 * c));
+        r.modulate = |x| with_change((SPEC.modulate)(x), |y| y.color = y.color.map(|c| 2.0 * c));
     }),
     ("modulate-adds", |r| {
         r.modulate = |x| {
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.color[c]);
-            colored((SPEC.modulate)(x), sum)
+            with_color((SPEC.modulate)(x), sum)
         };
     }),
     ("modulate-lit-twice", |r| {
-        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
+        r.modulate = |x| with_change((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
     }),
     ("blend-the-other-way", |r| {
         r.blend_env_color =
-            |x| (SPEC.blend_env_color)(&changed(*x, |x| x.gamma = x.gamma.map(|g| 1.0 - g)));
+            |x| (SPEC.blend_env_color)(&with_change(*x, |x| x.gamma = x.gamma.map(|g| 1.0 - g)));
     }),
     ("blend-adds", |r| {
         r.blend_env_color = |x| {
             let environment = times(x.white, x.entry.env_color);
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
-            colored((SPEC.blend_env_color)(x), sum)
+            with_color((SPEC.blend_env_color)(x), sum)
         };
     }),
     ("blend-with-the-texel", |r| {
-        r.blend_env_color = |x| blended(x, times(x.white, x.color));
+        r.blend_env_color = |x| blend_with(x, times(x.white, x.color));
     }),
     ("blend-environment-unlit", |r| {
-        r.blend_env_color = |x| blended(x, x.entry.env_color);
+        r.blend_env_color = |x| blend_with(x, x.entry.env_color);
     }),
     ("blend-keeps-alpha", |r| {
         r.blend_env_color = |x| with_alpha((SPEC.blend_env_color)(x), x.input.alpha);
     }),
     ("background-for-environment", |r| {
-        r.blend_env_color = |x| blended(x, times(x.white, x.entry.background_color));
+        r.blend_env_color = |x| blend_with(x, times(x.white, x.entry.background_color));
     }),
     ("channel-ignored", |r| {
         r.gamma = |_, texel| [(SPEC.texel_color)(texel)[0]; 3];
@@ -485,7 +500,7 @@ const CHANGES: &[(&str, Change)] = &[
                 Channel::Blue => Channel::Red,
                 other => other,
             };
-            (SPEC.gamma)(&changed(entry.clone(), |e| e.channel = other), texel)
+            (SPEC.gamma)(&with_change(entry.clone(), |e| e.channel = other), texel)
         };
     }),
     ("channels-from-alpha", |r| {
@@ -496,7 +511,7 @@ const CHANGES: &[(&str, Change)] = &[
                 Channel::Green => Channel::Blue,
                 Channel::Blue => Channel::Alpha,
             };
-            (SPEC.gamma)(&changed(entry.clone(), |e| e.channel = other), texel)
+            (SPEC.gamma)(&with_change(entry.clone(), |e| e.channel = other), texel)
         };
     }),
     ("gray-of-the-texel", |r| {
@@ -510,12 +525,12 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("decal-the-other-way", |r| {
         r.decal = |x| match x.alpha {
-            Some(alpha) => covered(x, times(x.white, x.color), [1.0 - alpha; 3]),
+            Some(alpha) => cover_with(x, times(x.white, x.color), [1.0 - alpha; 3]),
             None => (SPEC.decal)(x),
         };
     }),
     ("decal-by-primitive-alpha", |r| {
-        r.decal = |x| covered(x, times(x.white, x.color), [x.input.alpha; 3]);
+        r.decal = |x| cover_with(x, times(x.white, x.color), [x.input.alpha; 3]);
     }),
     ("decal-replaces-alpha", |r| {
         r.decal = |x| with_alpha((SPEC.decal)(x), x.alpha.unwrap_or(x.input.alpha));
@@ -527,10 +542,10 @@ const CHANGES: &[(&str, Change)] = &[
         r.decal = |x| x.alpha.map_or(x.input, |_| (SPEC.decal)(x));
     }),
     ("decal-by-channel", |r| {
-        r.decal = |x| covered(x, times(x.white, x.color), x.gamma);
+        r.decal = |x| cover_with(x, times(x.white, x.color), x.gamma);
     }),
     ("decal-unlit", |r| {
-        r.decal = |x| covered(x, x.color, [x.alpha.unwrap_or(1.0); 3]);
+        r.decal = |x| cover_with(x, x.color, [x.alpha.unwrap_or(1.0); 3]);
     }),
     ("background-is-primitive", |r| {
         r.decal_background = SPEC.decal;
@@ -538,13 +553,13 @@ const CHANGES: &[(&str, Change)] = &[
     ("environment-for-background", |r| {
         r.decal_background = |x| {
             let over = mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]);
-            colored(x.input, times(x.white, over))
+            with_color(x.input, times(x.white, over))
         };
     }),
     ("background-unlit", |r| {
         r.decal_background = |x| {
             let [lit, share] = [times(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
-            colored(x.input, mix(x.entry.background_color, lit, share))
+            with_color(x.input, mix(x.entry.background_color, lit, share))
         };
     }),
     ("background-replaces-alpha", |r| {
@@ -554,14 +569,14 @@ const CHANGES: &[(&str, Change)] = &[
     ("background-without-alpha", |r| {
         r.decal_background = |x| match x.alpha {
             Some(_) => (SPEC.decal_background)(x),
-            None => colored(x.input, times(x.white, x.entry.background_color)),
+            None => with_color(x.input, times(x.white, x.entry.background_color)),
         };
     }),
     ("background-the-other-way", |r| {
         r.decal_background = |x| match x.alpha {
             Some(alpha) => {
                 let under = mix(x.color, x.entry.background_color, [alpha; 3]);
-                colored(x.input, times(x.white, under))
+                with_color(x.input, times(x.white, under))
             }
             None => (SPEC.decal_background)(x),
         };
@@ -632,14 +647,14 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("between-is-the-mean", |r| {
         r.levels = |depth, top| {
-            changed((SPEC.levels)(depth, top), |at| {
+            with_change((SPEC.levels)(depth, top), |at| {
                 at.2 = if at.2 > 0.0 { 0.5 } else { 0.0 }
             })
         };
     }),
     ("between-the-other-way", |r| {
         r.levels = |depth, top| {
-            changed((SPEC.levels)(depth, top), |at| {
+            with_change((SPEC.levels)(depth, top), |at| {
                 at.2 = if at.2 > 0.0 { 1.0 - at.2 } else { 0.0 }
             })
         };
@@ -746,7 +761,7 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("clamp-color-is-background", |r| {
         r.clamp = |entry| {
-            (SPEC.clamp)(&changed(entry.clone(), |e| {
+            (SPEC.clamp)(&with_change(entry.clone(), |e| {
                 e.clamp_color = e.background_color;
             }))
         };
@@ -773,42 +788,45 @@ const CHANGES: &[(&str, Change)] = &[
     }),
 ];
 
-/// Returns `value` after `change`.
-fn changed<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
+/// Applies `change` to `value` and returns it.
+fn with_change<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     change(&mut value);
     value
 }
 
-/// Returns the fallback values of a reader with other values in some fields.
-fn fallback(change: fn(&mut Entry)) -> Entry {
-    changed(Entry::default(), change)
+/// Returns the fallback values after changing some fields.
+fn fallback_with(change: fn(&mut Entry)) -> Entry {
+    with_change(Entry::default(), change)
 }
 
-/// Returns `shade` with another color.
-fn colored(shade: Shade, color: Color) -> Shade {
+/// Returns `shade` with a different color.
+fn with_color(shade: Shade, color: Color) -> Shade {
     Shade { color, ..shade }
 }
 
-/// Returns `shade` with another alpha.
+/// Returns `shade` with a different alpha.
 fn with_alpha(shade: Shade, alpha: f64) -> Shade {
     Shade { alpha, ..shade }
 }
 
-/// Blends the primitive with `color` in place of the lit environment color (R-CMP-34).
-fn blended(x: &Terms, color: Color) -> Shade {
-    colored(
+/// Blends the primitive with `color` instead of the lit environment color (R-CMP-34).
+fn blend_with(x: &Terms, color: Color) -> Shade {
+    with_color(
         (SPEC.blend_env_color)(x),
         mix(x.input.color, color, x.gamma),
     )
 }
 
-/// Covers `share` of the primitive with `color`, as a decal does (R-CMP-37).
-fn covered(x: &Terms, color: Color, share: Color) -> Shade {
-    colored(x.input, mix(x.input.color, color, share))
+/// Covers `share` of the primitive with `color`, like a decal (R-CMP-37).
+fn cover_with(x: &Terms, color: Color, share: Color) -> Shade {
+    with_color(x.input, mix(x.input.color, color, share))
 }
 
-/// Returns the same maps with another rendering control.
-fn all_at(maps: &[(Entry, Fetched)], control: RenderingControl) -> Vec<(Entry, Fetched)> {
+/// Returns the maps with a different rendering control.
+fn with_rendering_control(
+    maps: &[(Entry, Fetched)],
+    control: RenderingControl,
+) -> Vec<(Entry, Fetched)> {
     let mut maps = maps.to_vec();
     for (entry, _) in &mut maps {
         entry.rendering_control = control;
@@ -817,9 +835,9 @@ fn all_at(maps: &[(Entry, Fetched)], control: RenderingControl) -> Vec<(Entry, F
 }
 
 /// Applies the maps to the lit color, as if the light on a white surface were white.
-fn unlit(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
+fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
     let diffuse = Lit {
-        surface: colored(lit.surface, times(lit.white, lit.surface.color)),
+        surface: with_color(lit.surface, times(lit.white, lit.surface.color)),
         white: [1.0; 3],
         ..*lit
     };
@@ -827,9 +845,9 @@ fn unlit(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
     (SPEC.stage)(maps, &diffuse, i, f, rules)
 }
 
-/// Returns OpenGL's sphere map coordinates of a reflection vector.
+/// Returns the coordinates of a reflection vector in OpenGL's sphere map.
 #[expect(clippy::many_single_char_names, reason = "the letters of the formula")]
-fn opengl(s: [f64; 3]) -> [f64; 2] {
+fn opengl_sphere_map(s: [f64; 3]) -> [f64; 2] {
     let l = length(s);
     let [x, y, z] = s.map(|c| c / l);
     let m = 2.0 * (x * x + y * y + (z + 1.0) * (z + 1.0)).sqrt();

@@ -1,4 +1,4 @@
-//! §2.9.2: the choice and the effect of transforms
+//! §2.9.2: mistakes with the choice and the effect of transforms
 
 use super::at::At;
 use crate::decode::{compressed, predict as rule};
@@ -7,14 +7,14 @@ use crate::parts::{Coded, Number, Plan, RawLists, Step};
 use crate::reading::Reading;
 
 pub(super) const CHANGES: &[(&str, At)] = &[
-    // 2.9.2: the choice of the transform
+    // 2.9.2: choice of the transform
     (
         "any-transform-refused",
-        At::Plan(|lists| refusing(lists, |transform| transform != 0)),
+        At::Plan(|lists| plan_unless(lists, |transform| transform != 0)),
     ),
     (
         "motion-refused",
-        At::Plan(|lists| refusing(lists, |transform| transform & 2 != 0)),
+        At::Plan(|lists| plan_unless(lists, |transform| transform & 2 != 0)),
     ),
     (
         "undefined-transforms-ignored",
@@ -23,10 +23,10 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             for transform in &mut lists.transforms {
                 transform.value &= 3;
             }
-            compressed::plan(&lists)
+            compressed::make_plan(&lists)
         }),
     ),
-    // 2.9.2: the effect of the transform
+    // 2.9.2: effect of the transform
     (
         "inversion-turns-the-plane-round",
         At::Invert(<[u8]>::reverse),
@@ -34,13 +34,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "inversion-with-one-carry",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, _| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, _| {
                 let step = &coded.plan.steps[i];
                 match step.reference {
                     Some(reference) if step.inverted && !step.moved => {
-                        each_pair(plane, &done[reference], |value, reference| {
+                        map_sample_pairs(plane, &done[reference], |value, reference| {
                             let sum = i16::from(value) - i16::from(reference) - 129;
-                            clamped(if sum < 0 { sum + 256 } else { sum })
+                            clamp_to_byte(if sum < 0 { sum + 256 } else { sum })
                         });
                     }
                     _ => coded.predict(i, plane, done, reading),
@@ -51,7 +51,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "inversion-of-the-residual",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].inverted {
                     (reading.invert)(plane);
                 }
@@ -71,7 +71,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "inversion-of-the-result",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 predict(
                     coded,
                     reading,
@@ -91,9 +91,9 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-of-the-residual",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
                 predict(
@@ -112,7 +112,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-of-the-result",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 predict(
                     coded,
                     reading,
@@ -124,7 +124,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                     },
                 );
                 if steps[i].reference.is_some() && steps[i].moved {
-                    let moved = rule::shift(plane, coded.size, steps[i].motion, reading);
+                    let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
             })
@@ -133,7 +133,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "transforms-of-intra-planes",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_none() && steps[i].inverted {
                     (reading.invert)(plane);
@@ -169,7 +169,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-leaves-planes-empty",
         At::Reconstruct(|coded, residuals, reading| {
-            planes(coded, residuals, reading, |i, plane, done, steps| {
+            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_some() && steps[i].moved {
                     plane.fill(0);
@@ -179,16 +179,16 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
 ];
 
-/// Returns the plan of a reader that refuses some transforms.
-fn refusing(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
+/// Returns the plan of a decoder that refuses some transforms.
+fn plan_unless(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
     let mut transforms = lists.transforms.iter();
     match transforms.find(|transform| refuses(transform.value)) {
-        Some(transform) => Err(refused(transform)),
-        None => compressed::plan(lists),
+        Some(transform) => Err(unexpected_number(transform)),
+        None => compressed::make_plan(lists),
     }
 }
 
-pub(super) fn refused(number: &Number) -> Error {
+pub(super) fn unexpected_number(number: &Number) -> Error {
     Error::new(
         "2.9/1",
         number.at,
@@ -199,8 +199,8 @@ pub(super) fn refused(number: &Number) -> Error {
     )
 }
 
-/// Decodes all planes: `make` turns residuals into a plane, which is then corrected.
-pub(super) fn planes(
+/// Reconstructs all planes. `make` converts residuals to a plane, which is then corrected.
+pub(super) fn reconstruct_with(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
@@ -215,10 +215,10 @@ pub(super) fn planes(
     Ok(done)
 }
 
-/// Predicts plane `i` by a step of the plan.
+/// Predicts a plane with the given step instead of the one in the plan.
 fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
     if let Some(reference) = step.reference {
-        rule::apply(
+        rule::predict_plane(
             coded.coding,
             plane,
             &done[reference],
@@ -229,19 +229,19 @@ fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>],
     }
 }
 
-pub(super) fn each(plane: &mut [u8], change: impl Fn(u8) -> u8) {
+pub(super) fn map_samples(plane: &mut [u8], change: impl Fn(u8) -> u8) {
     for value in plane {
         *value = change(*value);
     }
 }
 
-pub(super) fn each_pair(plane: &mut [u8], predictor: &[u8], change: fn(u8, u8) -> u8) {
+pub(super) fn map_sample_pairs(plane: &mut [u8], predictor: &[u8], change: fn(u8, u8) -> u8) {
     plane
         .iter_mut()
         .zip(predictor)
         .for_each(|(value, &predicted)| *value = change(*value, predicted));
 }
 
-pub(super) fn clamped(sum: i16) -> u8 {
+pub(super) fn clamp_to_byte(sum: i16) -> u8 {
     sum.clamp(0, 255) as u8
 }

@@ -1,6 +1,6 @@
-//! The mistakes of the catalog, made by writers.
+//! Mistakes in the catalog, made by writers.
 //!
-//! `spec-cases/writers/mistakes.yaml` has the texts; slug and clause are those of the misreading.
+//! `spec-cases/writers/mistakes.yaml` contains the texts. Slug and clause are those of the misreading.
 
 use std::sync::LazyLock;
 
@@ -9,27 +9,27 @@ use serde::Deserialize;
 use super::misreading::Misreading;
 use crate::kit::yaml;
 
-/// A mistake of a writer, in the place where a reader misreads.
+/// A mistake of a writer, corresponding to a misreading.
 pub type Miswriting = Misreading<&'static Misreading>;
 
 /// A record of the YAML file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WritingWords {
+struct WriterMistakeRecord {
     slug: String,
     effect: String,
     fix: String,
 }
 
-/// The catalog, read on first use.
+/// The catalog, loaded on first use.
 static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/writers/mistakes.yaml");
     read(yaml).unwrap_or_else(|error| unreachable!("mistakes.yaml, which a test reads: {error}"))
 });
 
 fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
-    let records = yaml::records::<WritingWords>(yaml)?.into_iter();
-    let join = |(line, words): (usize, WritingWords)| {
+    let records = yaml::records::<WriterMistakeRecord>(yaml)?.into_iter();
+    let join = |(line, words): (usize, WriterMistakeRecord)| {
         let reader = super::find(&words.slug)
             .ok_or_else(|| format!("line {line}: unknown misreading {}", words.slug))?;
         Ok(Misreading {
@@ -45,12 +45,12 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
     records.map(join).collect()
 }
 
-/// Returns all mistakes of writers, in the order of the sections.
+/// Returns all mistakes of writers, in the order of sections.
 pub fn all() -> impl Iterator<Item = &'static Miswriting> {
     ALL.iter()
 }
 
-/// Returns the mistake with this slug.
+/// Returns the mistake with this slug, if any.
 #[must_use]
 pub fn find(slug: &str) -> Option<&'static Miswriting> {
     all().find(|mistake| mistake.slug == slug)

@@ -116,7 +116,7 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
     let advice =
         "write it with quality 95 or more and without subsampling, or use another image format";
     let mut stream = markers::Cursor::new(bytes, 2);
-    while let Ok((code, content)) = stream.marker_segment()
+    while let Ok((code, content)) = stream.read_marker_segment()
         && code != markers::SOS
     {
         match (code, content) {

@@ -138,7 +138,7 @@ impl<'a> OpenedFile<'a> {
             };
         };
         let shown = apply_to_planes(active_misreadings, shown);
-        let edits = misreadings::edits_of(active_misreadings);
+        let edits = misreadings::formula_edits(active_misreadings);
         match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),

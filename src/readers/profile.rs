@@ -117,7 +117,10 @@ impl ReaderProfile {
         let decisions = active_misreadings.iter().filter(|one| one.at.is_decision());
         let mut seen: Vec<&Misreading> = Vec::new();
         for one in decisions {
-            if let Some(other) = seen.iter().find(|other| other.at.is_at(&one.at)) {
+            if let Some(other) = seen
+                .iter()
+                .find(|other| other.at.changes_same_step(&one.at))
+            {
                 return unknown(&format!(
                     "{} and {} change the same decision",
                     other.slug, one.slug

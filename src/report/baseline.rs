@@ -14,7 +14,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::kit::yaml::{records, text_of, to_yaml};
+use crate::kit::yaml::{read_text, records, to_yaml};
 use crate::session::outcome::{Judged, Outcome};
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -63,7 +63,7 @@ impl Baseline {
     pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
         let named = |error: String| format!("{}: {error}", path.display());
         let mut listed = BTreeMap::new();
-        for (number, Known { id, reason }) in records(&text_of(path)?).map_err(named)? {
+        for (number, Known { id, reason }) in records(&read_text(path)?).map_err(named)? {
             let fault = |what: String| Err(named(format!("line {number}: {what}")));
             if suite.case(&id).is_none() {
                 return fault(format!("unknown case {id:?}"));

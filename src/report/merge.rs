@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
 
-use crate::kit::without_code;
+use crate::kit::strip_os_error_code;
 use crate::protocol::frame::Answer;
 use crate::report::conclude::conclude;
 use crate::report::document::Report;
@@ -136,7 +136,7 @@ fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
 /// Reads the answers of one part, and the line that ends them.
 fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String> {
     let file = File::open(path).map_err(|error| {
-        let error = without_code(&error);
+        let error = strip_os_error_code(&error);
         format!("{error}; check --shard writes this file next to the report")
     })?;
     let mut answers = Vec::new();

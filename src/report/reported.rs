@@ -4,7 +4,7 @@ use maud::Markup;
 
 use crate::diagnose::{self, Causes};
 use crate::kit::digest::sha256;
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
 use crate::report::document::FollowedReading;
@@ -99,7 +99,7 @@ impl Reported for Case {
     fn digest(suite: &Suite) -> String {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
         let digest = |place: usize| suite.cases[place].digest();
-        let digests = in_parallel(suite.cases.len(), jobs, &|_, _| (), &digest);
+        let digests = map_in_parallel(suite.cases.len(), jobs, &|_, _| (), &digest);
         sha256(digests.concat().as_bytes())
     }
 

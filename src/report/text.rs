@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::kit::last_words::last_words;
+use crate::kit::last_message::last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::words::{details, how_it_is_called};
@@ -189,7 +189,7 @@ impl<C: TestCase> Page<'_, C> {
                 writeln!(out, "    {line}")?;
             }
         }
-        match last_words(&case.stderr) {
+        match last_message(&case.stderr) {
             Some(line) => writeln!(out, "    its standard error ends: {line}"),
             None => Ok(()),
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::kit::yaml::{from_yaml, text_of, to_yaml};
+use crate::kit::yaml::{from_yaml, read_text, to_yaml};
 use crate::report::document::{Report, SCHEMA};
 
 /// The fields that identify a version of the schema.
@@ -29,7 +29,7 @@ impl Report {
     /// # Errors
     /// A sentence that names the file, and the line at fault if there is one; also for a report of another version.
     pub fn read(path: &Path) -> Result<Report, String> {
-        let text = text_of(path)?;
+        let text = read_text(path)?;
         let named = |error: String| format!("{}: {error}", path.display());
         let hint = match text.starts_with("- ") {
             true => {

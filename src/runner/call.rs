@@ -1,4 +1,4 @@
-//! A running decoder: its output, its limits and its end.
+//! A running decoder process: reads its output, enforces limits, and ends it.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -12,27 +12,27 @@ use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, wa
 
 use crate::runner::processes;
 
-/// Bytes of standard error that are kept for the report.
+/// Maximum number of bytes of standard error that are kept for the report.
 const MAX_STDERR_BYTES: usize = 2000;
 
-/// A wait longer than any timeout, yet short enough to be added to a point in time.
+/// A duration longer than any timeout, yet short enough to be added to an `Instant`.
 pub(crate) const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// The interval at which memory is measured and the stop flag is read.
+/// Interval at which memory is measured and the stop flag is read.
 pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The limits of a call.
+/// Limits of a call.
 pub(crate) struct CallLimits<'a> {
-    /// Bytes on standard output.
+    /// Maximum number of bytes on standard output.
     pub(crate) output: usize,
     pub(crate) time: Duration,
-    /// Bytes of memory, all its processes together.
+    /// Maximum number of bytes of memory, summed over all processes of the call.
     pub(crate) memory: u64,
-    /// Set when the run is to end.
+    /// Flag that stops the run.
     pub(crate) stop: &'a AtomicBool,
 }
 
-/// A running decoder.
+/// A running decoder process.
 pub(crate) struct Call {
     pub(crate) child: Child,
     pub(crate) group: Pid,
@@ -40,35 +40,35 @@ pub(crate) struct Call {
     exit_event: Option<ExitEvent>,
     stdout: Option<OwnedFd>,
     stderr: Option<OwnedFd>,
-    /// Standard output that has been read from the decoder and not yet consumed.
+    /// Standard output that was read but not yet consumed.
     pub(crate) output: Vec<u8>,
-    /// The beginning of its standard error.
+    /// The start of standard error.
     pub(crate) errors: Vec<u8>,
 }
 
-/// The way a call ended.
-pub(crate) enum Ended {
-    /// The process exited.
+/// The way in which a call ended.
+pub(crate) enum CallEnd {
+    /// The process exited by itself.
     Exited(ExitStatus),
-    /// Killed: timeout.
+    /// The process was killed because of the timeout.
     OutOfTime,
-    /// Killed: too much memory.
+    /// The process was killed because it used too much memory.
     OutOfMemory,
-    /// Killed: too much output.
+    /// The process was killed because it wrote too much output.
     Flood,
-    /// Killed: the user ended the run.
+    /// The process was killed because the user stopped the run.
     Stopped,
 }
 
-/// The output and the end of a call.
-pub(crate) struct Remains {
-    pub(crate) ended: Ended,
+/// The output of a call, and the way in which it ended.
+pub(crate) struct CallOutput {
+    pub(crate) ended: CallEnd,
     pub(crate) stdout: Vec<u8>,
     pub(crate) stderr: Vec<u8>,
 }
 
 impl Call {
-    /// Takes over a process that was started with both outputs as pipes.
+    /// Creates a call from a process that was started with pipes for both outputs.
     pub(crate) fn new(mut child: Child) -> io::Result<Call> {
         let pipes = [
             child.stdout.take().map(OwnedFd::from),
@@ -91,62 +91,68 @@ impl Call {
         Ok(call)
     }
 
-    /// Reads until the process has ended or a limit is reached, and then kills all that is left of it.
-    pub(crate) fn finish(mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Remains> {
-        let killed_for = self.watch(limits, workplace)?;
+    /// Reads until the process ends or reaches a limit, then kills all remaining processes of the call.
+    pub(crate) fn finish(
+        mut self,
+        limits: &CallLimits,
+        workplace: &Path,
+    ) -> io::Result<CallOutput> {
+        let kill_reason = self.watch(limits, workplace)?;
         let status = self.end(workplace)?;
-        let ended = match killed_for {
+        let ended = match kill_reason {
             Some(ended) => ended,
-            None if self.output.len() > limits.output => Ended::Flood,
-            None => Ended::Exited(status),
+            None if self.output.len() > limits.output => CallEnd::Flood,
+            None => CallEnd::Exited(status),
         };
-        Ok(Remains {
+        Ok(CallOutput {
             ended,
             stdout: std::mem::take(&mut self.output),
             stderr: std::mem::take(&mut self.errors),
         })
     }
 
-    /// Reads until the process has ended, or returns the reason to kill it.
-    fn watch(&mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Option<Ended>> {
+    /// Reads until the process ends. Returns the reason to kill the process if it reaches a limit.
+    fn watch(&mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Option<CallEnd>> {
         let deadline = Instant::now() + limits.time.min(MAX_WAIT);
-        let watched = processes::can_be_watched();
+        let can_measure = processes::can_inspect_processes();
         let mut next_look = Instant::now() + POLL_INTERVAL;
         loop {
             let now = Instant::now();
             let left = deadline.saturating_duration_since(now);
             if self.output.len() > limits.output {
-                return Ok(Some(Ended::Flood));
+                return Ok(Some(CallEnd::Flood));
             }
             if left.is_zero() {
-                return Ok(Some(Ended::OutOfTime));
+                return Ok(Some(CallEnd::OutOfTime));
             }
             if limits.stop.load(Ordering::Relaxed) {
-                return Ok(Some(Ended::Stopped));
+                return Ok(Some(CallEnd::Stopped));
             }
             if now >= next_look {
                 next_look = now + POLL_INTERVAL;
-                if watched && processes::memory_of(self.group, workplace) > limits.memory {
-                    return Ok(Some(Ended::OutOfMemory));
+                if can_measure && processes::memory_of_call(self.group, workplace) > limits.memory {
+                    return Ok(Some(CallEnd::OutOfMemory));
                 }
             }
-            self.wait_for_news(None, left.min(POLL_INTERVAL))?;
-            self.read_what_is_there(limits.output)?;
+            self.wait_for_event(None, left.min(POLL_INTERVAL))?;
+            self.read_available(limits.output)?;
             if self.has_ended() {
-                self.read_what_is_there(limits.output)?;
+                self.read_available(limits.output)?;
                 return Ok(None);
             }
         }
     }
 
-    /// Returns true if the process has ended. Its id stays reserved until it is waited for, so no other process can have it.
+    /// Returns true if the process has ended. Its id stays reserved until the process is reaped, so no other process
+    /// can reuse it.
     pub(crate) fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let pid = Pid::from_child(&self.child);
         !matches!(waitid(WaitId::Pid(pid), options), Ok(None))
     }
 
-    /// Kills the process if it still runs, its group, and what else works for it in `workplace`; returns its status.
+    /// Kills the process if it is still running, its process group, and its orphans in `workplace`. Returns the exit
+    /// status.
     pub(crate) fn end(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
         processes::kill_orphans(workplace);
@@ -157,18 +163,18 @@ impl Call {
         if !self.waited_for {
             // An error means that no process is left.
             let _ = kill_process_group(self.group, Signal::KILL);
-            // The process may have left its group, so it is killed by its id too.
+            // The process may have left its group, so also kill it by its id.
             let _ = self.child.kill();
         }
         let status = self.child.wait();
         if !std::mem::replace(&mut self.waited_for, true) {
-            processes::has_been_waited_for(self.child.id());
+            processes::unregister(self.child.id());
         }
         status
     }
 
-    /// Sleeps until there is output, room in `writing`, the process has ended, or `left` has passed.
-    pub(crate) fn wait_for_news(
+    /// Sleeps until there is output, `writing` becomes writable, the process ends, or `left` has passed.
+    pub(crate) fn wait_for_event(
         &self,
         writing: Option<BorrowedFd>,
         left: Duration,
@@ -200,9 +206,9 @@ impl Call {
         }
     }
 
-    /// Reads what the pipes hold, until `output` has more than `most` bytes.
+    /// Reads all available output, until `output` has more than `most` bytes.
     #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
-    pub(crate) fn read_what_is_there(&mut self, most: usize) -> io::Result<()> {
+    pub(crate) fn read_available(&mut self, most: usize) -> io::Result<()> {
         let mut buffer = [0; 65_536];
         while self.output.len() <= most {
             match read_some(&mut self.stdout, &mut buffer)? {
@@ -210,7 +216,7 @@ impl Call {
                 count => self.output.extend_from_slice(&buffer[..count]),
             }
         }
-        // A bounded number of reads, so that a flood on standard error cannot delay the check of the timeout.
+        // Limit the number of reads, so that a flood on standard error cannot delay the timeout check.
         for _ in 0..16 {
             match read_some(&mut self.stderr, &mut buffer)? {
                 0 => break,
@@ -230,7 +236,7 @@ impl Drop for Call {
     }
 }
 
-/// Reads from a non-blocking pipe and drops it at its end. Returns 0 if there is nothing to read.
+/// Reads from a non-blocking pipe, and drops the pipe at its end. Returns 0 if no data is available.
 fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize> {
     let Some(fd) = pipe else { return Ok(0) };
     match rustix::io::read(&*fd, buffer) {

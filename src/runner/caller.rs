@@ -1,13 +1,13 @@
-//! Asks a function instead of a program: the parent process listens at a Unix socket and answers there.
+//! Sends requests to a function in the parent process, which listens on a Unix socket.
 //!
 //! ```text
-//! to the caller     NAME VIEW NBYTES, a line feed and the PTM file
-//! from it           WORD NBYTES, a line feed and so many bytes
+//! to the caller      NAME VIEW NBYTES, a line feed and the PTM file
+//! from the caller    WORD NBYTES, a line feed and NBYTES bytes
 //! ```
 //!
-//! WORD is `ok` before an answer (a frame, an array or an image); `reject`, `unsupported`, `crash` or `error` before a message.
-//! `error` is an answer of another kind than the one requested. There is no timeout, because a function cannot be ended without
-//! its process; the caller can end itself.
+//! WORD is `ok` before an answer (a frame, an array or an image), and `reject`, `unsupported`, `crash` or `error`
+//! before a message. `error` means that the answer has a different type than requested. There is no timeout, because
+//! a function cannot be ended without ending its process. The caller can exit by itself.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -19,23 +19,23 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Reply, Request};
 
-/// Maximum length of the first line of an answer.
+/// Maximum length of the first line of an answer, in bytes.
 const MAX_LINE_LENGTH: u64 = 100;
-/// Maximum number of bytes of a message.
+/// Maximum number of bytes in a message.
 const MAX_MESSAGE_LENGTH: u64 = 4096;
 
-/// A parent process that answers with one of its functions.
+/// A parent process that answers requests with one of its functions.
 pub struct Caller {
     stream: Mutex<BufReader<UnixStream>>,
-    /// Set when the caller is gone, which ends the run.
+    /// Flag that stops the run. It is set when the connection is lost.
     stop: Arc<AtomicBool>,
 }
 
 impl Caller {
-    /// Connects to the process that listens at `socket`. `stop` is set when that process closes the connection.
+    /// Connects to the process that listens on `socket`. `stop` is set when that process closes the connection.
     ///
     /// # Errors
-    /// If no process listens at `socket`.
+    /// Returns an error if no process listens on `socket`.
     pub fn connect(socket: &Path, stop: &Arc<AtomicBool>) -> io::Result<Caller> {
         Ok(Caller {
             stream: Mutex::new(BufReader::new(UnixStream::connect(socket)?)),
@@ -43,10 +43,10 @@ impl Caller {
         })
     }
 
-    /// Requests one view of a file.
+    /// Requests a view of a file.
     ///
     /// # Panics
-    /// Never: no request panics while it holds the stream.
+    /// Never panics, because no request panics while it holds the stream.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let mut stream = self.stream.lock().expect("no request panics");
@@ -59,7 +59,7 @@ impl Caller {
     }
 }
 
-/// Sends one request and reads its answer.
+/// Sends a request and reads the answer.
 fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result<Reply> {
     let Request {
         name, view, file, ..
@@ -67,7 +67,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     let line = format!("{name} {view} {}\n", file.len());
     let connection = stream.get_mut();
     connection.write_all(&[line.as_bytes(), file].concat())?;
-    let (word, length) = first_line(stream)?;
+    let (word, length) = read_first_line(stream)?;
     let most = match word.as_str() {
         "ok" => request.most() as u64,
         _ => MAX_MESSAGE_LENGTH,
@@ -112,7 +112,7 @@ fn answer_from_bytes(bytes: &[u8], view: &View, most: usize) -> Answer {
 }
 
 /// Reads the word of an answer and the number of bytes that follow.
-fn first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u64)> {
+fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u64)> {
     let mut line = String::new();
     stream.by_ref().take(MAX_LINE_LENGTH).read_line(&mut line)?;
     if line.is_empty() {
@@ -130,7 +130,8 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply to a request for the stored values of one texel, given `answer`, and true if the run ends.
+    /// Returns the reply to a request for the stored values of one texel, given the bytes of the answer, and whether
+    /// the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

@@ -1,18 +1,19 @@
-//! Asks a decoder what it can do: `DECODER capabilities`.
+//! Queries the capabilities of a decoder with `DECODER capabilities`.
 
 use crate::protocol::capabilities::Capabilities;
 use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 
-/// Maximum number of bytes of an answer.
+/// Maximum number of bytes in an answer.
 const MAX_ANSWER_BYTES: usize = 16 * 1024;
 
 impl Decoder {
-    /// Asks for the capabilities. An error is not a failure of the decoder, because the command is optional.
+    /// Queries the capabilities of the decoder. An error is not a failure of the decoder, because the command is
+    /// optional.
     ///
     /// # Errors
-    /// A sentence that says what came instead of capabilities.
+    /// Returns a sentence that describes the response if it is not a list of capabilities.
     pub fn capabilities(&self, scratch: &Scratch) -> Result<Capabilities, String> {
-        Capabilities::read(&self.print_out("capabilities", MAX_ANSWER_BYTES, scratch)?)
+        Capabilities::read(&self.run_with_argument("capabilities", MAX_ANSWER_BYTES, scratch)?)
     }
 }

@@ -1,4 +1,4 @@
-//! Programs under test: how they are started, limited, asked and ended.
+//! Programs under test: starting them, limiting them, sending requests and ending them.
 //!
 //! Requires a Unix system.
 

@@ -1,8 +1,8 @@
-//! Information from the system about other processes: the memory that a call holds, and its processes that are left.
+//! Process information from the system: the memory of a call, and its orphaned processes.
 //!
-//! A decoder may start processes that leave its group and outlive it. This process asks to inherit such orphans, and every
-//! process carries the mark of its call: its working directory, or the value of its `TMPDIR`. Systems without `/proc` offer
-//! none of this, and the report says so.
+//! A decoder may start processes that leave its group and outlive it. On Linux, this process becomes the parent of
+//! such orphans, and every process can be traced to its call by its working directory or its `TMPDIR`. On systems
+//! without `/proc` this is not possible, and the report says so.
 
 use std::fs;
 use std::io;
@@ -15,23 +15,24 @@ use rustix::process::{
     Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, setrlimit, waitpid,
 };
 
-/// Largest file that a decoder, or this process, may write.
+/// Maximum size of a file that a decoder or this process may write.
 const MAX_FILE_BYTES: u64 = 4 << 30;
 
-/// Processes that this one has started and not yet waited for; its other children are orphans.
+/// Processes that this process started and has not reaped yet. All other children are orphans.
 static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Read-locked while a process is started, until it is in [`STARTED_PROCESSES`]; the write lock excludes processes between the two.
+/// Read-locked from the start of a process until it is in [`STARTED_PROCESSES`]. The write lock excludes this
+/// interval.
 static START_LOCK: RwLock<()> = RwLock::new(());
 
-/// Returns true if memory can be measured and orphans found.
+/// Returns true if the system allows measuring memory and finding orphans.
 #[must_use]
-pub fn can_be_watched() -> bool {
+pub fn can_inspect_processes() -> bool {
     let this = std::process::id();
     Path::new(&format!("/proc/self/task/{this}/children")).exists()
 }
 
-/// Prepares this process: it inherits orphans, and its children get no core dumps and a limit on file sizes.
+/// Prepares this process: it inherits orphans, and its children have no core dumps and limited file sizes.
 pub fn prepare() {
     prepare_for(MAX_FILE_BYTES);
 }
@@ -45,21 +46,21 @@ pub fn prepare_for(largest_file: u64) {
             current: Some(limit),
             maximum: Some(limit),
         };
-        // Setting a limit fails if a lower one is in force; then that one holds.
+        // Setting a limit fails if a lower limit is in force, which then applies.
         let _ = setrlimit(resource, both);
     }
 }
 
-/// Returns true if the environment limits files to less than [`prepare`] does.
-pub(crate) fn files_are_limited_from_outside() -> bool {
+/// Returns true if the environment has a lower limit on file sizes than [`prepare`] sets.
+pub(crate) fn is_file_size_limited_by_environment() -> bool {
     let limit = getrlimit(Resource::Fsize).current;
     limit.is_some_and(|limit| limit < MAX_FILE_BYTES)
 }
 
-/// Starts a process for this program itself.
+/// Starts a process and registers it, so that it does not count as an orphan.
 ///
 /// # Errors
-/// Errors of the system.
+/// Returns an error of the system.
 pub fn start(command: &mut Command) -> io::Result<Child> {
     let _starting = START_LOCK.read().unwrap_or_else(PoisonError::into_inner);
     let child = command.spawn()?;
@@ -67,10 +68,10 @@ pub fn start(command: &mut Command) -> io::Result<Child> {
     Ok(child)
 }
 
-/// Records that a process that was [started](start) has been waited for.
-pub fn has_been_waited_for(pid: u32) {
+/// Unregisters a process that was [started](start) and has been reaped.
+pub fn unregister(pid: u32) {
     let mut started = started();
-    // The id may already be that of another process, which is listed too.
+    // The id may already belong to another started process, which has a separate entry.
     if let Some(i) = started.iter().position(|&known| known == pid) {
         started.swap_remove(i);
     }
@@ -82,11 +83,11 @@ fn started() -> std::sync::MutexGuard<'static, Vec<u32>> {
         .unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns the bytes of memory that a process, its descendants and the orphans of its call hold together.
+/// Returns the memory in bytes of a process, its descendants and the orphans of its call.
 #[must_use]
-pub fn memory_of(root: Pid, workplace: &Path) -> u64 {
+pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
     let page = rustix::param::page_size() as u64;
-    let mut members = orphans(|pid| works_in(pid, workplace));
+    let mut members = orphans(|pid| belongs_to(pid, workplace));
     members.push(root.as_raw_nonzero().get().cast_unsigned());
     let mut pages = 0;
     while let Some(pid) = members.pop() {
@@ -101,24 +102,24 @@ fn resident_pages(pid: u32) -> Option<u64> {
     sizes.split(' ').nth(1)?.parse().ok()
 }
 
-/// Kills every orphan that works for the call in `workplace`, until none is left. Reaps all orphans that have ended, so that
-/// none of them counts against the limit on processes.
+/// Kills all orphans of the call in `workplace`. Reaps all orphans that have ended, so that they do not count against
+/// the limit on processes.
 pub fn kill_orphans(workplace: &Path) {
-    kill_while_any(|| orphans(|pid| works_in(pid, workplace)));
+    kill_until_none(|| orphans(|pid| belongs_to(pid, workplace)));
     for pid in orphans(has_ended).into_iter().filter_map(to_pid) {
         let _ = waitpid(Some(pid), WaitOptions::NOHANG);
     }
 }
 
-/// Kills every process that works below `scratch`, and every orphan whose working directory cannot be read.
+/// Kills all processes that work below `scratch`, and all orphans whose working directory cannot be read.
 pub fn kill_all(scratch: &Path) {
-    kill_while_any(|| {
-        let marked = processes().filter(|&pid| works_in(pid, scratch));
+    kill_until_none(|| {
+        let marked = processes().filter(|&pid| belongs_to(pid, scratch));
         marked.chain(orphans(|_| true)).collect()
     });
 }
 
-fn kill_while_any(those: impl Fn() -> Vec<u32>) {
+fn kill_until_none(those: impl Fn() -> Vec<u32>) {
     for round in 0..200 {
         let left = those();
         if left.is_empty() {
@@ -126,7 +127,7 @@ fn kill_while_any(those: impl Fn() -> Vec<u32>) {
         }
         for pid in left.into_iter().filter_map(to_pid) {
             let _ = kill_process(pid, Signal::KILL);
-            // Only children can be waited for.
+            // Only children can be reaped.
             let _ = waitpid(Some(pid), WaitOptions::NOHANG);
         }
         if round > 0 {
@@ -135,10 +136,10 @@ fn kill_while_any(those: impl Fn() -> Vec<u32>) {
     }
 }
 
-/// Returns the processes that this one has inherited and that are `wanted`.
+/// Returns the orphans that this process inherited and for which `wanted` is true.
 fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     let this = std::process::id();
-    // Orphans become children of the first thread; children of other threads belong to those threads.
+    // Orphans become children of the main thread. Children of other threads were started by these threads.
     let inherited = || {
         let mut children = children_of_thread(this, this);
         if !children.is_empty() {
@@ -157,15 +158,15 @@ fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     orphans
 }
 
-/// Returns true if a process is a zombie.
+/// Returns true if the process is a zombie.
 fn has_ended(pid: u32) -> bool {
     state_and_start(pid).is_some_and(|(state, _)| state == 'Z')
 }
 
-/// Returns the state of a process and its start time, which together with its id identifies it.
+/// Returns the state and the start time of a process. The id and the start time together identify a process.
 fn state_and_start(pid: u32) -> Option<(char, u64)> {
     let text = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
-    // The name in parentheses may contain anything.
+    // The name in parentheses may contain any characters.
     let mut fields = text.rsplit_once(')')?.1.split_whitespace();
     Some((
         fields.next()?.chars().next()?,
@@ -173,24 +174,24 @@ fn state_and_start(pid: u32) -> Option<(char, u64)> {
     ))
 }
 
-/// Processes as they were at one moment, for a watcher that must end them when their parent is gone.
+/// A snapshot of processes, for a watchdog that ends them if their parent disappears.
 #[derive(Default)]
 pub struct Descendants(Vec<(u32, u64)>);
 
 impl Descendants {
-    /// Lists the children of a process, inherited orphans included, except this process.
+    /// Lists the children of a process, including inherited orphans but excluding this process.
     #[must_use]
     pub fn new(parent: u32) -> Descendants {
         let children = children_of(parent).filter(|&pid| pid != std::process::id());
-        Descendants(children.filter_map(identified).collect())
+        Descendants(children.filter_map(process_identity).collect())
     }
 
-    /// Kills those that still run, and their descendants.
+    /// Kills the processes that are still running, and their descendants.
     pub fn kill(self) {
         let mut left = self.0;
         while let Some((pid, start)) = left.pop() {
-            if identified(pid) == Some((pid, start)) {
-                left.extend(children_of(pid).filter_map(identified));
+            if process_identity(pid) == Some((pid, start)) {
+                left.extend(children_of(pid).filter_map(process_identity));
                 if let Some(pid) = to_pid(pid) {
                     let _ = kill_process(pid, Signal::KILL);
                 }
@@ -200,7 +201,7 @@ impl Descendants {
 }
 
 /// Returns the id and the start time of a process.
-fn identified(pid: u32) -> Option<(u32, u64)> {
+fn process_identity(pid: u32) -> Option<(u32, u64)> {
     state_and_start(pid).map(|(_, start)| (pid, start))
 }
 
@@ -225,8 +226,8 @@ fn processes() -> impl Iterator<Item = u32> {
     entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok())
 }
 
-/// Returns true if a process has its temporary directory in or below `place`, or works there, and is not a zombie.
-fn works_in(pid: u32, place: &Path) -> bool {
+/// Returns true if a process has its working directory or its temporary directory in `place`, and is not a zombie.
+fn belongs_to(pid: u32, place: &Path) -> bool {
     let directory = fs::read_link(format!("/proc/{pid}/cwd"));
     if directory.is_ok_and(|directory| directory.starts_with(place)) {
         return true;

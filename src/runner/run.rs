@@ -1,11 +1,11 @@
-//! Starts a decoder, limits it, and returns what it did.
+//! Starts a decoder, limits it, and returns the result.
 //!
-//! Every call has its own process group, which is killed as a whole when the call is over; a wall-clock limit; a limit on
-//! standard output; an empty standard input; its own working directory; and the caller's environment with `LC_ALL`, `TZ` and
-//! `TMPDIR` set. Standard error is read and never changes a verdict.
+//! Every call has its own process group, which is killed when the call is over. It has a wall-clock limit, a limit on
+//! standard output, an empty standard input, a private working directory, and the caller's environment with `LC_ALL`,
+//! `TZ` and `TMPDIR` set. Standard error is recorded and never affects a verdict.
 //!
-//! If this program cannot do its part of a call (write the input, start a process), that is not an answer of the decoder: the
-//! call is repeated. If the trouble persists, the run is stopped and [`Decoder::trouble`] says why.
+//! If this program cannot do its part of a call (write the input, start a process), the decoder is not to blame, and
+//! the call is repeated. If the problem persists, the run stops, and [`Decoder::trouble`] returns the reason.
 
 use std::ffi::{OsStr, OsString};
 use std::io;
@@ -20,78 +20,78 @@ use rustix::process::Signal;
 
 use crate::protocol::forms;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
-use crate::runner::call::{Call, CallLimits, Ended, Remains};
+use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
-use crate::runner::scratch::{Scratch, is_untouched};
+use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::start;
 use crate::runner::template::{Template, absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// Maximum time that calls are repeated because of trouble in this program, before the run is stopped.
+/// Maximum time to repeat a call because of trouble in this program, before the run stops.
 const MAX_TROUBLE_TIME: Duration = Duration::from_secs(5);
 
-/// A decoder and the limits it runs under.
+/// A decoder, and the limits of its calls.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     command: Vec<OsString>,
-    /// The template of a call, if it is not `command… VIEW FILE`.
+    /// Template of the command line, if it is not `command… VIEW FILE`.
     pub(crate) template: Option<Template>,
-    /// Wall-clock limit of one call.
+    /// Wall-clock limit for a call.
     pub timeout: Duration,
-    /// Bytes of memory that all processes of a call may hold together.
+    /// Memory limit in bytes, summed over all processes of a call.
     pub memory: u64,
-    /// Set to end the run: by the user, or because of trouble.
+    /// Flag that stops the run. It is set by the user or because of trouble.
     pub stop: Arc<AtomicBool>,
     /// An exit status that means a refusal, in addition to 65.
     pub reject_exit: Option<i32>,
-    /// The locale of the decoder: `C` by default.
+    /// Locale of the decoder, `C` by default.
     pub locale: String,
     trouble: Arc<OnceLock<String>>,
 }
 
-/// One request.
+/// A request for a view of a file.
 #[derive(Clone, Debug)]
 pub struct Request<'a, V = View> {
-    /// A name for the file, without its suffix.
+    /// Name of the file, without its extension.
     pub name: &'a str,
-    /// The requested view.
+    /// Requested view.
     pub view: &'a V,
-    /// The file.
+    /// Contents of the file.
     pub file: &'a [u8],
-    /// Maximum size of a frame of that file, in bytes.
+    /// Maximum size of a frame of the file, in bytes.
     pub largest_frame: usize,
-    /// Factor for the timeout: the first call may have to warm up.
+    /// Factor for the timeout. The first call may have to warm up.
     pub timeout_factor: u32,
-    /// True if a new process is to answer, even in serve mode.
+    /// True to use a new process, even in serve mode.
     pub alone: bool,
 }
 
 impl<V> Request<'_, V> {
-    /// Returns the maximum number of bytes that are read of an answer.
+    /// Returns the maximum number of bytes to read from an answer.
     pub(crate) fn most(&self) -> usize {
         4 * self.largest_frame + 65_536
     }
 }
 
-/// The response to a request.
+/// Response to a request.
 #[derive(Clone, Debug)]
 pub struct Reply<T = Frame> {
-    /// The answer of the decoder.
+    /// Answer of the decoder.
     pub answer: Answer<T>,
-    /// The beginning of its standard error.
+    /// Start of standard error.
     pub stderr: String,
-    /// Its exit status, if it had one.
+    /// Exit status, if the process exited.
     pub exit: Option<i32>,
-    /// The name of the request that the same process answered before.
+    /// Name of the previous request to the same process.
     pub after: Option<String>,
-    /// Answer of a serving process that failed; `answer` is then that of a process started for this request.
+    /// Failed answer in serve mode. If present, `answer` is the answer of a new process.
     pub served: Option<Answer<T>>,
-    /// Its standard output, as far as it was read.
+    /// Standard output, up to the read limit.
     pub stdout: Vec<u8>,
 }
 
 impl<T> From<Answer<T>> for Reply<T> {
-    /// Makes a reply with nothing but an answer.
+    /// Creates a reply that contains only an answer.
     fn from(answer: Answer<T>) -> Reply<T> {
         Reply {
             answer,
@@ -105,44 +105,44 @@ impl<T> From<Answer<T>> for Reply<T> {
 }
 
 impl<T> Reply<T> {
-    /// Returns true if it refuses by an exit status that also has another meaning.
+    /// Returns true if the reply is a refusal by an exit status that has other meanings as well.
     #[must_use]
-    pub fn is_weak(&self) -> bool {
+    pub fn is_ambiguous_refusal(&self) -> bool {
         matches!(self.answer, Answer::Rejected)
             && self.exit.is_some_and(|exit| exit != EXIT_MALFORMED)
     }
 }
 
-/// One start of a decoder, for any purpose.
+/// A call of a decoder for any purpose.
 #[derive(Clone, Debug)]
 pub struct Invocation<'a> {
-    /// The word before the file.
+    /// Argument before the file.
     pub view: &'a str,
-    /// The name of the file.
+    /// Name of the file.
     pub file_name: &'a str,
-    /// The file.
+    /// Contents of the file.
     pub file: &'a [u8],
-    /// Maximum number of bytes of an answer.
+    /// Maximum number of bytes in an answer.
     pub most: usize,
     /// Factor for the timeout.
     pub timeout_factor: u32,
 }
 
-/// The result of an invocation.
+/// Result of a call.
 #[derive(Clone, Debug)]
 pub struct CallResult {
-    /// Its answer, if the exit status is 0; else what it did instead.
+    /// The output if the exit status is 0, otherwise the failure.
     pub output: Result<Vec<u8>, Answer>,
-    /// The beginning of its standard error.
+    /// Start of standard error.
     pub stderr: String,
-    /// Its exit status, if it had one.
+    /// Exit status, if the process exited.
     pub exit: Option<i32>,
-    /// Its standard output, if that is not the answer.
+    /// Standard output, if the output is a file instead.
     pub stdout: Vec<u8>,
 }
 
 impl CallResult {
-    /// Returns the reply, with `read` applied to the output.
+    /// Converts the result to a reply by parsing the output with `read`.
     pub(crate) fn into_reply<T>(
         self,
         read: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
@@ -170,7 +170,7 @@ impl CallResult {
 }
 
 impl From<Answer> for CallResult {
-    /// Makes a result without any output.
+    /// Creates a result without output.
     fn from(answer: Answer) -> CallResult {
         CallResult {
             output: Err(answer),
@@ -183,9 +183,9 @@ impl From<Answer> for CallResult {
 
 /// The reason why a call has no result.
 pub(crate) enum Failure {
-    /// The program cannot be started, with the reason.
+    /// The program cannot be started, for this reason.
     NotStarted(String),
-    /// This program could not do its part.
+    /// This program could not do its part of the call.
     Trouble(Trouble),
 }
 
@@ -196,11 +196,11 @@ impl From<Trouble> for Failure {
 }
 
 impl Decoder {
-    /// Makes a decoder with the default limits, started as `program args… VIEW FILE`. Words that name existing files are made
-    /// absolute, because calls run in their own directories.
+    /// Creates a decoder with default limits and the command line `program args… VIEW FILE`. Words that name existing
+    /// files become absolute paths, because each call runs in a separate directory.
     ///
     /// # Errors
-    /// If the working directory is not known.
+    /// Returns an error if the working directory is unknown.
     pub fn new(command: &[OsString]) -> io::Result<Decoder> {
         let command = command
             .iter()
@@ -219,10 +219,10 @@ impl Decoder {
         })
     }
 
-    /// Makes a decoder with the default limits that is called by `template`.
+    /// Creates a decoder with default limits, whose command line is a template.
     ///
     /// # Errors
-    /// If the working directory is not known.
+    /// Returns an error if the working directory is unknown.
     pub fn with_template(template: Template) -> io::Result<Decoder> {
         Ok(Decoder {
             template: Some(template),
@@ -230,27 +230,28 @@ impl Decoder {
         })
     }
 
-    /// Returns the same decoder with the same limits, called by a template.
+    /// Returns the same decoder with the same limits and a different command line.
     #[must_use]
-    pub(crate) fn called_by(&self, template: Template) -> Decoder {
+    pub(crate) fn with_command_line(&self, template: Template) -> Decoder {
         Decoder {
             template: Some(template),
             ..self.clone()
         }
     }
 
-    /// Returns its command, with absolute paths.
+    /// Returns the command, with absolute paths.
     pub(crate) fn command(&self) -> &[OsString] {
         &self.command
     }
 
-    /// Returns why this program could not do its part and stopped the run, which then says nothing about the decoder.
+    /// Returns the problem in this program that stopped the run, if any. The results then say nothing about the
+    /// decoder.
     #[must_use]
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.get().map(String::as_str)
     }
 
-    /// Asks once. `scratch` provides the directories for the file and the decoder.
+    /// Sends one request. `scratch` provides the directories for the file and the decoder.
     #[must_use]
     pub fn ask(&self, request: &Request, scratch: &Scratch) -> Reply {
         let most = request.most();
@@ -267,13 +268,13 @@ impl Decoder {
         result.into_reply(|bytes| forms::read(bytes, request.view, most))
     }
 
-    /// Starts the decoder once and returns what it did.
+    /// Runs the decoder once and returns the result.
     #[must_use]
     pub fn invoke(&self, invocation: &Invocation, scratch: &Scratch) -> CallResult {
         self.retry(|| self.attempt(invocation, scratch))
     }
 
-    /// Repeats a call while this program cannot do its part; stops the run if that persists.
+    /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
     pub(crate) fn retry(&self, attempt: impl Fn() -> Result<CallResult, Failure>) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);
@@ -297,8 +298,8 @@ impl Decoder {
 
     fn attempt(&self, invocation: &Invocation, scratch: &Scratch) -> Result<CallResult, Failure> {
         let mut workspace = scratch.workspace()?;
-        // The name of the file does not reveal what is expected.
-        let input = workspace.lay_down(invocation.file_name, invocation.file)?;
+        // The name of the file must not reveal the expected result.
+        let input = workspace.write_input(invocation.file_name, invocation.file)?;
         let workplace = &workspace.workplace;
         let output_file = match &self.template {
             Some(template) => template.output_file(workplace)?,
@@ -311,14 +312,14 @@ impl Decoder {
             result.stdout = std::mem::take(stdout);
             result.output = file.read(invocation.most)?;
         }
-        result.stderr = workspace.without_directories(&result.stderr);
-        if !is_untouched(&input, invocation.file)? {
+        result.stderr = workspace.strip_directories(&result.stderr);
+        if !is_unchanged(&input, invocation.file)? {
             result.output = Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()));
         }
         Ok(result)
     }
 
-    /// Returns the words of a call, including the program.
+    /// Returns the command line of a call, including the program.
     fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
         match &self.template {
             Some(template) => template.words(view, input, workplace),
@@ -326,13 +327,13 @@ impl Decoder {
         }
     }
 
-    /// Returns its command, followed by more words.
+    /// Returns the command, followed by additional arguments.
     pub(crate) fn followed_by(&self, words: &[&OsStr]) -> Vec<OsString> {
         let more = words.iter().map(|&word| word.to_owned());
         self.command.iter().cloned().chain(more).collect()
     }
 
-    /// Runs a process with these words to its end.
+    /// Runs a command line until it ends or reaches a limit.
     pub(crate) fn call(
         &self,
         words: &[OsString],
@@ -352,7 +353,7 @@ impl Decoder {
         Ok(self.result(remains, &limits)?)
     }
 
-    /// Starts a process with these words.
+    /// Starts a command line.
     pub(crate) fn start(
         &self,
         words: &[OsString],
@@ -375,17 +376,18 @@ impl Decoder {
             if is_shortage(&error) || !workplace.is_dir() {
                 Trouble::new("start a process", &error).into()
             } else {
-                Failure::NotStarted(start::start_failure(&words[0], &error))
+                Failure::NotStarted(start::describe_start_failure(&words[0], &error))
             }
         })?;
         Ok(Call::new(child).map_err(|error| Trouble::new("follow a call", &error))?)
     }
 
-    /// Calls it with one word that is not a view, and returns what it prints, at most `most` bytes.
+    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `most`
+    /// bytes.
     ///
     /// # Errors
-    /// A sentence that says what it did instead of printing and exiting with 0.
-    pub(crate) fn print_out(
+    /// Returns a sentence that describes the failure if the decoder does not exit with 0.
+    pub(crate) fn run_with_argument(
         &self,
         word: &str,
         most: usize,
@@ -412,21 +414,21 @@ impl Decoder {
         ))
     }
 
-    /// Interprets the end of a call.
-    fn result(&self, remains: Remains, limits: &CallLimits) -> Result<CallResult, Trouble> {
+    /// Converts the end of a call to its result.
+    fn result(&self, remains: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match remains.ended {
-            Ended::OutOfMemory => Err(self.out_of_memory()),
-            Ended::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
-            Ended::Flood => Err(Answer::Flooded(format!(
+            CallEnd::OutOfMemory => Err(self.out_of_memory()),
+            CallEnd::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
+            CallEnd::Flood => Err(Answer::Flooded(format!(
                 "more than {} bytes on standard output",
                 limits.output
             ))),
-            Ended::OutOfTime => Err(Answer::Hung(format!(
+            CallEnd::OutOfTime => Err(Answer::Hung(format!(
                 "no end within {} s",
                 limits.time.as_secs_f64()
             ))),
-            Ended::Exited(status) => {
+            CallEnd::Exited(status) => {
                 exit = status.code();
                 match self.refusal(status)? {
                     None => Ok(remains.stdout),
@@ -436,16 +438,16 @@ impl Decoder {
         };
         Ok(CallResult {
             output,
-            stderr: printable(&remains.stderr),
+            stderr: escape_controls(&remains.stderr),
             exit,
             stdout: Vec::new(),
         })
     }
 
-    /// Interprets an exit status other than 0.
+    /// Returns the answer that an exit status represents, or `None` for 0.
     fn refusal(&self, status: ExitStatus) -> Result<Option<Answer>, Trouble> {
         let too_large = status.signal() == Some(Signal::XFSZ.as_raw());
-        if too_large && processes::files_are_limited_from_outside() {
+        if too_large && processes::is_file_size_limited_by_environment() {
             let error = rustix::io::Errno::FBIG.into();
             return Err(Trouble::new("let the decoder write a file", &error));
         }
@@ -454,7 +456,7 @@ impl Decoder {
             Some(EXIT_UNSUPPORTED) => Some(Answer::Unsupported),
             Some(EXIT_MALFORMED) => Some(Answer::Rejected),
             Some(code) if Some(code) == self.reject_exit => Some(Answer::Rejected),
-            _ => Some(Answer::Crashed(describe(status))),
+            _ => Some(Answer::Crashed(describe_exit(status))),
         })
     }
 }
@@ -462,19 +464,19 @@ impl Decoder {
 /// Message for a decoder that changed or removed its input.
 pub(crate) const INPUT_CHANGED_MESSAGE: &str = "its input file was changed or removed";
 
-/// Message for a call that was cut short.
+/// Message for a call that the user interrupted.
 pub(crate) const STOPPED_MESSAGE: &str = "the run was ended by the user";
 
-/// Describes the end of a process.
-pub(crate) fn describe(status: ExitStatus) -> String {
+/// Describes how a process ended.
+pub(crate) fn describe_exit(status: ExitStatus) -> String {
     match status.signal() {
         Some(signal) => format!("killed by signal {signal}"),
         None => format!("exit status {}", status.code().unwrap_or(-1)),
     }
 }
 
-/// Returns text that is safe on a terminal: control characters other than line feeds and tabs are escaped.
-pub(crate) fn printable(bytes: &[u8]) -> String {
+/// Returns text that is safe to print on a terminal. Escapes control characters other than line feeds and tabs.
+pub(crate) fn escape_controls(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let shown = |c: char| {
         if c.is_control() && c != '\n' && c != '\t' {

@@ -1,7 +1,8 @@
-//! Directories for inputs and for decoders, used by one run only and removed when it is over.
+//! Temporary directories for inputs and decoders. A run removes its directories when it is over.
 //!
-//! Inputs are written to a file system in memory if there is one and the file fits, because that needs no wait for a disk.
-//! Decoders work, and have their `TMPDIR`, in the usual place for temporary files, because programs may be started from there.
+//! Inputs are written to an in-memory file system if there is one and the file fits, because this avoids waiting for
+//! a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because
+//! programs may be executed from there.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -14,32 +15,32 @@ use rustix::fs::OFlags;
 use rustix::io::Errno;
 use tempfile::TempDir;
 
-use crate::runner::trouble::{Trouble, is_lack_of_room};
+use crate::runner::trouble::{Trouble, is_out_of_space};
 
-/// A file system in memory, on systems that have one.
+/// An in-memory file system, on systems that have one.
 const MEMORY_DIRECTORY: &str = "/dev/shm";
 
 /// Minimum number of free bytes in the working directory of a decoder.
 const MIN_FREE_BYTES: u64 = 64 << 20;
 
-/// The directories of a run, each on a different file system.
+/// Directories of a run, each on a different file system.
 #[derive(Debug)]
 pub struct Scratch {
-    /// Directories for inputs, best first; the first one that has room is used.
+    /// Directories for inputs, in order of preference. The first one with enough space is used.
     roots: Vec<TempDir>,
-    /// Index of the root that decoders work in.
+    /// Index of the root for working directories.
     works: usize,
-    /// Workplaces that were left unchanged.
+    /// Unused working directories that were left unchanged.
     free: Mutex<Vec<PathBuf>>,
     next: AtomicU64,
 }
 
 impl Scratch {
-    /// Makes the directories: in `TMPDIR` if it is set, else in memory and in `/tmp`; on other file systems too, for files that
-    /// do not fit there.
+    /// Creates the directories: in `TMPDIR` if it is set, otherwise in memory and in `/tmp`. Also creates directories
+    /// on other file systems, for files that do not fit.
     ///
     /// # Errors
-    /// Errors of the file system, if no directory can be made.
+    /// Returns an error of the file system if no directory can be created.
     pub fn new() -> io::Result<Scratch> {
         let usual = std::env::temp_dir();
         let others = ["/var/tmp", "/tmp"].map(PathBuf::from);
@@ -64,34 +65,37 @@ impl Scratch {
             return Err(failure.unwrap_or_else(|| io::ErrorKind::NotFound.into()));
         }
         Ok(Scratch {
-            works: place_to_work(&roots),
+            works: find_work_root(&roots),
             roots,
             free: Mutex::default(),
             next: AtomicU64::new(0),
         })
     }
 
-    /// Returns all directories.
+    /// Returns all root directories.
     pub fn directories(&self) -> impl Iterator<Item = &Path> {
         self.roots.iter().map(TempDir::path)
     }
 
-    /// Returns the directory in which decoders work.
+    /// Returns the directory that contains the working directories of decoders.
     #[must_use]
-    pub fn works(&self) -> &Path {
+    pub fn work_directory(&self) -> &Path {
         self.roots[self.works].path()
     }
 
-    /// Returns a place for one process.
+    /// Creates a workspace for one process.
     pub(crate) fn workspace(&self) -> Result<Workspace<'_>, Trouble> {
         let name = self.next.fetch_add(1, Ordering::Relaxed).to_string();
         let known = self.free.lock().expect("nothing panics here").pop();
         let workplace = if let Some(workplace) = known {
             workplace
         } else {
-            let workplace = self.works().join(format!("work-{name}"));
+            let workplace = self.work_directory().join(format!("work-{name}"));
             fs::create_dir_all(&workplace).map_err(|error| {
-                let what = format!("make a working directory in {}", self.works().display());
+                let what = format!(
+                    "make a working directory in {}",
+                    self.work_directory().display()
+                );
                 Trouble::new(&what, &error)
             })?;
             workplace
@@ -105,8 +109,9 @@ impl Scratch {
     }
 }
 
-/// Returns the first root outside memory with enough free space; memory may not be executable, so it comes last.
-fn place_to_work(roots: &[TempDir]) -> usize {
+/// Returns the index of the first root on disk with enough free space. Memory comes last, because it may not allow
+/// execution.
+fn find_work_root(roots: &[TempDir]) -> usize {
     let has_room = |root: &TempDir| {
         rustix::fs::statvfs(root.path())
             .is_ok_and(|system| system.f_bavail.saturating_mul(system.f_frsize) >= MIN_FREE_BYTES)
@@ -127,19 +132,23 @@ impl Drop for Scratch {
     }
 }
 
-/// Directories for one process, which no other process uses, so that files that it leaves there affect no other.
+/// Private directories of one process, so that files it leaves behind do not affect other processes.
 pub(crate) struct Workspace<'a> {
     scratch: &'a Scratch,
     name: String,
-    /// The directories of its inputs, one in each root that was needed.
+    /// Directories for inputs, one in each root that was needed.
     directories: Vec<PathBuf>,
-    /// Its working directory.
+    /// Working directory of the process.
     pub(crate) workplace: PathBuf,
 }
 
 impl Workspace<'_> {
-    /// Writes an input, read-only, to the first root with room for it.
-    pub(crate) fn lay_down(&mut self, file_name: &str, bytes: &[u8]) -> Result<PathBuf, Trouble> {
+    /// Writes an input, read-only, to the first root with enough space.
+    pub(crate) fn write_input(
+        &mut self,
+        file_name: &str,
+        bytes: &[u8],
+    ) -> Result<PathBuf, Trouble> {
         let mut failure = None;
         for root in self.scratch.directories() {
             let directory = root.join(&self.name);
@@ -151,9 +160,9 @@ impl Workspace<'_> {
                 Ok(()) => return Ok(path),
                 Err(error) => {
                     let _ = fs::remove_file(&path);
-                    let go_on = is_lack_of_room(&error);
+                    let may_retry = is_out_of_space(&error);
                     failure = failure.or(Some((root, error)));
-                    if !go_on {
+                    if !may_retry {
                         break;
                     }
                 }
@@ -168,8 +177,9 @@ impl Workspace<'_> {
         Err(Trouble::new(&what, &error))
     }
 
-    /// Returns `text` without the directories of its inputs: reports have file names, but not temporary directories.
-    pub(crate) fn without_directories(&self, text: &str) -> String {
+    /// Removes the directories of inputs from `text`, so that reports contain file names but no temporary
+    /// directories.
+    pub(crate) fn strip_directories(&self, text: &str) -> String {
         let directories = self.directories.iter();
         directories.fold(text.to_owned(), |text, directory| {
             text.replace(&format!("{}/", directory.display()), "")
@@ -179,11 +189,11 @@ impl Workspace<'_> {
 
 impl Drop for Workspace<'_> {
     fn drop(&mut self) {
-        // Files that cannot be removed stay; the answer is not affected.
+        // Files that cannot be removed are left behind. They do not affect the answer.
         for directory in &self.directories {
             remove(directory);
         }
-        if is_untouched_directory(&self.workplace) {
+        if is_unchanged_directory(&self.workplace) {
             let mut free = self.scratch.free.lock().expect("nothing panics here");
             free.push(std::mem::take(&mut self.workplace));
         } else {
@@ -201,8 +211,9 @@ fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)
 }
 
-/// Returns true if an input is unchanged. It may have become a pipe, a link or anything else, and may still change.
-pub(crate) fn is_untouched(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
+/// Returns true if an input is unchanged. A decoder may have replaced it with a pipe, a link or anything else, and
+/// may still change it.
+pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
     let carefully = OFlags::NOFOLLOW | OFlags::NONBLOCK;
     let open = fs::OpenOptions::new()
         .read(true)
@@ -231,14 +242,14 @@ pub(crate) fn is_untouched(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
             .is_ok_and(|_| read == bytes))
 }
 
-/// Returns true if it is still an empty directory with our owner and mode.
-fn is_untouched_directory(directory: &Path) -> bool {
+/// Returns true if the directory is still empty, with our owner and mode.
+fn is_unchanged_directory(directory: &Path) -> bool {
     let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
     fs::symlink_metadata(directory).is_ok_and(ours)
         && fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// Removes a directory and its contents, even if a decoder has locked some. What cannot be removed stays.
+/// Removes a directory and its contents, even if a decoder has locked some of it. Leaves what cannot be removed.
 pub fn remove(directory: &Path) {
     if fs::remove_dir_all(directory).is_err() {
         unlock(directory);
@@ -246,7 +257,7 @@ pub fn remove(directory: &Path) {
     }
 }
 
-/// Restores the permissions of all directories below this one; links are not followed.
+/// Restores the permissions of a directory and all directories below it. Does not follow links.
 fn unlock(directory: &Path) {
     let is_directory = |path: &Path| fs::symlink_metadata(path).is_ok_and(|file| file.is_dir());
     if is_directory(directory) {

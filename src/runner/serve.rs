@@ -1,14 +1,14 @@
-//! Serve mode of PTM-CP 1: one process answers request after request.
+//! Serve mode of PTM-CP 1: a single process answers many requests.
 //!
 //! ```text
 //! to the decoder    SEQ VIEW PATH
-//! from it           SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, including the line of the frame
+//! from the decoder  SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, including the line of the frame
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
 //!
-//! Each job has its own process with one request in flight. A process that dies, hangs or answers out of order is ended. Its
-//! request is repeated with a new process, and the next request starts another serving process.
+//! Each job has its own process with one request in flight. A process that exits, hangs or answers out of order is
+//! ended. Its request is repeated with a new process, and the next request starts another serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -24,14 +24,15 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    Decoder, Failure, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe, printable,
+    Decoder, Failure, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe_exit,
+    escape_controls,
 };
-use crate::runner::scratch::{Scratch, Workspace, is_untouched};
+use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
 use crate::runner::trouble::Trouble;
 
-/// The reason why a request has no answer from the serving process.
+/// The reason why the serving process did not answer a request.
 enum NotServed {
-    /// The serving process did this instead.
+    /// The serving process violated the protocol in this way.
     Violation(Answer),
     /// This program could not do its part.
     Trouble,
@@ -44,7 +45,7 @@ impl From<Answer> for NotServed {
 }
 
 impl From<Trouble> for NotServed {
-    /// Ignores trouble: the request is repeated one-shot, where persistent trouble stops the run.
+    /// Discards the trouble. The request is repeated in one-shot mode, where persistent trouble stops the run.
     fn from(_: Trouble) -> NotServed {
         NotServed::Trouble
     }
@@ -56,26 +57,26 @@ impl From<std::io::Error> for NotServed {
     }
 }
 
-/// Maximum length of the first line of an answer.
+/// Maximum length of the first line of an answer, in bytes.
 const MAX_LINE_LENGTH: usize = 1000;
-/// Number of requests without a single answer after which serve mode is given up.
-const MAX_UNANSWERED: usize = 2;
-/// Time for a process to end, or to flush its output, after its standard input is closed.
+/// Maximum number of initial requests without an answer, before serve mode is disabled.
+const MAX_UNANSWERED_REQUESTS: usize = 2;
+/// Time that a process has to end or to flush its output after its standard input is closed.
 const GRACE_PERIOD: Duration = Duration::from_secs(2);
 
-/// The serving processes of a run, one for each job.
+/// Serving processes of a run, one per job.
 pub struct Servers<'a> {
     decoder: &'a Decoder,
     scratch: &'a Scratch,
     jobs: Vec<Mutex<Option<Server<'a>>>>,
-    /// Requests answered by any of the processes.
+    /// Number of requests that any process answered.
     answered: AtomicUsize,
-    /// Requests without an answer, counted until the first answer.
-    barren: AtomicUsize,
+    /// Number of unanswered requests, counted until the first answer.
+    unanswered: AtomicUsize,
 }
 
 impl<'a> Servers<'a> {
-    /// Starts no process yet; each is started when it is needed.
+    /// Creates the job slots. Each process is started when it is needed.
     #[must_use]
     pub fn new(decoder: &'a Decoder, scratch: &'a Scratch, jobs: usize) -> Servers<'a> {
         Servers {
@@ -83,14 +84,15 @@ impl<'a> Servers<'a> {
             scratch,
             jobs: (0..jobs).map(|_| Mutex::default()).collect(),
             answered: AtomicUsize::new(0),
-            barren: AtomicUsize::new(0),
+            unanswered: AtomicUsize::new(0),
         }
     }
 
-    /// Asks the process of `job`, or a new process if the request wants that or serve mode was given up.
+    /// Sends a request to the process of `job`. Uses a new process if the request demands it, or if serve mode is
+    /// disabled.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
-        if request.alone || self.have_given_up() {
+        if request.alone || self.is_serve_mode_disabled() {
             return self.decoder.ask(request, self.scratch);
         }
         let mut place = self.jobs[job].lock().expect("a job asks alone");
@@ -98,7 +100,7 @@ impl<'a> Servers<'a> {
             Some(server) => Ok(server),
             None => Server::start(self.decoder, self.scratch),
         };
-        // If a server cannot be started, neither can a single process, which reports the reason.
+        // If a server cannot be started, a one-shot process cannot be started either, and reports the reason.
         let Ok(mut server) = started else {
             return self.decoder.ask(request, self.scratch);
         };
@@ -117,14 +119,14 @@ impl<'a> Servers<'a> {
         };
         drop(server);
         if self.answered.load(Ordering::Relaxed) == 0 {
-            self.barren.fetch_add(1, Ordering::Relaxed);
+            self.unanswered.fetch_add(1, Ordering::Relaxed);
         }
         let stopped = self.decoder.stop.load(Ordering::Relaxed);
         let alone = match stopped {
             true => served.clone().into(),
             false => self.decoder.ask(request, self.scratch),
         };
-        // If the decoder fails alone on this file too, serve mode is not the cause.
+        // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
         let served = alone.answer.violation().is_none().then_some(served);
         Reply {
             after,
@@ -133,27 +135,27 @@ impl<'a> Servers<'a> {
         }
     }
 
-    /// Returns true if the first requests had no answer, so that serve mode was given up.
+    /// Returns true if serve mode is disabled because the first requests had no answer.
     #[must_use]
-    pub fn have_given_up(&self) -> bool {
-        self.barren.load(Ordering::Relaxed) >= MAX_UNANSWERED
+    pub fn is_serve_mode_disabled(&self) -> bool {
+        self.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED_REQUESTS
     }
 }
 
 /// A serving process.
 struct Server<'a> {
     call: Call,
-    /// None after it is closed.
+    /// Standard input, or `None` after it is closed.
     stdin: Option<OwnedFd>,
     workspace: Workspace<'a>,
-    /// The file of the last request.
+    /// File of the last request.
     input: Option<PathBuf>,
-    /// The number of the last request.
+    /// Sequence number of the last request.
     sequence: u64,
-    /// The name of the last request.
+    /// Name of the last request.
     before: Option<String>,
     /// Time of the last memory measurement.
-    measured: Instant,
+    last_measured: Instant,
 }
 
 impl<'a> Server<'a> {
@@ -173,21 +175,21 @@ impl<'a> Server<'a> {
             input: None,
             sequence: 0,
             before: None,
-            measured: Instant::now(),
+            last_measured: Instant::now(),
         })
     }
 
-    /// Asks once. After an error the process is of no further use.
+    /// Sends one request. After an error, the process must not be used again.
     fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, NotServed> {
         self.sequence += 1;
         self.call.errors.clear();
-        self.call.read_what_is_there(MAX_LINE_LENGTH)?;
+        self.call.read_available(MAX_LINE_LENGTH)?;
         self.expect_silence("it wrote", "before it was asked")?;
         let name = format!("{}.ptm", self.sequence);
-        let input = self.workspace.lay_down(&name, request.file)?;
+        let input = self.workspace.write_input(&name, request.file)?;
         let outcome = self.exchange(&input, request, decoder);
-        let untouched = is_untouched(&input, request.file);
-        // The decoder may answer too early and read the file later; what is left is removed with its directory.
+        let untouched = is_unchanged(&input, request.file);
+        // The decoder may answer before it has read the file. The last file is removed with its directory.
         if let Some(last) = self.input.replace(input) {
             let _ = fs::remove_file(last);
         }
@@ -196,24 +198,24 @@ impl<'a> Server<'a> {
             return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
         }
         self.expect_silence("its answer is followed by", "")?;
-        let stderr = printable(&self.call.errors);
+        let stderr = escape_controls(&self.call.errors);
         Ok(Reply {
-            stderr: self.workspace.without_directories(&stderr),
+            stderr: self.workspace.strip_directories(&stderr),
             ..answer.into()
         })
     }
 
-    /// Fails if the process has written anything that is not an answer.
+    /// Returns an error if the process wrote anything that is not an answer.
     fn expect_silence(&self, before: &str, after: &str) -> Result<(), Answer> {
         if self.call.output.is_empty() {
             Ok(())
         } else {
-            let says = format!("{before} {} {after}", quoted(&self.call.output));
+            let says = format!("{before} {} {after}", quote_start(&self.call.output));
             Err(Answer::ProtocolError(says.trim_end().to_owned()))
         }
     }
 
-    /// Sends the request and waits for its answer.
+    /// Sends the request and waits for the answer.
     fn exchange(
         &mut self,
         input: &Path,
@@ -236,7 +238,7 @@ impl<'a> Server<'a> {
                 return Ok(answer);
             }
             if self.call.has_ended() {
-                // The process may have written its last words since.
+                // The process may have written its final output in the meantime.
                 return match self.read_answer(most, decoder)? {
                     Some(answer) => Ok(answer),
                     None => Err(self.ended().into()),
@@ -244,20 +246,20 @@ impl<'a> Server<'a> {
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Err(self.hung(most, limit, decoder).into());
+                return Err(self.timeout_answer(most, limit, decoder).into());
             }
             if decoder.stop.load(Ordering::Relaxed) {
                 return Err(Answer::Hung(STOPPED_MESSAGE.to_owned()).into());
             }
-            self.measure(decoder)?;
+            self.check_memory(decoder)?;
             let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
             self.call
-                .wait_for_news(writing.map(AsFd::as_fd), left.min(POLL_INTERVAL))?;
-            self.call.read_what_is_there(most + MAX_LINE_LENGTH)?;
+                .wait_for_event(writing.map(AsFd::as_fd), left.min(POLL_INTERVAL))?;
+            self.call.read_available(most + MAX_LINE_LENGTH)?;
         }
     }
 
-    /// Sends what can be sent without waiting. A process that does not read its input is noticed by the timeout.
+    /// Sends as much as possible without blocking. The timeout detects a process that does not read its input.
     fn send(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
         while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
             match rustix::io::write(stdin, unsent) {
@@ -272,11 +274,11 @@ impl<'a> Server<'a> {
     }
 
     fn read_answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, NotServed> {
-        self.call.read_what_is_there(most + MAX_LINE_LENGTH)?;
+        self.call.read_available(most + MAX_LINE_LENGTH)?;
         Ok(self.answer(most, decoder)?)
     }
 
-    /// Takes the answer from what has been read, if it is complete.
+    /// Consumes the answer from the output if it is complete.
     fn answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
         let read = read_answer(&self.call.output, self.sequence, most, decoder.reject_exit);
         let taken = read.map_err(Answer::ProtocolError)?;
@@ -286,13 +288,13 @@ impl<'a> Server<'a> {
         }))
     }
 
-    /// Fails if the process holds too much memory; measures at intervals.
-    fn measure(&mut self, decoder: &Decoder) -> Result<(), Answer> {
-        if self.measured.elapsed() < POLL_INTERVAL || !processes::can_be_watched() {
+    /// Returns an error if the process uses too much memory. Measures at intervals.
+    fn check_memory(&mut self, decoder: &Decoder) -> Result<(), Answer> {
+        if self.last_measured.elapsed() < POLL_INTERVAL || !processes::can_inspect_processes() {
             return Ok(());
         }
-        self.measured = Instant::now();
-        if processes::memory_of(self.call.group, &self.workspace.workplace) > decoder.memory {
+        self.last_measured = Instant::now();
+        if processes::memory_of_call(self.call.group, &self.workspace.workplace) > decoder.memory {
             return Err(decoder.out_of_memory());
         }
         Ok(())
@@ -301,27 +303,27 @@ impl<'a> Server<'a> {
     /// Returns the answer for a process that ended before it answered.
     fn ended(&mut self) -> Answer {
         let answered = self.sequence - 1;
-        let how = self.call.end(&self.workspace.workplace).map(describe);
+        let how = self.call.end(&self.workspace.workplace).map(describe_exit);
         Answer::Crashed(format!(
             "the serving process ended ({}) without an answer; it had answered {answered} requests",
             how.unwrap_or_else(|error| error.to_string())
         ))
     }
 
-    /// Returns the answer after a timeout. If the process answers when its input is closed, it had buffered its output.
-    fn hung(&mut self, most: usize, limit: Duration, decoder: &Decoder) -> Answer {
+    /// Returns the answer for a timeout. If the process answers when its input is closed, it had buffered its output.
+    fn timeout_answer(&mut self, most: usize, limit: Duration, decoder: &Decoder) -> Answer {
         drop(self.stdin.take());
         let deadline = Instant::now() + GRACE_PERIOD;
-        let mut kept_back = false;
-        while !kept_back && Instant::now() < deadline {
+        let mut was_buffered = false;
+        while !was_buffered && Instant::now() < deadline {
             let ended = self.call.has_ended();
-            kept_back = matches!(self.read_answer(most, decoder), Ok(Some(_)));
-            if ended || self.call.wait_for_news(None, POLL_INTERVAL).is_err() {
+            was_buffered = matches!(self.read_answer(most, decoder), Ok(Some(_)));
+            if ended || self.call.wait_for_event(None, POLL_INTERVAL).is_err() {
                 break;
             }
         }
         let limit = limit.as_secs_f64();
-        Answer::Hung(if kept_back {
+        Answer::Hung(if was_buffered {
             format!(
                 "no answer within {limit} s; it came when standard input was closed: flush standard output after each answer"
             )
@@ -333,12 +335,12 @@ impl<'a> Server<'a> {
 
 impl Drop for Server<'_> {
     fn drop(&mut self) {
-        // A server ends when its input ends; a process that does not is killed.
+        // A server should exit at the end of its input. Kill it if it does not.
         drop(self.stdin.take());
         let deadline = Instant::now() + GRACE_PERIOD / 4;
         while !self.call.has_ended() && Instant::now() < deadline {
-            let _ = self.call.wait_for_news(None, POLL_INTERVAL);
-            let _ = self.call.read_what_is_there(MAX_LINE_LENGTH);
+            let _ = self.call.wait_for_event(None, POLL_INTERVAL);
+            let _ = self.call.read_available(MAX_LINE_LENGTH);
             if self.call.output.len() > MAX_LINE_LENGTH {
                 break;
             }
@@ -347,8 +349,8 @@ impl Drop for Server<'_> {
     }
 }
 
-/// Reads the answer to request `sequence` at the beginning of `bytes`, and its length; returns None while it is incomplete. The
-/// error is a sentence.
+/// Parses the answer to request `sequence` at the start of `bytes`. Returns the answer and its length, or `None`
+/// while it is incomplete. The error is a sentence.
 fn read_answer(
     bytes: &[u8],
     sequence: u64,
@@ -360,35 +362,35 @@ fn read_answer(
         return match bytes.len() >= MAX_LINE_LENGTH {
             true => Err(format!(
                 "its answer begins with {} and has no line end",
-                quoted(bytes)
+                quote_start(bytes)
             )),
             false => Ok(None),
         };
     };
     let line = &bytes[..end];
     let mut words = line.splitn(3, |&byte| byte == b' ');
-    let number = words.next().and_then(digits);
+    let number = words.next().and_then(parse_digits);
     let number = number.ok_or_else(|| unexpected(line, sequence))?;
     if number != sequence {
         return Err(format!(
             "its answer to request {sequence} has the number {number}: {}",
-            quoted(line)
+            quote_start(line)
         ));
     }
     let (kind, rest) = (words.next(), words.next().unwrap_or_default());
     match kind {
         Some(b"ok") => {
-            let length = digits(rest).ok_or_else(|| unexpected(line, sequence))?;
+            let length = parse_digits(rest).ok_or_else(|| unexpected(line, sequence))?;
             read_frame(&bytes[end + 1..], length, most)
                 .map(|frame| frame.map(|frame| (frame, end + 1 + length as usize)))
         }
-        Some(b"reject") => match digits(rest).and_then(|code| i32::try_from(code).ok()) {
+        Some(b"reject") => match parse_digits(rest).and_then(|code| i32::try_from(code).ok()) {
             Some(code) if code == EXIT_MALFORMED || Some(code) == reject_exit => {
                 Ok(Some((Answer::Rejected, end + 1)))
             }
             _ => Err(format!(
                 "expected the refusal code {EXIT_MALFORMED}, found {}",
-                quoted(line)
+                quote_start(line)
             )),
         },
         Some(b"unsupported") => Ok(Some((Answer::Unsupported, end + 1))),
@@ -396,7 +398,7 @@ fn read_answer(
     }
 }
 
-/// Reads the frame of `length` bytes at the beginning of `bytes`; returns None while it is incomplete.
+/// Parses a frame of `length` bytes at the start of `bytes`. Returns `None` while it is incomplete.
 fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, String> {
     if length > most as u64 {
         return Err(format!(
@@ -421,18 +423,18 @@ fn unexpected(line: &[u8], sequence: u64) -> String {
     };
     format!(
         "expected \"{sequence} ok NBYTES\", \"{sequence} reject CODE\" or \"{sequence} unsupported FEATURE\", found {}{hint}",
-        quoted(line)
+        quote_start(line)
     )
 }
 
-fn digits(word: &[u8]) -> Option<u64> {
+fn parse_digits(word: &[u8]) -> Option<u64> {
     let number = std::str::from_utf8(word).ok()?;
     let plain = number.bytes().all(|byte| byte.is_ascii_digit());
     number.parse().ok().filter(|_| plain)
 }
 
-/// Quotes the beginning of `bytes` for a message.
-fn quoted(bytes: &[u8]) -> String {
+/// Quotes the start of `bytes` for a message.
+fn quote_start(bytes: &[u8]) -> String {
     let shown = &bytes[..bytes.len().min(40)];
     let more = if bytes.len() > shown.len() { "…" } else { "" };
     format!("\"{}{more}\"", shown.escape_ascii())

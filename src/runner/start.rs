@@ -1,6 +1,7 @@
-//! Reasons why a program does not start, and what to do about them.
+//! Explains why a program does not start, and how to fix it.
 //!
-//! The system's own message ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
+//! The message of the system ("no such file or directory") is often misleading: the file exists, but its interpreter
+//! does not.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -8,12 +9,12 @@ use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// The reason why a program cannot be started, and what to do.
+/// The reason why a program cannot be started, and a remedy.
 pub(crate) type Obstacle = (String, String);
 
 /// Returns the message for `program`, which did not start because of `error`.
-pub(crate) fn start_failure(program: &OsStr, error: &io::Error) -> String {
-    // The report shows its name, but not its directory.
+pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> String {
+    // The report contains the name of the program, but not its directory.
     let name = Path::new(program).file_name().unwrap_or(program);
     match check_program(program, &name.to_string_lossy()) {
         Err((says, next)) => format!("{says}; {next}"),
@@ -25,10 +26,10 @@ pub(crate) fn start_failure(program: &OsStr, error: &io::Error) -> String {
     }
 }
 
-/// Checks a program before it is started. `text` is its name in messages.
+/// Checks a program before it is started. `text` is the name of the program in messages.
 ///
 /// # Errors
-/// The reason why it cannot be started, and what to do.
+/// Returns the reason why the program cannot be started, and a remedy.
 pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
@@ -47,7 +48,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {
-        in_path(word)
+        find_in_path(word)
     }) else {
         let (says, next) = if here.is_file() {
             (
@@ -57,7 +58,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
                 format!("write ./{text}"),
             )
         } else {
-            missing(text, "no program with this name is in PATH")
+            missing_command(text, "no program with this name is in PATH")
         };
         return Err((says, next));
     };
@@ -74,7 +75,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let beginning = beginning(&program);
     if about.permissions().mode() & 0o111 == 0 {
         if let Some(language) = source_language(text) {
-            return Err(source(text, language));
+            return Err(source_code_obstacle(text, language));
         }
         return Err((
             format!("{text} is not executable"),
@@ -89,8 +90,8 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     check_beginning(text, &beginning)
 }
 
-/// Returns the message for a command that was not found, which may be several words in one.
-fn missing(text: &str, says: &str) -> Obstacle {
+/// Returns the message for a command that was not found. The command may be several words in one.
+fn missing_command(text: &str, says: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!("the command is several words: write them without quotation marks, -- {text}")
     } else {
@@ -99,14 +100,14 @@ fn missing(text: &str, says: &str) -> Obstacle {
     (says.to_owned(), next)
 }
 
-fn in_path(word: &OsStr) -> Option<PathBuf> {
+fn find_in_path(word: &OsStr) -> Option<PathBuf> {
     let directories = std::env::var_os("PATH")?;
     std::env::split_paths(&directories)
         .map(|directory| directory.join(word))
         .find(|path| path.is_file())
 }
 
-/// Returns the first bytes of a file; none if it cannot be read, in which case it may still be executable.
+/// Returns the first bytes of a file, or nothing if the file cannot be read. It may still be executable.
 fn beginning(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     if fs::metadata(path).is_ok_and(|about| about.is_file()) {
@@ -115,16 +116,16 @@ fn beginning(path: &Path) -> Vec<u8> {
     bytes
 }
 
-/// First bytes of files that this system cannot run by themselves: their kind, and what to do.
+/// First bytes of files that this system cannot execute, with their type and a remedy.
 const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"MZ",
         "a Windows program",
         "run it with wine (-- wine my-decoder.exe), or run it on Windows on an exported corpus: ptm-conform generate --help",
     ),
-    (b"\xcf\xfa\xed\xfe", MACH, MACH_REMEDY),
-    (b"\xce\xfa\xed\xfe", MACH, MACH_REMEDY),
-    (b"\xca\xfe\xba\xbe", MACH, MACH_REMEDY),
+    (b"\xcf\xfa\xed\xfe", MACH_O, MACH_O_REMEDY),
+    (b"\xce\xfa\xed\xfe", MACH_O, MACH_O_REMEDY),
+    (b"\xca\xfe\xba\xbe", MACH_O, MACH_O_REMEDY),
     (
         b"PK\x03\x04",
         "an archive",
@@ -137,10 +138,10 @@ const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     ),
 ];
 
-const MACH: &str = "a macOS program, or a Java class";
-const MACH_REMEDY: &str = "build it for this system; run a class with java";
+const MACH_O: &str = "a macOS program, or a Java class";
+const MACH_O_REMEDY: &str = "build it for this system; run a class with java";
 
-/// Checks the beginning of a file, which tells the system how to run it.
+/// Checks the first bytes of a file, which determine how the system executes it.
 fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     if beginning.is_empty() {
         return Err((
@@ -156,12 +157,12 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     }
     let mut kinds = FOREIGN_FILE_KINDS.iter();
     let kind = kinds.find(|(first, what, _)| {
-        beginning.starts_with(first) && (*what != MACH || cfg!(target_os = "linux"))
+        beginning.starts_with(first) && (*what != MACH_O || cfg!(target_os = "linux"))
     });
     Err(if let Some((_, what, next)) = kind {
         (format!("{text} is {what}"), (*next).to_owned())
     } else if let Some(language) = source_language(text) {
-        source(text, language)
+        source_code_obstacle(text, language)
     } else {
         let interpreter = interpreter_for(text).unwrap_or("python3");
         (
@@ -173,7 +174,7 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     })
 }
 
-/// Checks the line after `#!`; `line` may contain more than that line.
+/// Checks the line after `#!`. `line` may extend past the end of that line.
 fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     let end = line.iter().position(|&byte| byte == b'\n');
     let line = &line[..end.unwrap_or(line.len())];
@@ -218,7 +219,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     ))
 }
 
-/// Returns the name of an ELF machine, and true if this system runs its programs.
+/// Returns the name of an ELF machine, and true if this system can execute its programs.
 fn machine_name(machine: u16) -> (String, bool) {
     let known = [
         (3, "x86"),
@@ -236,7 +237,8 @@ fn machine_name(machine: u16) -> (String, bool) {
         .iter()
         .find(|&&(number, _)| number == machine)
         .map(|&(_, name)| name);
-    // 64-bit machines run the programs of their 32-bit predecessors too. Unknown machines are left to the system.
+    // 64-bit machines can also execute programs for their 32-bit predecessors. The system decides about unknown
+    // machines.
     let runs = [("x86_64", "x86"), ("aarch64", "arm")]
         .contains(&(std::env::consts::ARCH, name.unwrap_or_default()));
     let ours = name.is_none_or(|name| name == std::env::consts::ARCH) || runs;
@@ -246,7 +248,7 @@ fn machine_name(machine: u16) -> (String, bool) {
     )
 }
 
-/// Returns the interpreter for a script, by its suffix.
+/// Returns the interpreter for a script, based on its extension.
 fn interpreter_for(text: &str) -> Option<&'static str> {
     let suffixes = [
         (".py", "python3"),
@@ -266,14 +268,14 @@ fn interpreter_for(text: &str) -> Option<&'static str> {
         .map(|&(_, interpreter)| interpreter)
 }
 
-fn source(text: &str, language: &str) -> Obstacle {
+fn source_code_obstacle(text: &str, language: &str) -> Obstacle {
     (
         format!("{text} is {language} source code, not a program"),
         "build it, and name the resulting program".to_owned(),
     )
 }
 
-/// Returns the language of a source file that must be compiled, by its suffix.
+/// Returns the language of a source file that must be compiled, based on its extension.
 fn source_language(text: &str) -> Option<&'static str> {
     let languages = [
         (".c", "C"),

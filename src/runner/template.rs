@@ -1,7 +1,7 @@
-//! Command lines for programs that do not speak the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
+//! Command lines for programs that do not implement the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
 //!
-//! The text is split as a shell would split it, without a shell. A placeholder may be anywhere in a word, so paths with spaces
-//! stay one word. `{{` and `}}` are braces.
+//! The text is split into words like in a shell, but without running one. A placeholder may be anywhere in a word, so
+//! paths with spaces remain one word. `{{` and `}}` are literal braces.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -15,18 +15,18 @@ use rustix::io::Errno;
 use crate::protocol::frame::Answer;
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// A command line with placeholders for the values that change from call to call.
+/// A command line with placeholders for values that differ between calls.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Template {
     words: Vec<Vec<TemplatePiece>>,
 }
 
-/// A piece of a word.
+/// A part of a word.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TemplatePiece {
     Text(OsString),
     In,
-    /// The file to be written, with the rest of the word: viewers choose the format by the suffix.
+    /// The output file, with an extension, because viewers choose the format by extension.
     Out(String),
     Lu,
     Lv,
@@ -35,14 +35,15 @@ enum TemplatePiece {
     Value(String),
 }
 
-/// The name of the file to be written, without its suffix.
-const OUTPUT: &str = "picture";
+/// Name of the output file, without its extension.
+const OUTPUT_NAME: &str = "picture";
 
 impl Template {
-    /// Parses a template. Words that name existing files are made absolute, because calls run in their own directories.
+    /// Parses a template. Words that name existing files become absolute paths, because each call runs in a separate
+    /// directory.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with it.
+    /// Returns a sentence that describes the error in the template.
     pub fn parse(text: &str) -> Result<Template, String> {
         let template = Template::split(text, &[])?;
         if !template.pieces().any(|piece| *piece == TemplatePiece::In) {
@@ -54,10 +55,10 @@ impl Template {
         Ok(template)
     }
 
-    /// Parses a template for a program that writes `{out}`. Other placeholders are `{in}` and `names`.
+    /// Parses a template for a program that writes `{out}`. The other placeholders are `{in}` and `names`.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with it.
+    /// Returns a sentence that describes the error in the template.
     pub fn parse_for_writer(text: &str, names: &[&str]) -> Result<Template, String> {
         let template = Template::split(text, names)?;
         if template.outputs().count() != 1 {
@@ -84,7 +85,7 @@ impl Template {
         Ok(template)
     }
 
-    /// Splits a template into words, the first of which is a program.
+    /// Splits a template into words, the first of which must be a program.
     fn split(text: &str, names: &[&str]) -> Result<Template, String> {
         let words =
             shlex::split(text).ok_or("it has an unclosed quotation mark or ends in a backslash")?;
@@ -100,9 +101,9 @@ impl Template {
         }
     }
 
-    /// Makes a template of the words of `command`, unchanged; a placeholder is a word by itself.
+    /// Creates a template from the words of `command`. A word that equals a placeholder becomes that placeholder.
     #[must_use]
-    pub fn of_words(command: &[OsString]) -> Template {
+    pub fn from_words(command: &[OsString]) -> Template {
         let piece = |word: &OsString| match word.to_str() {
             Some("{in}") => TemplatePiece::In,
             Some("{out}") => TemplatePiece::Out(String::new()),
@@ -114,22 +115,22 @@ impl Template {
         }
     }
 
-    /// Returns true if the view is a word of the call, so that a call can ask for any view.
+    /// Returns true if the view is part of the command line, so that a call can request any view.
     #[must_use]
-    pub fn names_view(&self) -> bool {
+    pub fn has_view(&self) -> bool {
         self.pieces().any(|piece| *piece == TemplatePiece::View)
     }
 
-    /// Returns true if both coordinates of the light occur.
+    /// Returns true if the command line contains both coordinates of the light.
     #[must_use]
-    pub fn names_light(&self) -> bool {
+    pub fn has_light(&self) -> bool {
         [TemplatePiece::Lu, TemplatePiece::Lv]
             .iter()
             .all(|wanted| self.pieces().any(|piece| piece == wanted))
     }
 
-    /// Returns the words of a call that asks for `view`, reads `input` and works in `workplace`. A view without a light has the
-    /// light 0, 0.
+    /// Returns the command line of a call that requests `view`, reads `input` and runs in `workplace`. For a view
+    /// without a light, the light is 0, 0.
     pub(crate) fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
@@ -140,7 +141,7 @@ impl Template {
         })
     }
 
-    /// Returns the words of a call that carries out the request in `input`, with named values.
+    /// Returns the command line of a call that executes the request in `input`, with named values.
     pub(crate) fn words_of_values(
         &self,
         input: &Path,
@@ -164,15 +165,15 @@ impl Template {
         let filled = |piece: &TemplatePiece| match piece {
             TemplatePiece::Text(text) => text.clone(),
             TemplatePiece::In => input.into(),
-            TemplatePiece::Out(suffix) => workplace.join(format!("{OUTPUT}{suffix}")).into(),
+            TemplatePiece::Out(suffix) => workplace.join(format!("{OUTPUT_NAME}{suffix}")).into(),
             piece => other(piece),
         };
         let joined = |pieces: &Vec<TemplatePiece>| pieces.iter().map(filled).collect();
         self.words.iter().map(joined).collect()
     }
 
-    /// Returns the file that a call writes, if it writes one. Call this before the program starts: it opens
-    /// `workplace`, so replacing that directory later has no effect.
+    /// Returns the output file of a call, if the template has one. Call this before the program starts: it opens
+    /// `workplace`, so that replacing the directory later has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {
             return Ok(None);
@@ -182,7 +183,7 @@ impl Template {
             .map_err(|error| Trouble::new("open a working directory", &error.into()))?;
         Ok(Some(OutputFile {
             directory,
-            name: format!("{OUTPUT}{suffix}"),
+            name: format!("{OUTPUT_NAME}{suffix}"),
         }))
     }
 
@@ -257,7 +258,7 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePi
     Ok(pieces)
 }
 
-/// Returns the name of the placeholder at the beginning of `text`, and the rest of `text`.
+/// Returns the name of the placeholder at the start of `text`, and the rest of `text`.
 fn placeholder(text: &str) -> Option<(&str, &str)> {
     let (name, after) = text.strip_prefix('{')?.split_once('}')?;
     let is_name = !name.is_empty()
@@ -267,7 +268,8 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
     is_name.then_some((name, after))
 }
 
-/// Makes a word of a command absolute if it names an existing file. A bare program name is looked up in PATH only.
+/// Makes a word of a command absolute if it names an existing file. A program name without a directory is only looked
+/// up in PATH.
 pub(crate) fn absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
     let names_file = path.exists() && (!is_program || path.components().count() > 1);
@@ -280,14 +282,14 @@ pub(crate) fn absolute(word: &OsStr, is_program: bool) -> Result<OsString, Strin
     }
 }
 
-/// The file that a call writes.
+/// The output file of a call.
 pub(crate) struct OutputFile {
     directory: OwnedFd,
     name: String,
 }
 
 impl OutputFile {
-    /// Returns true if there is a regular file of more than `most` bytes.
+    /// Returns true if the file is a regular file of more than `most` bytes.
     pub(crate) fn is_longer_than(&self, most: usize) -> bool {
         let about = rustix::fs::statat(&self.directory, &self.name, AtFlags::SYMLINK_NOFOLLOW);
         about.is_ok_and(|about| {
@@ -296,7 +298,7 @@ impl OutputFile {
         })
     }
 
-    /// Reads at most `most` bytes of it. Follows no link and opens nothing but a regular file.
+    /// Reads at most `most` bytes of the file. Follows no links, and opens only regular files.
     pub(crate) fn read(&self, most: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
         let fault = |what: &str| {
             Ok(Err(Answer::ProtocolError(format!(

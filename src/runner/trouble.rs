@@ -1,16 +1,16 @@
-//! Failures of this program to do its part of a call: a full disk, too many open files or processes.
+//! Failures of this program to do its part of a call, such as a full disk or too many open files or processes.
 //!
-//! Such trouble says nothing about the decoder. The call is repeated, and if the trouble persists, the run ends.
+//! These failures say nothing about the decoder. The call is repeated, and if the trouble persists, the run ends.
 
 use std::io;
 
 use rustix::io::Errno;
 
-/// Something that this program could not do, with a remedy.
+/// A failure of this program, with a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Trouble(String);
 
-/// Remedies for known shortages.
+/// Remedies for known shortages of resources.
 const REMEDIES: [(&[Errno], &str); 6] = [
     (
         &[Errno::NOSPC, Errno::DQUOT],
@@ -33,7 +33,7 @@ const REMEDIES: [(&[Errno], &str); 6] = [
 ];
 
 impl Trouble {
-    /// Makes the message for `what`, which could not be done because of `error`.
+    /// Creates the message for the operation `what`, which failed because of `error`.
     pub(crate) fn new(what: &str, error: &io::Error) -> Trouble {
         let known = Errno::from_io_error(error).and_then(|error| {
             let mut remedies = REMEDIES.iter();
@@ -43,7 +43,7 @@ impl Trouble {
         Trouble(format!("cannot {what}: {error}{remedy}"))
     }
 
-    /// Returns the sentence.
+    /// Returns the message.
     pub(crate) fn into_text(self) -> String {
         self.0
     }
@@ -62,8 +62,9 @@ pub(crate) fn is_shortage(error: &io::Error) -> bool {
     Errno::from_io_error(error).is_some_and(|error| shortages.contains(&error))
 }
 
-/// Returns true if another file system may have room for a file that could not be written.
-pub(crate) fn is_lack_of_room(error: &io::Error) -> bool {
+/// Returns true if a file could not be written because of its file system, so that another file system may have
+/// space.
+pub(crate) fn is_out_of_space(error: &io::Error) -> bool {
     let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
     Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))
 }

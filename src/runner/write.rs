@@ -1,35 +1,35 @@
-//! A call that writes a file: its inputs are a request and attachments, its output is a file.
+//! Calls that write a file. The inputs are a request and attachments, and the output is a file.
 //!
-//! The limits are those of every call. The file is expected in the working directory, opened without following links, and read
-//! only up to the maximum size of a correct file.
+//! The limits are those of every call. The output file must be in the working directory. It is opened without
+//! following links, and read only up to the maximum size of a correct file.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::protocol::frame::Answer;
 use crate::runner::run::{CallResult, Decoder, Failure, INPUT_CHANGED_MESSAGE};
-use crate::runner::scratch::{Scratch, is_untouched};
+use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
 
-/// A file that a request names.
+/// A file that a request refers to.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Its name in a template and in the request's text, where it is in braces.
+    /// Name in a template and in the text of the request, where it is in braces.
     pub name: String,
-    /// The name of the file.
+    /// Name of the file.
     pub file_name: String,
-    /// Its contents.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
 }
 
-/// A request to write one file.
+/// A request to write a file.
 #[derive(Clone, Debug)]
 pub struct WriteCall<'a> {
-    /// The request in JSON. A string `"{name}"` in it stands for the path of the attachment of that name.
+    /// Request in JSON. A string `"{name}"` in it is replaced with the path of the attachment with this name.
     pub request: &'a str,
-    /// The files that it names.
+    /// Files that the request refers to.
     pub attachments: &'a [Attachment],
-    /// Values that a template may name.
+    /// Values that a template may refer to.
     pub values: &'a [(&'static str, String)],
     /// Maximum size of the written file, in bytes.
     pub most: usize,
@@ -38,21 +38,21 @@ pub struct WriteCall<'a> {
 }
 
 impl Decoder {
-    /// Returns the same program, called as `program args… VERB REQUEST OUT` unless a template calls it.
+    /// Returns the same program with the command line `program args… VERB REQUEST OUT`, unless it has a template.
     #[must_use]
     pub fn as_writer(&self, verb: &str) -> Decoder {
         let words = [verb, "{in}", "{out}"].map(OsString::from);
         let command = [self.command(), &words].concat();
         match self.template {
             Some(_) => self.clone(),
-            None => self.called_by(Template::of_words(&command)),
+            None => self.with_command_line(Template::from_words(&command)),
         }
     }
 
-    /// Requests a file; the output of the call is the file.
+    /// Requests a file. The output of the result is the contents of the file.
     ///
     /// # Panics
-    /// If the program is not called [as a writer](Decoder::as_writer).
+    /// Panics if the program is not called [as a writer](Decoder::as_writer).
     #[must_use]
     pub fn write(&self, call: &WriteCall, scratch: &Scratch) -> CallResult {
         self.retry(|| self.attempt_to_write(call, scratch))
@@ -74,20 +74,20 @@ impl Decoder {
         let mut values: Vec<(&str, OsString)> =
             values.map(|(name, value)| (*name, value.into())).collect();
         for attachment in order.attachments {
-            let path = workspace.lay_down(&attachment.file_name, &attachment.bytes)?;
+            let path = workspace.write_input(&attachment.file_name, &attachment.bytes)?;
             let name = format!("\"{{{}}}\"", attachment.name);
-            request = request.replace(&name, &in_json(&path.to_string_lossy()));
+            request = request.replace(&name, &json_string(&path.to_string_lossy()));
             values.push((&attachment.name, path.clone().into()));
             inputs.push((path, &attachment.bytes));
         }
-        let input = workspace.lay_down("request.json", request.as_bytes())?;
+        let input = workspace.write_input("request.json", request.as_bytes())?;
         let workplace = workspace.workplace.clone();
         let output = template.output_file(&workplace)?;
         let output = output.expect("a writer's template names its output");
         let words = template.words_of_values(&input, &workplace, &values);
         let time = self.timeout.saturating_mul(order.timeout_factor);
         let mut result = self.call(&words, 1 << 20, time, &workplace)?;
-        result.stderr = workspace.without_directories(&result.stderr);
+        result.stderr = workspace.strip_directories(&result.stderr);
         if output.is_longer_than(order.most) {
             let says = format!("more than {} bytes in its output file", order.most);
             result.output = Err(Answer::Flooded(says));
@@ -97,7 +97,7 @@ impl Decoder {
         }
         inputs.push((input, request.as_bytes()));
         for (path, bytes) in inputs {
-            if !is_untouched(&path, bytes)? {
+            if !is_unchanged(&path, bytes)? {
                 result.output = Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()));
             }
         }
@@ -105,7 +105,7 @@ impl Decoder {
     }
 }
 
-/// Returns text as a JSON string.
-fn in_json(text: &str) -> String {
+/// Returns `text` as a JSON string.
+fn json_string(text: &str) -> String {
     serde_json::to_string(text).expect("text is JSON")
 }

@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::kit::parallel::on_threads;
+use crate::kit::parallel::run_on_threads;
 use crate::protocol::frame::Answer;
 use crate::runner::run::{Reply, Request};
 use crate::session::observation::{Nondeterminism, Observation, Response};
@@ -150,7 +150,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         let observation = Observation {
             view: view.clone(),
             response,
-            weak: reply.is_weak(),
+            weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
             after: reply.after.clone(),
             nondeterminism: serve_mode_failure(&reply),
@@ -164,7 +164,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
         let fixed = self.plan.repeat == Repeat::FailuresAndSample;
-        on_threads(jobs, &|worker| {
+        run_on_threads(jobs, &|worker| {
             let mut mine = (worker..count).step_by(jobs);
             let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
             while let Some(place) = if fixed { mine.next() } else { any() } {

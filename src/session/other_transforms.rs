@@ -34,7 +34,7 @@ fn decode_with(
     decode: fn(&[u8]) -> Option<Vec<u8>>,
     counts: &Counts,
 ) -> crate::error::Result<Vec<u8>> {
-    let own = planes::stream(stream)?;
+    let own = planes::decode_stream(stream)?;
     if stream.coding != Coding::Jpeg {
         return Ok(own);
     }

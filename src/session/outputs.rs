@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::kit::digest::sha256;
-use crate::kit::yaml::{from_yaml, text_of, to_yaml};
+use crate::kit::yaml::{from_yaml, read_text, to_yaml};
 use crate::protocol::forms;
 use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Reply, Request};
@@ -126,7 +126,7 @@ impl Outputs {
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
         let named = |error: String| format!("{}: {error}", path.display());
-        let list: Vec<ListedRequest> = from_yaml(&text_of(&path)?).map_err(named)?;
+        let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(named)?;
         let view = view_of(&list, suite).map_err(named)?;
         let directory = directory.join(ANSWERS_DIR);
         let (mut given, strangers) = answers(&directory, &list)
@@ -180,7 +180,7 @@ fn listed_ids(
     matches: impl Fn(&str, &str) -> Result<bool, String>,
 ) -> Result<Vec<String>, String> {
     let text = match path.exists() {
-        true => text_of(path)?,
+        true => read_text(path)?,
         false => String::new(),
     };
     let mut ids = Vec::new();

@@ -24,7 +24,7 @@ const MAX_FIELDS: usize = 32;
 /// Returns the pages of all cases, their files, and their list.
 pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
     let cases = &paper.library.suite.cases;
-    let made = crate::kit::parallel::in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
+    let made = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::diagnose::applies;
-use crate::kit::parallel::in_parallel;
+use crate::diagnose::can_affect_file;
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, Misreading, answer};
 use crate::protocol::frame::{Answer, View};
 use crate::reading::Reading;
@@ -30,7 +30,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
     let built = |place: usize| suite.cases[place].build(TableSpelling::default());
     by_size.sort_by_cached_key(|&place| built(place).file.len());
     let all: Vec<&'static Misreading> = misreadings::all().collect();
-    let found = in_parallel(all.len(), jobs, &|_, _| (), &|i| {
+    let found = map_in_parallel(all.len(), jobs, &|_, _| (), &|i| {
         let mut places = by_size.iter();
         let witness = places.find_map(|&place| witness(all[i], place, &suite.cases[place]));
         (all[i].slug, witness)
@@ -43,7 +43,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
 fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<MisreadingWitness> {
     let built = case.build(TableSpelling::default());
     let view = case.views.first()?;
-    if case.expect == Expect::Spelling || !applies(misreading, &built.file) {
+    if case.expect == Expect::Spelling || !can_affect_file(misreading, &built.file) {
         return None;
     }
     let answer = answer(&[misreading], Reading::SPEC, &built.file, view);

@@ -1,9 +1,10 @@
 //! Measures of the suite: clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
-//! - A clause is covered by cases, and by a misreading of it that is caught.
-//! - A misreading is *killed* by the cases that fail a decoder with it; two are *separated* by a case with different answers.
-//! - A case is *redundant* if without it every misreading is still killed and every pair still separated. It may exist
-//!   for its clause, or for a mistake that nobody has made yet.
+//! - A clause is covered by its cases, and by misreadings of it that are caught.
+//! - A misreading is *killed* by the cases that fail a decoder with it. Two misreadings are *separated* by a case
+//!   with different answers.
+//! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. It may
+//!   exist for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -16,76 +17,76 @@ use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::clauses::{self, ClauseStatus};
 
-/// All measures.
+/// All measures of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Coverage {
-    /// Every clause, in the order of the text.
+    /// Coverage of every clause, in the order of the text.
     pub clauses: Vec<ClauseCoverage>,
-    /// Every misreading, in the order of the catalog: the kill matrix.
+    /// Kills of every misreading, in the order of the catalog.
     pub misreadings: Vec<Kills>,
-    /// The gaps of the separation matrix.
+    /// Separation of misreadings, with its gaps.
     pub separation: Separation,
-    /// The pairs of parameters that occur together in some file.
+    /// Pairs of parameters that occur together in some file.
     pub pairwise: Pairwise,
-    /// Cases without which the same misreadings are killed and separated.
+    /// Ids of redundant cases.
     pub redundant: Vec<String>,
 }
 
-/// The coverage of one clause.
+/// Coverage of a clause.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ClauseCoverage {
-    /// Section and ordinal.
+    /// Section and ordinal of the clause.
     pub clause: String,
-    /// tested, ruled, informative or untestable.
+    /// Status: tested, ruled, informative or untestable.
     pub status: String,
-    /// Number of its cases.
+    /// Number of cases that test the clause.
     pub cases: usize,
-    /// Misreadings of it that are killed.
+    /// Slugs of the misreadings of the clause that are killed.
     pub killed: Vec<String>,
 }
 
-/// The cases that kill one misreading.
+/// The cases that kill a misreading.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Kills {
-    /// The misreading.
+    /// Slug of the misreading in `misreadings.yaml`.
     pub misreading: String,
-    /// Its clause.
+    /// Clause of the misreading.
     pub clause: String,
-    /// Number of cases that fail because of it.
+    /// Number of cases that fail because of the misreading.
     pub count: usize,
-    /// All of them.
+    /// Ids of all cases that fail because of the misreading.
     pub cases: Vec<String>,
 }
 
-/// The misreadings that the suite separates.
+/// Pairs of misreadings that the suite separates.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Separation {
     /// Number of pairs of misreadings.
     pub pairs: usize,
     /// Number of pairs that some case separates.
     pub separated: usize,
-    /// The others: sets with the same answers to every case.
+    /// Sets of misreadings with the same answers to every case.
     pub alike: Vec<Vec<String>>,
 }
 
-/// The values of two parameters that occur together.
+/// Pairs of parameter values that occur together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Pairwise {
-    /// The parameters and their values.
+    /// Parameters and their values.
     pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
-    /// Number of pairs that do, in a file that must be decoded.
+    /// Number of pairs of values that occur together in a file that must be decoded.
     pub covered: usize,
-    /// The others.
+    /// Pairs of values that do not occur together.
     pub missing: Vec<String>,
 }
 
 impl Coverage {
-    /// Measures the suite by its matrix.
+    /// Computes all measures from the matrix of a suite.
     ///
     /// # Errors
-    /// If the clauses cannot be loaded.
+    /// Returns an error if the clauses cannot be loaded.
     pub fn new(suite: &Suite, rows: &[MatrixRow]) -> Result<Coverage, String> {
         let id = |&i: &usize| suite.cases[i].id.clone();
         let kills = rows.iter().map(|row| Kills {
@@ -94,17 +95,17 @@ impl Coverage {
             count: row.killed_by.len(),
             cases: row.killed_by.iter().map(id).collect(),
         });
-        let (separation, telling) = separation(suite, rows);
+        let (separation, unique_separators) = separation(suite, rows);
         Ok(Coverage {
             clauses: clauses(suite, rows)?,
             misreadings: kills.collect(),
             separation,
             pairwise: pairwise(suite),
-            redundant: redundant(suite, rows, &telling),
+            redundant: redundant(suite, rows, &unique_separators),
         })
     }
 
-    /// Returns text for a terminal.
+    /// Formats the measures for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
         let out = &mut String::new();
@@ -203,9 +204,9 @@ fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, Str
     Ok(clauses::clauses()?.into_iter().map(one).collect())
 }
 
-/// Returns the separation matrix, and the cases that alone separate some pair.
+/// Returns the separation of misreadings, and the cases that are the only ones to separate some pair.
 fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
-    let mut telling = BTreeSet::new();
+    let mut unique_separators = BTreeSet::new();
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
     let mut separated = 0;
     for (i, a) in rows.iter().enumerate() {
@@ -216,7 +217,7 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
             match (apart.next(), apart.next()) {
                 (Some(only), None) => {
                     separated += 1;
-                    telling.insert(only);
+                    unique_separators.insert(only);
                 }
                 (Some(_), Some(_)) => separated += 1,
                 (None, _) => {}
@@ -228,39 +229,43 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
         separated,
         alike: alike.into_values().filter(|set| set.len() > 1).collect(),
     };
-    (separation, telling)
+    (separation, unique_separators)
 }
 
-fn redundant(suite: &Suite, rows: &[MatrixRow], telling: &BTreeSet<usize>) -> Vec<String> {
+fn redundant(
+    suite: &Suite,
+    rows: &[MatrixRow],
+    unique_separators: &BTreeSet<usize>,
+) -> Vec<String> {
     let only = |row: &MatrixRow| match row.killed_by[..] {
         [only] => Some(only),
         _ => None,
     };
     let killing: BTreeSet<usize> = rows.iter().filter_map(only).collect();
-    let needed = |i: &usize| killing.contains(i) || telling.contains(i);
+    let needed = |i: &usize| killing.contains(i) || unique_separators.contains(i);
     (0..suite.cases.len())
         .filter(|i| !needed(i))
         .map(|i| suite.cases[i].id.clone())
         .collect()
 }
 
-/// Returns the choices of a recipe: parameter and value.
+/// Returns the parameters of a recipe, with names and values.
 fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let lines = |two: bool| if two { "two lines" } else { "one line" };
     let bias = match recipe.bias.values.iter().any(|&bias| bias > 255.0) {
         true => "over 255",
-        false => kind_of_numbers(&recipe.bias),
+        false => number_kind(&recipe.bias),
     };
     let scale_bias = spelling.scale_bias_on_two_lines;
     let space = !spelling.space_before_newline.is_empty();
     let mut chosen = vec![
         ("format", recipe.format.short_name()),
-        ("size", kind_of_size(recipe.size)),
+        ("size", size_kind(recipe.size)),
         ("size is written on", lines(spelling.size_on_two_lines)),
         ("scale and bias are written on", lines(scale_bias)),
         ("space before a line feed", yes_or_no(space)),
-        ("scale", kind_of_numbers(&recipe.scale)),
+        ("scale", number_kind(&recipe.scale)),
         ("bias", bias),
     ];
     if recipe.format.has_table() {
@@ -291,7 +296,7 @@ fn yes_or_no(yes: bool) -> &'static str {
     if yes { "yes" } else { "no" }
 }
 
-fn kind_of_numbers(numbers: &Numbers<6>) -> &'static str {
+fn number_kind(numbers: &Numbers<6>) -> &'static str {
     let values = &numbers.values;
     if numbers.texts().iter().any(|text| text.contains(['e', 'E'])) {
         "an exponent"
@@ -304,7 +309,7 @@ fn kind_of_numbers(numbers: &Numbers<6>) -> &'static str {
     }
 }
 
-fn kind_of_size(size: Size) -> &'static str {
+fn size_kind(size: Size) -> &'static str {
     match (size.width, size.height) {
         (1, 1) => "one texel",
         (_, 1) => "one row",
@@ -315,7 +320,7 @@ fn kind_of_size(size: Size) -> &'static str {
     }
 }
 
-/// Returns true if two values can occur in one file.
+/// Returns true if two parameter values can occur in the same file.
 fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
     let rules_out = |(name, value): (&str, &str), other: (&str, &str)| {
         let format = value.parse::<Format>();

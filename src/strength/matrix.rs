@@ -1,10 +1,11 @@
-//! The strength of a suite: the misreadings that its cases catch, and those that it can distinguish.
+//! The matrix of cases and misreadings: which cases catch which misreadings, and which misreadings the suite
+//! distinguishes.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
-use crate::diagnose::{applies, stream_once};
+use crate::diagnose::{can_affect_file, stream_once};
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame};
@@ -18,29 +19,30 @@ use crate::suite::test_case::TestCase;
 use crate::suite::texture::cases::TextureCase;
 use crate::texture::Rules;
 
-/// The results of a suite for a decoder with one mistake.
+/// Results of a suite for a decoder with one mistake.
 pub struct MatrixRow<A: 'static = At> {
-    /// The mistake.
+    /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,
-    /// The cases that fail, by their indices in the suite.
+    /// Indices of the failing cases in the suite.
     pub killed_by: Vec<usize>,
-    /// A digest of its answer to every case.
+    /// Digest of the answer to each case.
     pub answers: Vec<u64>,
 }
 
-/// Answers, by case and view.
+/// Answers, indexed by case and view.
 pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
-/// Runs the suite of PTM files against every misreading. `progress` gets the number of finished and of all items.
+/// Runs the suite of PTM files against every misreading. `progress` receives the number of finished items and the
+/// total.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
-    let (_, right) = ask_all(suite, &[], &[], jobs, &HashMap::new());
+    let (_, right) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());
     let digest = |frame: &Frame, hasher: &mut DefaultHasher| frame.hash(hasher);
     let all = misreadings::all().count();
     let rows = misreadings::all().enumerate().map(|(i, misreading)| {
-        let (run, answers) = ask_all(suite, &[misreading], &[], jobs, &right);
+        let (run, answers) = run_with_mistakes(suite, &[misreading], &[], jobs, &right);
         progress(i + 1, all);
-        row(suite, misreading, &run, &answers, digest)
+        matrix_row(suite, misreading, &run, &answers, digest)
     });
     rows.collect()
 }
@@ -55,14 +57,14 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
             case.answer(&rules)
         };
         let (run, answers) = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
-        row(suite, misreading, &run, &answers, |answer, hasher| {
+        matrix_row(suite, misreading, &run, &answers, |answer, hasher| {
             answer.to_string().hash(hasher);
         })
     });
     rows.collect()
 }
 
-fn row<C: TestCase, A: 'static>(
+fn matrix_row<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     misreading: &'static Misreading<A>,
     run: &Run<C>,
@@ -80,7 +82,7 @@ fn row<C: TestCase, A: 'static>(
     let observed = suite.cases.iter().zip(&run.observations);
     let digests = observed.map(|(case, observation)| {
         let view = &observation.as_ref()?.view;
-        answers.get(&key::<C>(case.id(), view)).map(digest)
+        answers.get(&answer_key::<C>(case.id(), view)).map(digest)
     });
     MatrixRow {
         misreading,
@@ -89,10 +91,10 @@ fn row<C: TestCase, A: 'static>(
     }
 }
 
-/// Returns a run of a decoder with these mistakes, in `views` only, or in all if empty; and its answers. A file that none of
-/// the mistakes can affect is answered as in `right`, if that is known.
+/// Runs the suite against a decoder with these mistakes. Requests only `views`, or all views if the list is empty.
+/// Returns the run and the answers. If no mistake can affect a file, reuses the answer in `right`, if available.
 #[must_use]
-pub fn ask_all(
+pub fn run_with_mistakes(
     suite: &Suite,
     mistakes: &[&Misreading],
     views: &[&'static str],
@@ -104,12 +106,12 @@ pub fn ask_all(
         ..Reading::SPEC
     };
     let ask = |request: &Request<'_>| {
-        let concerned = mistakes
+        let can_differ = mistakes
             .iter()
-            .any(|mistake| applies(mistake, request.file));
-        let known = right.get(&key::<Case>(request.name, request.view));
+            .any(|mistake| can_affect_file(mistake, request.file));
+        let known = right.get(&answer_key::<Case>(request.name, request.view));
         let make = || misreadings::answer(mistakes, reading, request.file, request.view);
-        known.filter(|_| !concerned).cloned().unwrap_or_else(make)
+        known.filter(|_| !can_differ).cloned().unwrap_or_else(make)
     };
     let plan = RunPlan {
         views: views.iter().map(|&view| view.to_owned()).collect(),
@@ -118,7 +120,7 @@ pub fn ask_all(
     run_and_answers(suite, &plan, &ask)
 }
 
-/// Returns a run, and every answer in it.
+/// Runs the suite and records every answer.
 fn run_and_answers<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan,
@@ -130,13 +132,13 @@ fn run_and_answers<C: TestCase>(
         answers
             .lock()
             .expect("no worker panics")
-            .insert(key::<C>(request.name, request.view), answer.clone());
+            .insert(answer_key::<C>(request.name, request.view), answer.clone());
         answer.into()
     };
     let run = check(suite, plan, &recording, &|_, _, _, _| ());
     (run, answers.into_inner().expect("no worker panics"))
 }
 
-fn key<C: TestCase>(name: &str, view: &C::View) -> String {
+fn answer_key<C: TestCase>(name: &str, view: &C::View) -> String {
     format!("{name} {view}")
 }

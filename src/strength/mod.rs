@@ -1,4 +1,4 @@
-//! The strength of the suite: the misreadings that its cases catch, and those that it can distinguish.
+//! The strength of the suite: which misreadings its cases catch, and which it distinguishes.
 
 pub mod coverage;
 

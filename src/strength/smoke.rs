@@ -1,7 +1,7 @@
-//! The smoke subset: few cases that still catch every misreading of the catalog.
+//! The smoke subset: a small set of cases that still catches every misreading.
 //!
-//! It is computed greedily: the case that catches most comes first, then the one that catches most of the rest. The list is in
-//! `spec-cases/smoke.yaml`; `ptm-conform coverage --write-smoke` writes it again.
+//! It is computed greedily: the case that catches the most misreadings comes first, then the case that catches the
+//! most of the rest. The list is in `spec-cases/smoke.yaml`, and `ptm-conform coverage --write-smoke` updates it.
 
 use std::fmt::Write;
 
@@ -9,21 +9,21 @@ use crate::kit::yaml::from_yaml;
 use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::Suite;
 
-/// The embedded list.
+/// Embedded list of case ids.
 const SMOKE_LIST: &str = include_str!("../../spec-cases/smoke.yaml");
 
-/// Returns the ids of the subset.
+/// Returns the ids of the cases in the subset.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// Returns a sentence that names the faulty line.
 pub fn ids() -> Result<Vec<String>, String> {
     from_yaml(SMOKE_LIST).map_err(|error| format!("smoke.yaml: {error}"))
 }
 
-/// Returns true for each case of a suite that is in the subset.
+/// Returns one flag per case: true if the case is in the subset.
 ///
 /// # Errors
-/// If the list names an unknown case.
+/// Returns an error if the list names an unknown case.
 pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     let ids = ids()?;
     if ids.is_empty() {
@@ -39,9 +39,9 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     Ok(selected.collect())
 }
 
-/// Returns few cases that kill all misreadings that any case kills, in the order of the suite.
+/// Returns a small set of cases that kills all misreadings that any case kills, in the order of the suite.
 #[must_use]
-pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
+pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     let killed = rows.iter().filter(|row| !row.killed_by.is_empty());
     let mut left: Vec<&MatrixRow> = killed.collect();
     let mut chosen = Vec::new();
@@ -52,7 +52,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
                 kills[case] += 1;
             }
         }
-        // The first among equals.
+        // On ties, choose the first case.
         let most = kills.iter().max().copied().unwrap_or_default();
         let Some(best) = kills.iter().position(|&count| count == most) else {
             break;
@@ -60,7 +60,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
         left.retain(|row| !row.killed_by.contains(&best));
         chosen.push(best);
     }
-    // Misreadings that one choice kills may also be killed by later ones together.
+    // Later choices may together kill all misreadings that an earlier one kills.
     for place in (0..chosen.len()).rev() {
         let mut without = chosen.clone();
         without.remove(place);
@@ -75,7 +75,7 @@ pub fn choose(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     chosen
 }
 
-/// Returns the list as it is stored.
+/// Formats the list as it is stored in `smoke.yaml`.
 #[must_use]
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(

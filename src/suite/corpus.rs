@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::digest::sha256;
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::kit::yaml::to_yaml;
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::compare::Expected;
@@ -93,7 +93,7 @@ pub fn write(
     jobs: usize,
     progress: &(impl Fn(usize, usize) + Sync),
 ) -> io::Result<Vec<ManifestEntry>> {
-    let entries = in_parallel(suite.cases.len(), jobs, progress, &|place| {
+    let entries = map_in_parallel(suite.cases.len(), jobs, progress, &|place| {
         write_one(&suite.cases[place], directory, largest)
     });
     let entries = entries.into_iter().collect::<io::Result<Vec<_>>>()?;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use crate::decode::fields;
-use crate::decode::texels::block_of;
+use crate::decode::texels::block_containing;
 use crate::parts::Block;
 use crate::ptm::{Field, Size, channel_name};
 use crate::suite::cases::Case;
@@ -41,7 +41,7 @@ pub(crate) fn origin_of_samples(
         texels: width * height,
     };
     let format = case.format();
-    let found = match (block_of(format, channels.start), format.coding()) {
+    let found = match (block_containing(format, channels.start), format.coding()) {
         (Some((which, block)), _) => map.block(which, block, channels),
         (None, None) => map.entry(format.entry_size(), channels),
         (None, Some(_)) => map.plane(case, channels.start),

@@ -10,7 +10,7 @@
 
 use super::map::{Level, Texel, TextureMap};
 use super::rules::Rules;
-use crate::evaluate::{Coefficients, Picture};
+use crate::evaluate::{Coefficients, RelitImage};
 
 /// The rounding of the values of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -48,7 +48,7 @@ impl TextureMap {
 }
 
 /// Returns the texels of an image, bottom row first (ruling `ptm-rows`).
-pub(crate) fn from_the_bottom(picture: &Picture) -> Vec<[f64; 3]> {
+pub(crate) fn rows_from_bottom(picture: &RelitImage) -> Vec<[f64; 3]> {
     let width = picture.size.width as usize;
     let rows = picture.values.chunks_exact(3 * width).rev();
     rows.flat_map(|row| row.chunks_exact(3).map(|c| [c[0], c[1], c[2]]))

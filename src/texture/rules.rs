@@ -11,7 +11,7 @@ use super::primitive::{
     Fetched, Frequency, InteriorStyle, Interpolation, Lit, Place, Point, Selection, Shade, Site,
     Surface, Terms,
 };
-use crate::evaluate::Picture;
+use crate::evaluate::RelitImage;
 
 /// A way to read the chapter: one decision for each point that it requires, in its order.
 #[derive(Clone, Copy)]
@@ -76,6 +76,6 @@ pub struct Rules {
     pub(crate) mirror: fn(i64, usize) -> usize,
     pub(crate) border: fn(i64, usize) -> usize,
     // a PTM as a map
-    pub(crate) rows: fn(&Picture) -> Vec<[f64; 3]>,
+    pub(crate) rows: fn(&RelitImage) -> Vec<[f64; 3]>,
     pub(crate) to_eight_bits: fn(f64) -> f64,
 }

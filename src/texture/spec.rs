@@ -59,7 +59,7 @@ impl Rules {
         wrap: boundary::wrap,
         mirror: boundary::mirror,
         border: boundary::border,
-        rows: from_ptm::from_the_bottom,
+        rows: from_ptm::rows_from_bottom,
         to_eight_bits: from_ptm::halves_up,
     };
 }

@@ -13,7 +13,7 @@ use image::{DynamicImage, ImageFormat};
 use serde::Serialize;
 
 use crate::kit::digest::sha256;
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::kit::yaml::to_yaml;
 use crate::protocol::frame::{Samples, View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
@@ -192,7 +192,7 @@ pub fn write(
         return Err(io::Error::new(io::ErrorKind::AlreadyExists, why));
     }
     let cases = profile.cases(suite);
-    let entries = in_parallel(cases.len(), jobs, progress, &|place| {
+    let entries = map_in_parallel(cases.len(), jobs, progress, &|place| {
         let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
             put(&directory.join(path), &bytes)?;

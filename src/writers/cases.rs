@@ -147,7 +147,7 @@ impl WriterCase {
     fn samples(&self) -> Vec<u8> {
         let mut plain = self.recipe.clone();
         if plain.format.coding().is_some() {
-            plain.format = plain.format.plain();
+            plain.format = plain.format.uncompressed();
         }
         Model::paint(&plain).samples
     }

@@ -8,8 +8,8 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crate::diagnose::cover::{CoverCandidate, cover};
-use crate::diagnose::{Category, Cause, Diagnosis, composable};
-use crate::kit::parallel::in_parallel;
+use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
+use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
 use crate::ptm::Format;
@@ -59,7 +59,7 @@ pub fn diagnose(
         return Vec::new();
     }
     let exhibit = |place: usize| exhibit(suite, run, place);
-    let exhibits = in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
+    let exhibits = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
     let exhibits = exhibits.into_iter().enumerate();
     let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
@@ -130,7 +130,7 @@ fn single(
         let contradicts = |place: usize| exhibits.get(&place).is_some_and(contradicts);
         CoverCandidate::new(mistake, failing, explains, passing, contradicts)
     };
-    let found = in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
+    let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
     found.into_iter().flatten().collect()
 }
 
@@ -149,11 +149,11 @@ fn pairs(
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                composable(first.at, second.at) && explains(exhibit, [first, second])
+                can_combine(first.at, second.at) && explains(exhibit, [first, second])
             });
             second.map(|second| (first, second))
         };
-        let found = in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
+        let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
         let (first, second) = found.into_iter().flatten().next()?;
         let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
         let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);

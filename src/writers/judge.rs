@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use crate::decode::texels::block_of;
+use crate::decode::texels::block_containing;
 use crate::error::Error;
 use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use crate::tools::dissection::{Dissection, Role};
@@ -181,7 +181,7 @@ fn byte_of(
         return None;
     }
     let texel = (request.header.height as usize - 1 - y) * request.header.width as usize + x;
-    let (place, block) = block_of(request.format, channel)?;
+    let (place, block) = block_containing(request.format, channel)?;
     let start = dissection.part(Role::Block(place))?.offset;
     Some(start + texel * block.channels + channel - block.channel)
 }

@@ -12,7 +12,7 @@
 use std::collections::HashSet;
 
 use crate::codec::jpeg::scaled_steps;
-use crate::decode::planes::records;
+use crate::decode::planes::parse_records;
 use crate::ptm::channel_name;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
@@ -71,7 +71,7 @@ struct LossyPlane<'a> {
 
 impl<'a> LossyPlane<'a> {
     fn new(request: &'a WriteRequest, plane: usize, decoded: &[u8], side: &[u8]) -> LossyPlane<'a> {
-        let records = records(side, 0, usize::MAX).unwrap_or_default();
+        let records = parse_records(side, 0, usize::MAX).unwrap_or_default();
         LossyPlane {
             request,
             plane,

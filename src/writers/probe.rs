@@ -1,6 +1,6 @@
 //! Guides the author of a writer through the protocol: one request for each format, and the faults of each file.
 
-use crate::kit::last_words::last_words;
+use crate::kit::last_message::last_message;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
 use crate::runner::run::{Decoder, Reply};
@@ -82,7 +82,7 @@ fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         _ => "run it by hand from another directory",
     };
     let what = reply.answer.violation().unwrap_or(reply.answer.name());
-    let last = last_words(&reply.stderr).map_or(String::new(), |line| {
+    let last = last_message(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     });
     (format!("{what}{last}"), next)

@@ -5,7 +5,9 @@
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
-use crate::misreadings::{Anatomy, At, Misreading, Seen, Stage, edits_of, edits_of_planes, read};
+use crate::misreadings::{
+    Anatomy, At, EditedFile, Misreading, Stage, formula_edits, plane_edits, read,
+};
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
@@ -81,8 +83,8 @@ pub(super) fn edited(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
         return None;
     };
     match edit(&Anatomy::new(file, &Reading::SPEC)) {
-        Seen::File(bytes) => Some(bytes),
-        Seen::Refused => None,
+        EditedFile::File(bytes) => Some(bytes),
+        EditedFile::Refused => None,
     }
 }
 
@@ -95,13 +97,13 @@ impl SeenFile {
     /// Reads `file` with these mistakes. Returns `None` if such a reader refuses it.
     pub fn new(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
         let (mut ptm, reading) = read(mistakes, Reading::SPEC, file).ok()?;
-        for edit in edits_of_planes(mistakes) {
+        for edit in plane_edits(mistakes) {
             edit(&mut ptm);
         }
         let stages = mistakes.iter().map(|mistake| mistake.at.stage());
         Some(SeenFile {
             reading,
-            edits: edits_of(mistakes),
+            edits: formula_edits(mistakes),
             stage: stages.max().unwrap_or(Stage::File),
             ptm,
         })

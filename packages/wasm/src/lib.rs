@@ -109,7 +109,7 @@ pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
     })
 }
 
-/// Computes exactly the image of `Coefficients::evaluate` and `Picture::to_bytes` from stored bytes: each term of the polynomial
+/// Computes exactly the image of `Coefficients::evaluate` and `RelitImage::to_bytes` from stored bytes: each term of the polynomial
 /// is looked up by its byte.
 pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
     let set = &ptm.header.scale_bias;

@@ -1,27 +1,27 @@
-//! T.81 A.3.3: the common part of forward and inverse DCT
+//! T.81 A.3.3: the common part of the forward and the inverse DCT
 //!
-//! The standard defines the transform by cosines and leaves its arithmetic open. The integer
-//! arithmetic here is that of the Independent JPEG Group's accurate transform ("islow"), after the
-//! factorization of Loeffler, Ligtenberg and Moschytz (ICASSP 1989): twelve multiplications for
-//! eight values. Columns and rows are transformed one after the other.
+//! The standard defines the transform by cosines and does not specify its arithmetic. The integer arithmetic here is
+//! that of the Independent JPEG Group's accurate transform ("islow"), based on the factorization of Loeffler,
+//! Ligtenberg and Moschytz (ICASSP 1989), which needs twelve multiplications for eight values. Columns and rows are
+//! transformed separately.
 //!
-//! Numbers are integers with a fixed point: factors have `FRACTION_BITS` bits after it, and values keep
-//! `EXTRA_BITS` such bits from the first pass to the second.
+//! Numbers are fixed-point integers. Factors have `FRACTION_BITS` fractional bits, and values keep `EXTRA_BITS`
+//! fractional bits between the two passes.
 //!
 //! This file, `inverse_dct` and `forward_dct` are based in part on the work of the Independent JPEG
 //! Group.
 
 use std::ops::{Add, Neg, Sub};
 
-/// Factors are multiplied by 2¹³ and rounded.
+/// Number of fractional bits of the factors: they are multiplied by 2¹³ and rounded.
 pub(super) const FRACTION_BITS: u32 = 13;
 
-/// Between the two passes values keep two more bits than samples need.
+/// Number of fractional bits that values keep between the two passes.
 pub(super) const EXTRA_BITS: u32 = 2;
 
-/// Fixed-point numbers, in integers of 64 or 32 bits.
+/// Fixed-point numbers in integers of 64 or 32 bits.
 ///
-/// 64 bits are enough for every stream. In 32 bits sums and products wrap.
+/// 64 bits suffice for every stream. In 32 bits, sums and products may wrap.
 pub(super) trait FixedPoint:
     Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self>
 {
@@ -30,10 +30,10 @@ pub(super) trait FixedPoint:
     /// Returns the low 32 bits.
     fn to_i32(self) -> i32;
 
-    /// Multiplies by a factor, which is first multiplied by 2¹³ and rounded: 0.541196100 is 4433.
-    fn times(self, factor: f64) -> Self;
+    /// Multiplies by a factor, which is converted to fixed point: 0.541196100 becomes 4433.
+    fn multiply(self, factor: f64) -> Self;
 
-    /// Divides by a power of two, with halves rounded up.
+    /// Divides by 2^`bits`, with halves rounded up.
     fn round_shift(self, bits: u32) -> Self;
 }
 
@@ -47,7 +47,7 @@ impl FixedPoint for i64 {
     }
 
     #[inline]
-    fn times(self, factor: f64) -> i64 {
+    fn multiply(self, factor: f64) -> i64 {
         self * (factor * f64::from(1 << FRACTION_BITS) + 0.5) as i64
     }
 

@@ -1,8 +1,8 @@
-//! T.81 F.2.2: one block of coefficients
+//! T.81 F.2.2: decoding of one block of coefficients
 //!
-//! A coefficient is coded in two parts: a Huffman code for its *size*, the number of bits that its magnitude needs, and that
-//! many further bits, which select a number of that size. Codes of AC coefficients also have the run of zeros before it: RUN in
-//! the high four bits of the symbol, SIZE in the low ones.
+//! A coefficient is coded in two parts: a Huffman code for its *size*, which is the number of bits of its magnitude,
+//! and as many additional bits, which select a number of this size. The code of an AC coefficient also contains the
+//! preceding run of zeros: RUN in the high four bits of the symbol, SIZE in the low four.
 //!
 //! ```text
 //! size 1:  −1              |  1             bits 0 | 1
@@ -20,9 +20,9 @@
 //! ```
 //!
 //! Format notes
-//! - A run is at most fifteen; ZRL (RUN 15, SIZE 0) stands for sixteen zeros. A run that leaves the
-//!   block is malformed, even if it consists of ZRL only.
-//! - A block whose last coefficient is not zero has no EOB.
+//! - A run has at most fifteen zeros. ZRL (RUN 15, SIZE 0) represents sixteen zeros. A run that extends past the end
+//!   of the block is malformed, even if it consists of ZRL only.
+//! - A block whose last coefficient is nonzero has no EOB.
 //! - For samples of 8 bits, differences have at most 11 bits (Table F.1) and AC coefficients at
 //!   most 10 (Table F.2).
 
@@ -30,10 +30,10 @@ use super::huffman::ReadSymbols;
 use super::zigzag::ZIGZAG;
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// Decodes a block and dequantizes it (A.3.4): its DCT coefficients in row order.
+/// Decodes and dequantizes a block (A.3.4). Returns its DCT coefficients in row order.
 ///
-/// `steps` are in zigzag order; `previous_dc` is the quantized DC coefficient of the previous block, and after the call that of
-/// this one.
+/// `steps` are in zigzag order. `previous_dc` is the quantized DC coefficient of the previous block, and is updated
+/// to that of this block.
 #[inline]
 pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     bits: &mut B,
@@ -44,30 +44,30 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
 ) -> StreamResult<[i32; 64]> {
     let mut block = [0; 64];
     *previous_dc += decode_dc_difference(bits, dc)?;
-    // The sum of 64 samples of at most 128, over 8, needs eleven bits; quantization only makes it
+    // The sum of 64 samples of magnitude at most 128, divided by 8, needs eleven bits. Quantization only makes it
     // smaller.
     if !(-2048..2048).contains(previous_dc) {
         let what = format!("the DC coefficient {previous_dc} is out of range");
-        return Err(malformed(bits.plain().offset(), what));
+        return Err(malformed(bits.plain_bits().offset(), what));
     }
     block[0] = *previous_dc * i32::from(steps[0]);
 
     // F.2.2.2, Figure F.13.
     let mut k = 1;
     while k < 64 {
-        let symbol = bits.symbol(ac)?;
+        let symbol = bits.read_symbol(ac)?;
         let (run, size) = (usize::from(symbol >> 4), symbol & 15);
         match (run, size) {
             (0, 0) => break,                   // EOB
-            (15, 0) | (_, 1..=10) => k += run, // ZRL is fifteen zeros and then a zero
+            (15, 0) | (_, 1..=10) => k += run, // ZRL is fifteen zeros followed by a zero
             _ => {
                 let what = format!("no AC code has run {run} and size {size}");
-                return Err(malformed(bits.plain().offset(), what));
+                return Err(malformed(bits.plain_bits().offset(), what));
             }
         }
         if k > 63 || (k == 63 && size == 0) {
             let what = "a run of zeros extends past the end of the block";
-            return Err(malformed(bits.plain().offset(), what));
+            return Err(malformed(bits.plain_bits().offset(), what));
         }
         let value = extend(bits.receive(u32::from(size))?, size);
         block[usize::from(ZIGZAG[k])] = value * i32::from(steps[k]);
@@ -76,21 +76,21 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     Ok(block)
 }
 
-/// Decodes the size of the difference, then the difference (F.2.2.1).
+/// Decodes the size of the difference, then the difference itself (F.2.2.1).
 #[inline]
 fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
     bits: &mut B,
     table: &B::Table,
 ) -> StreamResult<i32> {
-    let size = bits.symbol(table)?;
+    let size = bits.read_symbol(table)?;
     if size > 11 {
         let what = format!("no DC difference has {size} bits");
-        return Err(malformed(bits.plain().offset(), what));
+        return Err(malformed(bits.plain_bits().offset(), what));
     }
     Ok(extend(bits.receive(u32::from(size))?, size))
 }
 
-/// EXTEND (F.2.2.1, Figure F.12): a number of `size` bits whose first bit is 0 is negative.
+/// EXTEND (F.2.2.1, Figure F.12): converts `size` bits to a number, which is negative if the first bit is 0.
 #[inline]
 fn extend(bits: u32, size: u8) -> i32 {
     let negative = size > 0 && bits >> (size - 1) == 0;

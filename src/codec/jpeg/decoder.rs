@@ -1,17 +1,16 @@
-//! T.81 B.2.1: the order of a stream, read
+//! T.81 B.2.1: reading of a stream
 //!
 //! ```text
 //! SOI  [tables]  SOF0 or SOF1  [tables]  SOS  entropy-coded data  [tables]  EOI
 //! ```
 //!
 //! Format notes
-//! - Tables may be defined again; the last definition before the scan header counts.
-//! - SOF0 (baseline) and SOF1 (extended) differ in what tables they may use. For samples of 8 bits
-//!   a decoder that can read SOF1 can read both alike.
-//! - The frame header of another process follows the same SOI; only its marker identifies
-//!   the process.
+//! - Tables may be redefined. The last definition before the scan header applies.
+//! - SOF0 (baseline) and SOF1 (extended) differ in the tables that they allow. For samples of 8 bits, a decoder that
+//!   supports SOF1 can treat both in the same way.
+//! - Other processes use the same SOI. Only the marker of the frame header identifies the process.
 
-use super::processes::unexpected;
+use super::processes::unexpected_marker;
 use super::scan::{ScanTables, decode_scan};
 use super::tables::Tables;
 use crate::codec::bit_buffer::BitBuffer;
@@ -19,25 +18,25 @@ use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, EOI, SOS};
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// Frame headers of JPEG only (Table B.1): baseline and extended sequential, Huffman coded.
+/// Frame header markers that only JPEG uses (Table B.1): baseline and extended sequential, Huffman coded.
 const SOF0: u8 = 0xC0;
 const SOF1: u8 = 0xC1;
 
-/// Decodes a JPEG stream of one component and `width` × `height` samples, in row order from the top.
+/// Decodes a JPEG stream with one component and `width` × `height` samples. Returns the samples in row order from the
+/// top.
 ///
 /// # Errors
 ///
-/// [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, has
-/// another size or another number of components;
-/// [`StreamFault::Unsupported`](crate::codec::StreamFault) for the processes of T.81 other than
-/// sequential Huffman with 8 bits.
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has another
+/// size or another number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for the
+/// processes of T.81 other than sequential Huffman coding with 8 bits.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let mut tables = Tables::default();
     let scan_tables = read_headers(&mut stream, &mut tables, width, height)?;
-    // The fast version; `Bits<0>` in place of `BitBuffer<0>` is the plain one.
+    // `BitBuffer<0>` is the fast version, and `Bits<0>` the plain one.
     let samples = decode_scan::<BitBuffer<0>>(&mut stream, &scan_tables, width, height)?;
-    expect(&mut stream, &mut tables, &[EOI], "the end of the image")?;
+    read_until(&mut stream, &mut tables, &[EOI], "the end of the image")?;
     Ok(samples)
 }
 
@@ -48,30 +47,35 @@ pub(super) fn read_headers(
     width: u32,
     height: u32,
 ) -> StreamResult<ScanTables> {
-    expect(stream, tables, &[SOF0, SOF1], "a frame header")?;
+    read_until(stream, tables, &[SOF0, SOF1], "a frame header")?;
     let frame = FrameHeader::read(stream, width, height, &[12])?;
-    expect(stream, tables, &[SOS], "the scan header")?;
+    read_until(stream, tables, &[SOS], "the scan header")?;
     let scan = ScanHeader::read(stream, &frame)?;
-    tables_of_scan(tables, &frame, &scan)
+    find_scan_tables(tables, &frame, &scan)
 }
 
-/// Reads tables up to one of these markers.
-fn expect(stream: &mut Cursor, tables: &mut Tables, codes: &[u8], what: &str) -> StreamResult<()> {
+/// Reads tables up to a marker in `codes`. Any other marker is an error.
+fn read_until(
+    stream: &mut Cursor,
+    tables: &mut Tables,
+    codes: &[u8],
+    what: &str,
+) -> StreamResult<()> {
     let marker = tables.read(stream)?;
     match codes.contains(&marker.code) {
         true => Ok(()),
-        false => Err(unexpected(marker, what)),
+        false => Err(unexpected_marker(marker, what)),
     }
 }
 
-/// Returns the tables that the headers name (B.2.3).
-fn tables_of_scan(
+/// Looks up the tables that the headers name (B.2.3).
+fn find_scan_tables(
     tables: &Tables,
     frame: &FrameHeader,
     scan: &ScanHeader,
 ) -> StreamResult<ScanTables> {
-    // The whole spectrum at once, and no successive approximation: the rest is for progressive
-    // frames (Table B.3).
+    // The whole spectrum at once and no successive approximation: other values are for progressive frames (Table
+    // B.3).
     if scan.parameters != [0, 63, 0] {
         let [first, last, approximation] = scan.parameters;
         let found = format!("{first} {last} {approximation}");
@@ -79,5 +83,5 @@ fn tables_of_scan(
         return Err(malformed(scan.at + 1, what));
     }
     let (dc, ac) = (scan.tables >> 4, scan.tables & 15);
-    tables.of_scan(frame.quantization_table, dc, ac, scan.at)
+    tables.scan_tables(frame.quantization_table, dc, ac, scan.at)
 }

@@ -1,9 +1,9 @@
-//! T.81 A.3.3: the forward DCT, as the Independent JPEG Group computes it
+//! T.81 A.3.3: the forward DCT of the Independent JPEG Group
 //!
-//! The mirror of `inverse_dct`: all rows, then all columns, each the transpose of the inverse for eight values. The results are
-//! eight times too large; quantization also divides by that factor.
+//! This is the mirror of `inverse_dct`: all rows, then all columns, each by the transpose of the one-dimensional
+//! inverse. The results are too large by a factor of eight, which the quantization removes.
 //!
-//! Worked example: 64 samples of 131, which are 3 above gray.
+//! Worked example: 64 samples of 131, which is 3 above gray.
 //!
 //! ```text
 //! rows     8 · 3 · 2¹³, less 11 bits:  96 in column 0 of each row
@@ -11,14 +11,14 @@
 //! ```
 //!
 //! Format notes
-//! - No decoder depends on these roundings, but files that are identical to libjpeg's do.
+//! - No decoder depends on this rounding, but files that are identical to libjpeg's do.
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
-/// Transforms samples less 128 to DCT coefficients times eight, both in row order.
+/// Transforms level-shifted samples to DCT coefficients times eight, both in row order.
 pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
-    let mut half = [0; 64];
-    for (row, out) in block.chunks_exact(8).zip(half.chunks_exact_mut(8)) {
+    let mut intermediate = [0; 64];
+    for (row, out) in block.chunks_exact(8).zip(intermediate.chunks_exact_mut(8)) {
         let row = forward_dct_of_8(std::array::from_fn(|x| i64::from(row[x])));
         for (out, value) in out.iter_mut().zip(row) {
             *out = value.round_shift(FRACTION_BITS - EXTRA_BITS);
@@ -26,7 +26,7 @@ pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     }
     let mut coefficients = [0; 64];
     for x in 0..8 {
-        let column = std::array::from_fn(|y| half[8 * y + x]);
+        let column = std::array::from_fn(|y| intermediate[8 * y + x]);
         for (y, value) in forward_dct_of_8(column).into_iter().enumerate() {
             coefficients[8 * y + x] = value.round_shift(FRACTION_BITS + EXTRA_BITS).to_i32();
         }
@@ -34,34 +34,34 @@ pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     coefficients
 }
 
-/// Computes the forward transform in one dimension, times √8 and times 2¹³.
+/// Computes the one-dimensional forward transform, times √8 and times 2¹³.
 fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
-    // The part that is symmetric about the middle gives the even coefficients, the rest the odd ones. Four sums and four
-    // differences: each half of the transform uses half of the values.
+    // The part that is symmetric about the middle determines the even coefficients, and the rest the odd ones. With four
+    // sums and four differences, each half of the transform uses half of the values.
     let even = [s[0] + s[7], s[1] + s[6], s[2] + s[5], s[3] + s[4]];
     let odd = [s[0] - s[7], s[1] - s[6], s[2] - s[5], s[3] - s[4]];
 
-    // 0 and 4 need no factor, 2 and 6 are the rotation of the inverse, turned back.
+    // Coefficients 0 and 4 need no factor. 2 and 6 are the inverse rotation of the inverse transform.
     let (outer, inner) = (even[0] + even[3], even[1] + even[2]);
     let (low, high) = (even[0] - even[3], even[1] - even[2]);
-    let rotation = (low + high).times(0.541_196_100);
+    let rotation = (low + high).multiply(0.541_196_100);
 
-    // The products of the inverse, with indices of samples instead of coefficients.
-    let shared = (odd[0] + odd[1] + odd[2] + odd[3]).times(1.175_875_602);
-    let pair_30 = -(odd[3] + odd[0]).times(0.899_976_223);
-    let pair_21 = -(odd[2] + odd[1]).times(2.562_915_447);
-    let pair_31 = shared - (odd[3] + odd[1]).times(1.961_570_560);
-    let pair_20 = shared - (odd[2] + odd[0]).times(0.390_180_644);
+    // These are the products of the inverse transform, with sample indices instead of coefficient indices.
+    let shared = (odd[0] + odd[1] + odd[2] + odd[3]).multiply(1.175_875_602);
+    let pair_30 = -(odd[3] + odd[0]).multiply(0.899_976_223);
+    let pair_21 = -(odd[2] + odd[1]).multiply(2.562_915_447);
+    let pair_31 = shared - (odd[3] + odd[1]).multiply(1.961_570_560);
+    let pair_20 = shared - (odd[2] + odd[0]).multiply(0.390_180_644);
 
     [
-        (outer + inner).times(1.0),
-        odd[0].times(1.501_321_110) + pair_30 + pair_20,
-        rotation + low.times(0.765_366_865),
-        odd[1].times(3.072_711_026) + pair_21 + pair_31,
-        (outer - inner).times(1.0),
-        odd[2].times(2.053_119_869) + pair_21 + pair_20,
-        rotation - high.times(1.847_759_065),
-        odd[3].times(0.298_631_336) + pair_30 + pair_31,
+        (outer + inner).multiply(1.0),
+        odd[0].multiply(1.501_321_110) + pair_30 + pair_20,
+        rotation + low.multiply(0.765_366_865),
+        odd[1].multiply(3.072_711_026) + pair_21 + pair_31,
+        (outer - inner).multiply(1.0),
+        odd[2].multiply(2.053_119_869) + pair_21 + pair_20,
+        rotation - high.multiply(1.847_759_065),
+        odd[3].multiply(0.298_631_336) + pair_30 + pair_31,
     ]
 }
 
@@ -69,7 +69,8 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// Checks that 64 samples of 3 above gray have the DC coefficient 24, the worked example of the inverse transform.
+    /// The mirror of the worked example of the inverse transform: 64 samples of 3 above gray have the DC coefficient
+    /// 24.
     #[test]
     fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];

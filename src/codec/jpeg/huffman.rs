@@ -1,7 +1,7 @@
-//! T.81 F.2.2.3: the next Huffman code
+//! T.81 F.2.2.3: decoding of a Huffman code
 //!
-//! Codes of one length are consecutive numbers, so a decoder needs only the first of them, their number and the index of their
-//! first symbol; bits are appended until the code is one of its length.
+//! Codes of equal length are consecutive numbers, so a decoder needs only the first code of each length, the number
+//! of codes, and the index of the first symbol. It appends bits until the number is a code of its length.
 //!
 //! Worked example, with the table of `huffman_table` (00 = 05, 01 = 07, 10 = 06, 110 = 08):
 //!
@@ -9,27 +9,27 @@
 //! bits 110…   length  first  count   code
 //!             1       0      0       1      no code of this length
 //!             2       0      3       11     0 + 3 = 11: beyond the last
-//!             3       110    1       110    the first one: symbol 08
+//!             3       110    1       110    the first code: symbol 08
 //! ```
 
 use super::huffman_table::HuffmanTable;
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// The operations of block decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
-/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+/// Operations of block decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes them,
+/// and [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
-    /// The form of a Huffman table for this reader.
+    /// Representation of a Huffman table for this reader.
     type Table: for<'t> From<&'t HuffmanTable>;
 
-    /// DECODE (F.2.2.3): reads the next code of the table and returns its symbol.
-    fn symbol(&mut self, table: &Self::Table) -> StreamResult<u8>;
+    /// DECODE (F.2.2.3): reads the next code in the table and returns its symbol.
+    fn read_symbol(&mut self, table: &Self::Table) -> StreamResult<u8>;
 }
 
 impl<'a> ReadSymbols<'a> for Bits<'a, 0> {
     type Table = HuffmanTable;
 
-    fn symbol(&mut self, table: &HuffmanTable) -> StreamResult<u8> {
+    fn read_symbol(&mut self, table: &HuffmanTable) -> StreamResult<u8> {
         decode_symbol(self, table)
     }
 }
@@ -40,15 +40,15 @@ impl From<&HuffmanTable> for HuffmanTable {
     }
 }
 
-/// DECODE, bit by bit, until the code is one of the table.
+/// DECODE: reads bit by bit until the bits are a code in the table.
 pub(super) fn decode_symbol<'a>(
     bits: &mut impl ReadBits<'a, 0>,
     table: &HuffmanTable,
 ) -> StreamResult<u8> {
-    let start = bits.plain();
+    let start = bits.plain_bits();
     let mut code = 0;
     let mut first = 0; // MINCODE: the first code of this length
-    let mut index = 0; // VALPTR: where its symbol stands
+    let mut index = 0; // VALPTR: the index of its symbol
     for &count in &table.counts {
         let count = usize::from(count);
         code = code << 1 | bits.receive(1)? as usize;

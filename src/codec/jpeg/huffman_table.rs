@@ -1,10 +1,10 @@
 //! T.81 B.2.4.2, Annex C: Huffman tables
 //!
-//! A table has only the number of codes of each length, 1 … 16 bits (BITS), and their symbols, shortest code first (HUFFVAL).
-//! The codes follow from these: the first is all zeros, each next one is one more, and with each further bit of length a zero
-//! is appended.
+//! A table contains only the number of codes of each length, 1 … 16 bits (BITS), and their symbols, shortest code
+//! first (HUFFVAL). The codes follow from these numbers: the first code is all zeros, each following code is larger
+//! by one, and a zero is appended whenever the length increases.
 //!
-//! Worked example: the segment of a table of four codes, and the codes.
+//! Worked example: the segment of a table with four codes, and its codes.
 //!
 //! ```text
 //! FF C4  00 17  00     00 03 01 00*13             05 07 06 08
@@ -15,20 +15,20 @@
 //! ```
 //!
 //! Format notes
-//! - The code of all ones is never assigned (Annex C), so that no code begins with it: a table
-//!   of two codes of one bit is illegal.
-//! - A symbol may occur twice; both codes then have the same meaning.
+//! - The code of all ones is never assigned (Annex C), so that no code starts with it. A table with two one-bit codes
+//!   is therefore illegal.
+//! - If a symbol occurs twice, both codes have the same meaning.
 
-/// A Huffman table.
+/// A Huffman table, as stored in a stream.
 #[derive(Clone)]
 pub(super) struct HuffmanTable {
     /// BITS: the number of codes of 1, 2, … 16 bits.
     pub counts: [u8; 16],
-    /// HUFFVAL: the symbols in the order of their codes.
+    /// HUFFVAL: the symbols, in the order of their codes.
     pub symbols: Vec<u8>,
 }
 
-/// A code and its symbol.
+/// A Huffman code and its symbol.
 #[derive(Clone, Copy)]
 pub(super) struct HuffmanCode {
     pub symbol: u8,
@@ -57,7 +57,8 @@ impl HuffmanTable {
         codes
     }
 
-    /// Returns the first length that has more codes than the shorter ones leave free, the code of all ones included.
+    /// Returns the first length with more codes than the shorter codes leave free. The code of all ones counts as
+    /// taken.
     pub fn overfull_length(&self) -> Option<usize> {
         let mut next = 0_u32;
         (1..=16).find(|&length| {

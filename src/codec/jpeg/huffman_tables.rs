@@ -1,40 +1,42 @@
 //! T.81 K.2, K.3: the Huffman tables of an encoder
 //!
-//! Either the typical tables of Annex K, which suit most images and occur in nearly all streams, or the shortest codes for the
-//! symbols that occur.
+//! An encoder uses either the typical tables of Annex K, which suit most images and occur in nearly all streams, or
+//! the shortest codes for the symbols that occur.
 //!
-//! Worked example: four symbols that occur 5, 3, 1 and 1 times. One more symbol, which never occurs, gets the code of all ones.
-//! The two rarest become siblings until one tree is left, and each merge makes the codes of both one bit longer:
+//! Worked example: four symbols that occur 5, 3, 1 and 1 times. A placeholder, which never occurs, gets the code of
+//! all ones. The two rarest trees are merged until one is left, and each merge makes the codes in both trees one bit
+//! longer:
 //!
 //! ```text
-//! joined                    bits so far of A B C D, nobody
-//! nobody 1, D 1   → 2       0 0 0 1  1
+//! merged                    lengths of A B C D, placeholder
+//! (none) 1, D 1   → 2       0 0 0 1  1
 //! C 1, (D) 2      → 3       0 0 1 2  2
 //! (C D) 3, B 3    → 6       0 1 2 3  3
 //! A 5, (B C D) 6  → 11      1 2 3 4  4      A 0, B 10, C 110, D 1110
 //! ```
 //!
 //! Format notes
-//! - If several symbols are equally rare, the standard takes the one with the largest number; another
-//!   choice gives tables of the same length with other bytes.
-//! - No code may exceed 16 bits. Longer ones are shortened at the cost of shorter ones
-//!   (Figure K.3), which is no longer optimal but done by every encoder.
+//! - If several symbols are equally rare, the standard chooses the one with the largest value. Other choices give
+//!   tables of the same length with different bytes.
+//! - No code may exceed 16 bits. Longer codes are shortened at the cost of shorter ones (Figure K.3). The result is
+//!   no longer optimal, but every encoder does this.
 
 use super::huffman_table::HuffmanTable;
 
-/// The classes of tables and of the symbols they are for (B.2.4.2).
+/// Table classes (B.2.4.2), which are also the classes of their symbols.
 pub(super) const DC: usize = 0;
 pub(super) const AC: usize = 1;
 
-/// A code or a marker to write.
+/// An element of the entropy-coded data: a code with additional bits, or a marker.
 pub(super) enum Symbol {
-    /// A class, a symbol of that class, and further bits, their number in the low four bits of the symbol.
+    /// A class, a symbol of that class, and additional bits. The low four bits of the symbol are the number of
+    /// additional bits.
     Code(usize, u8, u32),
-    /// The restart marker of this number.
+    /// A restart marker with this number.
     Restart(u8),
 }
 
-/// The symbols of Table K.5, shortest code first.
+/// Symbols of Table K.5, shortest code first.
 #[rustfmt::skip]
 const AC_SYMBOLS: [u8; 162] = [
     0x01, 0x02, 0x03, 0x00, 0x04, 0x11, 0x05, 0x12, 0x21, 0x31, 0x41, 0x06, 0x13, 0x51,
@@ -51,7 +53,7 @@ const AC_SYMBOLS: [u8; 162] = [
     0xF3, 0xF4, 0xF5, 0xF6, 0xF7, 0xF8, 0xF9, 0xFA,
 ];
 
-/// Returns the typical tables for luminance, by class: Tables K.3 and K.5.
+/// Returns the typical tables for luminance, indexed by class: Tables K.3 and K.5.
 pub(super) fn typical_tables() -> [HuffmanTable; 2] {
     let dc = HuffmanTable {
         counts: [0, 1, 5, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0],
@@ -64,7 +66,7 @@ pub(super) fn typical_tables() -> [HuffmanTable; 2] {
     [dc, ac]
 }
 
-/// Returns the shortest codes for these symbols, by class (K.2).
+/// Returns optimal tables for these symbols, indexed by class (K.2).
 pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
     let mut occurrences = [[0; 256]; 2];
     for symbol in symbols {
@@ -75,10 +77,10 @@ pub(super) fn optimal_tables(symbols: &[Symbol]) -> [HuffmanTable; 2] {
     occurrences.map(|occurrences| optimal_table(&occurrences))
 }
 
-/// A placeholder for the code of all ones, which Annex C assigns to no symbol.
+/// Placeholder symbol for the code of all ones, which Annex C assigns to no symbol.
 const PLACEHOLDER: usize = 256;
 
-/// Returns a table for symbols with these frequencies (K.2).
+/// Returns the optimal table for symbols with these frequencies (K.2).
 fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
     let lengths = code_lengths(occurrences);
     let mut counts = [0; PLACEHOLDER + 1];
@@ -86,11 +88,11 @@ fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
         counts[length] += 1;
     }
     limit_to_16_bits(&mut counts);
-    // The longest code of all is that of the placeholder.
+    // The placeholder has the longest code of all.
     let longest = (1..=16).rev().find(|&length| counts[length] > 0);
     counts[longest.unwrap_or_else(|| unreachable!("an image has symbols"))] -= 1;
 
-    // Figure K.4: the symbols ordered by their lengths before shortening, then by their values.
+    // Figure K.4: the symbols, sorted by their lengths before shortening, then by value.
     let mut symbols: Vec<u8> = (0..=255)
         .filter(|&symbol| occurrences[usize::from(symbol)] > 0)
         .collect();
@@ -101,8 +103,8 @@ fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
     }
 }
 
-/// Merges the two lightest trees until one is left (Figure K.1). Each merge makes the codes of all symbols in both one bit
-/// longer. Of equally light trees the one with the larger first symbol counts as lighter.
+/// Merges the two lightest trees until one is left (Figure K.1). Each merge makes the codes of all symbols in both
+/// trees one bit longer. On ties, the tree with the larger first symbol is lighter.
 fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
     let mut weights: Vec<u32> = occurrences.iter().copied().chain([1]).collect();
     let mut trees: Vec<Vec<usize>> = (0..=PLACEHOLDER).map(|symbol| vec![symbol]).collect();
@@ -127,8 +129,8 @@ fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
     }
 }
 
-/// Shortens codes of over 16 bits (Figure K.3). Of two siblings that are too long, one moves up to their parent, the other
-/// becomes the sibling of a shorter code, which moves down for it.
+/// Shortens codes of more than 16 bits (Figure K.3). Of two siblings that are too long, one replaces their parent.
+/// The other one becomes the sibling of a shorter code, which gets one bit longer.
 fn limit_to_16_bits(counts: &mut [usize; PLACEHOLDER + 1]) {
     for length in (17..=PLACEHOLDER).rev() {
         while counts[length] > 0 {

@@ -1,8 +1,9 @@
-//! T.81 A.3.3: the inverse DCT, as the Independent JPEG Group computes it
+//! T.81 A.3.3: the inverse DCT of the Independent JPEG Group
 //!
-//! The standard does not fix the inverse transform to the bit; it allows all that are close. PTM planes contain differences
-//! modulo 256, where an error of one turns 255 into 0. So this transform is exact: it is the integer transform "islow", which
-//! HP's encoder and nearly every decoder use (ruling `jpeg-samples`).
+//! The standard does not specify the inverse transform exactly; it allows all transforms that are accurate enough.
+//! However, PTM planes contain differences modulo 256, where an error of one turns 255 into 0. So this implementation
+//! is exact: it is the integer transform "islow", which HP's encoder and nearly every decoder use (ruling
+//! `jpeg-samples`).
 //!
 //! Worked example: a block whose only coefficient is DC = 24.
 //!
@@ -13,69 +14,71 @@
 //! ```
 //!
 //! Format notes
-//! - The last step keeps ten bits of the result, as a signed number, and clamps them. For every
-//!   stream of an encoder this is plain clamping; coefficients far out of range wrap.
+//! - The last step keeps ten bits of the result as a signed number, and clamps it. For every stream of a real encoder
+//!   this equals plain clamping, but coefficients far out of range wrap.
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
 /// Transforms DCT coefficients to samples, both in row order.
 pub(super) fn inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
-    inverse_dct_in::<i64>(coefficients)
+    inverse_dct_with::<i64>(coefficients)
 }
 
-/// Transforms all columns, then all rows.
-pub(super) fn inverse_dct_in<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64] {
-    let mut half = [T::from_i32(0); 64];
+/// Transforms all columns, then all rows, in numbers of type `T`.
+pub(super) fn inverse_dct_with<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64] {
+    let mut intermediate = [T::from_i32(0); 64];
     for x in 0..8 {
         let column = std::array::from_fn(|y| T::from_i32(coefficients[8 * y + x]));
         for (y, value) in inverse_dct_of_8(column).into_iter().enumerate() {
-            half[8 * y + x] = value.round_shift(FRACTION_BITS - EXTRA_BITS);
+            intermediate[8 * y + x] = value.round_shift(FRACTION_BITS - EXTRA_BITS);
         }
     }
     let mut samples = [0; 64];
-    for (row, out) in half.chunks_exact(8).zip(samples.chunks_exact_mut(8)) {
+    for (row, out) in intermediate
+        .chunks_exact(8)
+        .zip(samples.chunks_exact_mut(8))
+    {
         let row = inverse_dct_of_8(std::array::from_fn(|x| row[x]));
         for (sample, value) in out.iter_mut().zip(row) {
-            // Three more bits, because each of the two passes multiplies by √8.
+            // Shift by three more bits, because each pass multiplies by √8.
             *sample = to_sample(value.round_shift(FRACTION_BITS + EXTRA_BITS + 3).to_i32());
         }
     }
     samples
 }
 
-/// Adds the 128 that A.3.1 subtracts from every sample before the transform, and clamps to 0 … 255. Only ten bits of the value
-/// count (see the format notes).
+/// Adds the 128 that A.3.1 subtracts from every sample before the transform, and clamps to 0 … 255. Only ten bits of
+/// the value are used (see the format notes).
 #[inline]
 fn to_sample(value: i32) -> u8 {
     let ten_bits = (value << 22) >> 22;
     (ten_bits + 128).clamp(0, 255) as u8
 }
 
-/// Computes the inverse transform in one dimension, times √8 and times 2¹³.
+/// Computes the one-dimensional inverse transform, times √8 and times 2¹³.
 #[inline]
 fn inverse_dct_of_8<T: FixedPoint>(c: [T; 8]) -> [T; 8] {
-    // The even coefficients: 0 and 4 need no factor, 2 and 6 are rotated by 6π/16 with three
-    // multiplications.
-    let rotation = (c[2] + c[6]).times(0.541_196_100);
-    let low = rotation + c[2].times(0.765_366_865);
-    let high = rotation - c[6].times(1.847_759_065);
-    let (sum, difference) = ((c[0] + c[4]).times(1.0), (c[0] - c[4]).times(1.0));
+    // Even coefficients: 0 and 4 need no factor, and 2 and 6 are rotated by 6π/16 with three multiplications.
+    let rotation = (c[2] + c[6]).multiply(0.541_196_100);
+    let low = rotation + c[2].multiply(0.765_366_865);
+    let high = rotation - c[6].multiply(1.847_759_065);
+    let (sum, difference) = ((c[0] + c[4]).multiply(1.0), (c[0] - c[4]).multiply(1.0));
     let even = [sum + low, difference + high, difference - high, sum - low];
 
-    // The odd coefficients: four pairs of them share one product each, and all share one.
-    let shared = (c[7] + c[3] + c[5] + c[1]).times(1.175_875_602);
-    let pair_71 = -(c[7] + c[1]).times(0.899_976_223);
-    let pair_53 = -(c[5] + c[3]).times(2.562_915_447);
-    let pair_73 = shared - (c[7] + c[3]).times(1.961_570_560);
-    let pair_51 = shared - (c[5] + c[1]).times(0.390_180_644);
+    // Odd coefficients: four pairs of them share a product each, and all share one more.
+    let shared = (c[7] + c[3] + c[5] + c[1]).multiply(1.175_875_602);
+    let pair_71 = -(c[7] + c[1]).multiply(0.899_976_223);
+    let pair_53 = -(c[5] + c[3]).multiply(2.562_915_447);
+    let pair_73 = shared - (c[7] + c[3]).multiply(1.961_570_560);
+    let pair_51 = shared - (c[5] + c[1]).multiply(0.390_180_644);
     let odd = [
-        c[1].times(1.501_321_110) + pair_71 + pair_51,
-        c[3].times(3.072_711_026) + pair_53 + pair_73,
-        c[5].times(2.053_119_869) + pair_53 + pair_51,
-        c[7].times(0.298_631_336) + pair_71 + pair_73,
+        c[1].multiply(1.501_321_110) + pair_71 + pair_51,
+        c[3].multiply(3.072_711_026) + pair_53 + pair_73,
+        c[5].multiply(2.053_119_869) + pair_53 + pair_51,
+        c[7].multiply(0.298_631_336) + pair_71 + pair_73,
     ];
 
-    // Even coefficients are symmetric about the middle, odd ones change their sign there.
+    // The even part is symmetric about the middle, and the odd part changes its sign there.
     std::array::from_fn(|i| match i {
         0..=3 => even[i] + odd[i],
         _ => even[7 - i] - odd[7 - i],

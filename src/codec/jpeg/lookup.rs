@@ -1,10 +1,10 @@
-//! Huffman codes by table lookup
+//! Fast decoding of Huffman codes by table lookup
 //!
-//! Nearly all codes of a stream are short. The next `SHORT_BITS` bits of the segment are the index of an entry, which has the symbol
-//! and the length of the code that these bits begin with. Longer codes are left to the plain version, one step of which costs
-//! as much as a lookup.
+//! Nearly all codes in a stream are short. The next `SHORT_BITS` bits of the segment are the index of an entry, which
+//! contains the symbol and the length of the code at the start of these bits. Longer codes are delegated to the plain
+//! version, where decoding one bit costs as much as a lookup here.
 //!
-//! Worked example, the 1,024 entries of the table of `huffman_table`:
+//! Worked example: the 1,024 entries for the table of `huffman_table`.
 //!
 //! ```text
 //! bits 00 0000 0000 … 00 1111 1111   256 entries   2 bits, symbol 05
@@ -19,13 +19,14 @@ use super::huffman_table::HuffmanTable;
 use crate::codec::bit_buffer::{BitBuffer, leading_bits};
 use crate::codec::stream_error::StreamResult;
 
-/// Longer codes are rare, and two tables of ten bits still fit in the L1 cache.
+/// Number of index bits. Longer codes are rare, and two tables with ten bits still fit in the L1 cache.
 const SHORT_BITS: u32 = 10;
 
-/// A Huffman table and, for each value of the next bits, the code that they begin with.
+/// A Huffman table with a lookup table, indexed by the next bits.
 pub(super) struct CodeTable {
     table: HuffmanTable,
-    /// Length (high byte) and symbol (low byte); 0 if the code is longer or there is none.
+    /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or
+    /// invalid.
     short: [u16; 1 << SHORT_BITS],
 }
 
@@ -34,7 +35,7 @@ impl From<&HuffmanTable> for CodeTable {
         let mut short = [0; 1 << SHORT_BITS];
         for code in table.codes() {
             if code.length <= SHORT_BITS {
-                // All continuations of the code map to it.
+                // All continuations of the code map to this entry.
                 let free = SHORT_BITS - code.length;
                 let first = (code.code << free) as usize;
                 let entry = (code.length as u16) << 8 | u16::from(code.symbol);
@@ -50,10 +51,10 @@ impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
     type Table = CodeTable;
 
     #[inline]
-    fn symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
-        // Enough for the longest code and for the number that follows it.
+    fn read_symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
+        // This suffices for the longest code and for the number after it.
         self.require(16 + 16);
-        let entry = table.short[leading_bits(self.window(), SHORT_BITS) as usize];
+        let entry = table.short[leading_bits(self.peek_window(), SHORT_BITS) as usize];
         if entry == 0 {
             return long_symbol(self, &table.table);
         }
@@ -76,13 +77,14 @@ mod tests {
     use crate::codec::bit_buffer::BitBuffer;
     use crate::codec::bits::Bits;
 
-    /// Reads symbols, each followed by the number of bits in its low four bits, until an error.
+    /// Reads symbols until an error. Each symbol is followed by additional bits, whose number is in its low four
+    /// bits.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
         let mut bits = B::new(stream, 1);
         let mut results = Vec::new();
         loop {
-            let symbol = bits.symbol(&table);
+            let symbol = bits.read_symbol(&table);
             let number = symbol
                 .clone()
                 .map(|symbol| bits.receive(u32::from(symbol & 15)));
@@ -90,11 +92,11 @@ mod tests {
             if !matches!(number, Ok(Ok(_))) {
                 return results;
             }
-            results.push(format!("byte {}", bits.plain().offset()));
+            results.push(format!("byte {}", bits.plain_bits().offset()));
         }
     }
 
-    /// Makes a legal table: counts are limited so that the code of all ones stays free.
+    /// Creates a legal table. Limits the counts so that the code of all ones stays free.
     fn table(wanted: &[u8], symbols: Vec<u8>) -> HuffmanTable {
         let mut counts = [0; 16];
         let (mut free, mut left) = (1_usize, symbols.len());

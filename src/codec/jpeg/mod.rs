@@ -1,17 +1,17 @@
 //! JPEG: ITU-T T.81 | ISO/IEC 10918-1, the sequential Huffman processes, one component of 8 bits
 //!
-//! The image is divided into blocks of 8 × 8 samples, left to right and top to bottom. The discrete cosine transform (DCT)
-//! turns each block into 64 coefficients; each coefficient is divided by its quantization step and rounded. The quotients are
-//! written in zigzag order with Huffman codes: the first (DC) as the difference from that of the previous block, the others
-//! (AC) as pairs of a run of zeros and a value.
+//! The image is divided into blocks of 8 × 8 samples, from left to right and from top to bottom. The discrete cosine
+//! transform (DCT) converts each block to 64 coefficients. Each coefficient is divided by its quantization step and
+//! rounded. The quotients are written in zigzag order with Huffman codes: the first (DC) as the difference from the
+//! DC of the previous block, the others (AC) as pairs of a run of zeros and a value.
 //!
 //! ```text
-//! decode  scan → decode_block → (dequantized on the way) → inverse_dct → samples
+//! decode  scan → decode_block → (dequantization) → inverse_dct → samples
 //! encode  samples → forward_dct → quantization → symbols → huffman_tables → bits
 //! ```
 //!
-//! Worked example: the smallest block, uniform gray, is two codes. With the tables of Annex K the DC difference 0 is 00 and the
-//! end of the block 1010, six bits in all, which two ones pad:
+//! Worked example: the smallest block, uniform gray, consists of two codes. With the tables of Annex K, the DC
+//! difference 0 is 00 and the end of the block is 1010. The six bits are padded with two ones:
 //!
 //! ```text
 //! 00 1010 11 = 2B
@@ -19,9 +19,8 @@
 //!
 //! Format notes
 //! - Tables must precede the scan header that names them, but not the frame header.
-//! - libjpeg writes quantization tables of 16 bits, under SOF1, if the quality is below 24.
-//!   B.2.4.1 forbids them with samples of 8 bits in one sentence; they are read nevertheless, under
-//!   SOF0 as well.
+//! - libjpeg writes 16-bit quantization tables under SOF1 if the quality is below 24. A sentence in B.2.4.1 forbids
+//!   them with 8-bit samples. This decoder accepts them nevertheless, under SOF0 as well.
 //! - Decoded samples are exact: see `inverse_dct`.
 
 mod zigzag;
@@ -30,7 +29,7 @@ mod huffman_table;
 
 mod dct;
 
-// Reading, in the order of a stream.
+// Decoder, in the order of a stream.
 
 mod decoder;
 
@@ -50,7 +49,7 @@ mod inverse_dct;
 
 mod narrow_dct;
 
-// Writing, in the order of processing.
+// Encoder, in the order of processing.
 
 #[cfg(feature = "generate")]
 mod encoder;

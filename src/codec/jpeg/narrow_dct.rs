@@ -1,20 +1,21 @@
-//! The inverse DCT in 32 bits
+//! Fast inverse DCT in 32 bits
 //!
-//! With integers of half the width, twice as many are transformed at once. Only ten bits of the results of the second pass are
-//! used, from bit 18 on, and these survive the wrapping of sums and products. All bits of the first pass count, so it must not
-//! wrap: it does not if coefficients have at most 14 bits, as from all encoders. Others are left to the plain version.
+//! With integers of half the width, a SIMD register holds twice as many. Only ten bits of the results of the second
+//! pass are used, starting at bit 18, and these are not affected when sums and products wrap. The first pass must not
+//! wrap, because all bits of its results are used. It does not wrap if coefficients have at most 14 bits, as in the
+//! output of all encoders. Other blocks are delegated to the plain version.
 
 use std::num::Wrapping;
 
 use super::dct::{FRACTION_BITS, FixedPoint};
-use super::inverse_dct::{inverse_dct, inverse_dct_in};
+use super::inverse_dct::{inverse_dct, inverse_dct_with};
 
-/// Returns the result of [`inverse_dct`] for all coefficients.
+/// Computes the same result as [`inverse_dct`].
 pub(super) fn fast_inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
     let limit = 1 << 13;
     let narrow = coefficients.iter().all(|c| (-limit..limit).contains(c));
     match narrow {
-        true => inverse_dct_in::<Wrapping<i32>>(coefficients),
+        true => inverse_dct_with::<Wrapping<i32>>(coefficients),
         false => inverse_dct(coefficients),
     }
 }
@@ -29,7 +30,7 @@ impl FixedPoint for Wrapping<i32> {
     }
 
     #[inline]
-    fn times(self, factor: f64) -> Self {
+    fn multiply(self, factor: f64) -> Self {
         self * Wrapping((factor * f64::from(1 << FRACTION_BITS) + 0.5) as i32)
     }
 

@@ -1,7 +1,7 @@
 //! T.81 Table B.1: the markers of the other coding processes
 //!
-//! An unexpected marker is either an error of the stream or the sign of a process that T.81 defines and this decoder does not
-//! support. The frame header identifies the process:
+//! An unexpected marker is either an error in the stream or a sign of a process that T.81 defines but this decoder
+//! does not support. The frame header identifies the process:
 //!
 //! ```text
 //! SOF      Huffman  arithmetic
@@ -12,14 +12,13 @@
 //! ```
 //!
 //! Format notes
-//! - C4 and C8 are not frame headers: DHT, and a reserved code. CC (DAC) defines arithmetic
-//!   coding conditions.
+//! - C4 and C8 are not frame headers, but DHT and a reserved code. CC (DAC) defines arithmetic coding conditions.
 
 use crate::codec::markers::{DNL, Marker};
 use crate::codec::stream_error::{StreamError, malformed, unsupported};
 
-/// Returns the error for a marker in the wrong place.
-pub(super) fn unexpected(marker: Marker, expected: &str) -> StreamError {
+/// Returns the error for an unexpected marker.
+pub(super) fn unexpected_marker(marker: Marker, expected: &str) -> StreamError {
     let process = match marker.code {
         0xC2 => "progressive coding",
         0xC3 => "lossless coding",

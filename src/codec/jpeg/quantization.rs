@@ -1,8 +1,8 @@
-//! T.81 A.3.4, K.1: quantized coefficients
+//! T.81 A.3.4, K.1: quantization of coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded: this is the only loss of the format. The steps of Annex K
-//! suit quality 50; other qualities multiply them by a percentage, which is the Independent JPEG Group's convention and not
-//! part of the standard.
+//! A coefficient is divided by its quantization step and rounded. This is the only loss of the format. The steps of
+//! Annex K correspond to quality 50. Other qualities scale them by a percentage. This is a convention of the
+//! Independent JPEG Group, not part of the standard.
 //!
 //! Worked example: the DC step is 16 at quality 50.
 //!
@@ -20,9 +20,9 @@ use super::forward_dct::forward_dct;
 use super::inverse_dct::inverse_dct;
 use super::zigzag::ZIGZAG;
 
-/// Quantization steps for luminance at quality 50, in rows (Table K.1).
+/// Quantization steps for luminance at quality 50, in row order (Table K.1).
 #[rustfmt::skip]
-const LUMINANCE: [u32; 64] = [
+const LUMINANCE_STEPS: [u32; 64] = [
     16, 11, 10, 16,  24,  40,  51,  61,
     12, 12, 14, 19,  26,  58,  60,  55,
     14, 13, 16, 24,  40,  57,  69,  56,
@@ -33,21 +33,21 @@ const LUMINANCE: [u32; 64] = [
     72, 92, 95, 98, 112, 100, 103,  99,
 ];
 
-/// Returns the steps of a quality, 1 … 100, in rows.
+/// Returns the quantization steps for a quality (1 … 100), in row order.
 pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     let percent = match u32::from(quality) {
         quality @ ..50 => 5000 / quality,
         quality => 200 - 2 * quality,
     };
     let largest = if baseline { 255 } else { 32767 };
-    LUMINANCE.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
+    LUMINANCE_STEPS.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
 }
 
-/// A quantized image and its decoded samples.
+/// A quantized image, and the samples that a decoder reconstructs.
 pub(super) struct QuantizedImage {
-    /// All blocks in raster order, each in zigzag order.
+    /// Blocks in raster order, with coefficients in zigzag order.
     pub blocks: Vec<[i16; 64]>,
-    /// The samples that a decoder returns for them.
+    /// Samples that a decoder returns for these blocks.
     pub decoded: Vec<u8>,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn quantize_image(
     QuantizedImage { blocks, decoded }
 }
 
-/// Quantizes a coefficient (A.3.4). The forward DCT has left a factor of eight.
+/// Quantizes a coefficient (A.3.4). Removes the factor of eight that the forward DCT leaves.
 fn quantize(coefficient: i32, step: u16) -> i32 {
     let step = i32::from(step) * 8;
     (coefficient.abs() + step / 2) / step * coefficient.signum()

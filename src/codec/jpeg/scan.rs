@@ -1,43 +1,42 @@
-//! T.81 E.2.3, E.2.4: a scan: all blocks of the image, in independent intervals
+//! T.81 E.2.3, E.2.4: decoding of a scan: all blocks of the image, in independent intervals
 //!
-//! Worked example: two blocks of one interval each, with the DC codes 00 for size 0 and 01 for size 4
-//! and the AC code 0 for the end of the block.
+//! Worked example: two intervals of one block each, with the DC codes 00 for size 0 and 01 for size 4, and the AC
+//! code 0 for the end of the block.
 //!
 //! ```text
 //! 61      01 1000 0 1    DC difference 8, end of block, padding
 //! FF D0                  RST0
-//! 61      01 1000 0 1    DC difference 8 from 0, not from the block before
+//! 61      01 1000 0 1    DC difference 8 from 0, not from the previous block
 //! ```
 //!
 //! Format notes
-//! - A scan of one component has its blocks in plain raster order, and one block is one MCU,
-//!   regardless of the sampling factors of the component (A.2.2). A restart interval counts these
-//!   blocks.
-//! - The blocks of the last column and row extend past the image; samples outside are dropped
-//!   (A.2.4). An image of 9 × 9 samples has four blocks.
-//! - A restart marker separates two intervals and resets the DC prediction to 0. The
-//!   markers cycle from RST0 to RST7. There is none after the last interval.
+//! - A scan of one component has its blocks in plain raster order, and one block is one MCU, regardless of the
+//!   sampling factors of the component (A.2.2). A restart interval counts these blocks.
+//! - The blocks of the last column and row may extend past the image. Samples outside are dropped (A.2.4). An image
+//!   of 9 × 9 samples has four blocks.
+//! - A restart marker separates two intervals and resets the DC prediction to 0. The markers cycle from RST0 to RST7.
+//!   No marker follows the last interval.
 
 use super::decode_block::decode_block;
 use super::huffman::ReadSymbols;
 use super::huffman_table::HuffmanTable;
 use super::narrow_dct::fast_inverse_dct;
-use super::processes::unexpected;
-use crate::codec::headers::room_for_samples;
+use super::processes::unexpected_marker;
+use crate::codec::headers::allocate_samples;
 use crate::codec::markers::{Cursor, RST0};
 use crate::codec::stream_error::StreamResult;
 
-/// The parameters of a scan.
+/// Tables and restart interval of a scan.
 pub(super) struct ScanTables {
     /// Quantization steps in zigzag order.
     pub quantization: [u16; 64],
     pub dc: HuffmanTable,
     pub ac: HuffmanTable,
-    /// Number of blocks; 0 for no restart interval.
+    /// Number of blocks between restart markers, or 0 for no restart markers.
     pub restart_interval: u16,
 }
 
-/// Decodes the entropy-coded data that begins at the cursor, up to the marker that ends it.
+/// Decodes the entropy-coded data that starts at the cursor. Leaves the cursor at the marker that ends the data.
 pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     stream: &mut Cursor<'a>,
     tables: &ScanTables,
@@ -45,9 +44,9 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     height: u32,
 ) -> StreamResult<Vec<u8>> {
     let columns = width.div_ceil(8) as usize;
-    let (blocks, interval) = intervals(tables, width, height);
-    // No code is shorter than a bit, and a block is at least a DC code and an end of block.
-    let mut samples = room_for_samples(stream, width, height, 2 * blocks as u64)?;
+    let (blocks, interval) = block_counts(tables, width, height);
+    // A code has at least one bit, and a block has at least a DC code and an end of block.
+    let mut samples = allocate_samples(stream, width, height, 2 * blocks as u64)?;
     let (dc, ac) = (B::Table::from(&tables.dc), B::Table::from(&tables.ac));
     let mut bits = B::new(stream.stream, stream.at);
     let mut previous_dc = 0;
@@ -59,16 +58,16 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
         }
         let steps = &tables.quantization;
         let coefficients = decode_block(&mut bits, &dc, &ac, steps, &mut previous_dc)?;
-        let decoded = fast_inverse_dct(&coefficients); // the plain way: inverse_dct
+        let decoded = fast_inverse_dct(&coefficients); // plain version: inverse_dct
         let (x, y) = (block % columns * 8, block / columns * 8);
-        place(&mut samples, width as usize, x, y, &decoded);
+        copy_block(&mut samples, width as usize, x, y, &decoded);
     }
-    stream.at = bits.plain().finish()?;
+    stream.at = bits.plain_bits().finish()?;
     Ok(samples)
 }
 
-/// Returns the number of blocks of a scan, and of an interval.
-pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize, usize) {
+/// Returns the number of blocks in a scan, and in an interval.
+pub(super) fn block_counts(tables: &ScanTables, width: u32, height: u32) -> (usize, usize) {
     let blocks = width.div_ceil(8) as usize * height.div_ceil(8) as usize;
     match tables.restart_interval {
         0 => (blocks, blocks),
@@ -76,19 +75,23 @@ pub(super) fn intervals(tables: &ScanTables, width: u32, height: u32) -> (usize,
     }
 }
 
-/// Checks the end of an interval and the number in its marker (E.2.4). Returns the start of the next interval.
+/// Checks the end of an interval and the number of its restart marker (E.2.4). Returns the offset of the next
+/// interval.
 pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
-    let bits = bits.plain();
+    let bits = bits.plain_bits();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
-    let marker = stream.marker()?;
+    let marker = stream.read_marker()?;
     if marker.code != RST0 + number {
-        return Err(unexpected(marker, &format!("restart marker {number}")));
+        return Err(unexpected_marker(
+            marker,
+            &format!("restart marker {number}"),
+        ));
     }
     Ok(stream.at)
 }
 
-/// Copies the part of a block that is inside the image; its top left sample is (x, y).
-fn place(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
+/// Copies the part of a block that is inside the image. (x, y) is the position of the top left sample.
+fn copy_block(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
     let inside = (width - x).min(8);
     let rows = samples.chunks_exact_mut(width).skip(y);
     for (row, decoded) in rows.zip(block.chunks_exact(8)) {

@@ -1,30 +1,30 @@
-//! T.81 F.1.2: from quantized blocks to symbols, and from symbols to bits
+//! T.81 F.1.2: conversion of quantized blocks to symbols, and of symbols to bits
 //!
-//! The mirror of `decode_block` and `scan`, in two steps, because Huffman tables that are optimized for the image depend on all
-//! symbols.
+//! This is the mirror of `decode_block` and `scan`. It works in two steps, because optimized Huffman tables depend on
+//! all symbols.
 //!
 //! Worked example: the block of `decode_block`, DC −3 and then 0 0 5 and sixty zeros.
 //!
 //! ```text
-//! DC  size 2, bits 00          −3 is the first of the numbers of two bits
+//! DC  size 2, bits 00          −3 is the first two-bit number
 //! AC  run 2, size 3, bits 101
 //! AC  EOB
 //! ```
 //!
 //! Format notes
-//! - A restart marker ends its interval on a whole byte, and the next one begins with the full DC
-//!   coefficient instead of a difference.
-//! - Zeros at the end are never written as ZRL: EOB covers them all.
+//! - A restart marker ends its interval at a byte boundary. The next interval starts with the full DC coefficient
+//!   instead of a difference.
+//! - Zeros at the end of a block are never written as ZRL, because EOB covers them all.
 
 use super::huffman_table::HuffmanTable;
 use super::huffman_tables::{AC, DC, Symbol};
 use crate::codec::markers::RST0;
 use crate::codec::writer::{BitWriter, Writer};
 
-/// Returns all symbols of the scan in order.
+/// Returns all symbols of the scan, in order.
 ///
-/// `blocks` are in zigzag order; if `restart_interval` is not 0, a marker follows every `restart_interval` blocks.
-pub(super) fn symbols_of(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<Symbol> {
+/// `blocks` are in zigzag order. If `restart_interval` is not 0, a marker follows every `restart_interval` blocks.
+pub(super) fn image_symbols(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<Symbol> {
     let mut symbols = Vec::new();
     let mut previous_dc = 0;
     for (index, block) in blocks.iter().enumerate() {
@@ -42,7 +42,7 @@ pub(super) fn symbols_of(blocks: &[[i16; 64]], restart_interval: usize) -> Vec<S
     symbols
 }
 
-/// Appends runs of zeros and the coefficients after them (F.1.2.2).
+/// Appends the AC symbols of a block: runs of zeros, each with the following coefficient (F.1.2.2).
 fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
     let mut run = 0;
     for &coefficient in coefficients {
@@ -63,8 +63,8 @@ fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
     }
 }
 
-/// Returns the number of bits that a magnitude needs, and these bits (F.1.2.1); for a negative number the bits of the number
-/// less one, so that the first is a zero.
+/// Returns the size and the additional bits of a number (F.1.2.1). For a negative number, these are the low bits of
+/// the number minus one, so that the first bit is zero.
 fn size_and_bits(value: i32) -> (u8, u32) {
     let size = 32 - value.unsigned_abs().leading_zeros();
     let bits = if value < 0 { value - 1 } else { value };
@@ -79,12 +79,12 @@ pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[H
         match *symbol {
             Symbol::Code(class, symbol, bits) => {
                 let (code, length) = codes[class][usize::from(symbol)];
-                out.put(code, length);
-                out.put(bits, u32::from(symbol & 15));
+                out.put_bits(code, length);
+                out.put_bits(bits, u32::from(symbol & 15));
             }
             Symbol::Restart(number) => {
                 out.finish(1);
-                stream.marker(RST0 + number);
+                stream.write_marker(RST0 + number);
                 out = BitWriter::new(stream);
             }
         }
@@ -92,7 +92,7 @@ pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[H
     out.finish(1);
 }
 
-/// Returns code and length for each symbol; length 0 for symbols without a code.
+/// Returns code and length by symbol. Symbols without a code have length 0.
 fn codes_by_symbol(table: &HuffmanTable) -> [(u32, u32); 256] {
     let mut codes = [(0, 0); 256];
     for code in table.codes() {
@@ -104,7 +104,7 @@ fn codes_by_symbol(table: &HuffmanTable) -> [(u32, u32); 256] {
 #[cfg(test)]
 mod tests {
     use super::super::huffman_tables::typical_tables;
-    use super::{symbols_of, write_symbols};
+    use super::{image_symbols, write_symbols};
     use crate::codec::writer::Writer;
 
     /// Checks the worked example of `decode_block`.
@@ -113,7 +113,7 @@ mod tests {
         let mut block = [0; 64];
         (block[0], block[3]) = (-3, 5);
         let mut stream = Writer::new();
-        let symbols = symbols_of(&[block], 0);
+        let symbols = image_symbols(&[block], 0);
         write_symbols(&mut stream, &symbols, &typical_tables());
         assert_eq!(stream.finish()[2..], [0x67, 0xEF, 0x6B, 0xFF, 0xD9]);
     }

@@ -1,10 +1,10 @@
 //! T.81 B.2.4: tables and miscellaneous segments
 //!
-//! Quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI), comments and application data. Any number of
-//! them may precede every header and the end, in any order; tables are stored under a number, 0 … 3, until another one replaces
-//! it.
+//! Tables and miscellaneous segments are quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI),
+//! comments and application data. Any number of them may precede each header and the end, in any order. A table is
+//! stored under an index, 0 … 3, until another table replaces it.
 //!
-//! Worked example: a quantization table of ones, and one of 16 bits whose first step is 300.
+//! Worked example: a quantization table of ones, and a 16-bit table whose first step is 300.
 //!
 //! ```text
 //! FF DB  00 43  00  01*64             precision 0, number 0, then 64 steps in zigzag order
@@ -12,10 +12,9 @@
 //! ```
 //!
 //! Format notes
-//! - One segment may hold several tables, one after the other.
-//! - Precision and class are in the high four bits of the byte before the table, the number in
-//!   the low ones.
-//! - DC and AC tables are numbered separately: DC table 0 and AC table 0 are two tables.
+//! - A segment may contain several tables.
+//! - Precision and class are in the high four bits of the byte before the table, and the index in the low four bits.
+//! - DC and AC tables have separate indices: DC table 0 and AC table 0 are different tables.
 
 use super::huffman_table::HuffmanTable;
 use super::scan::ScanTables;
@@ -26,42 +25,47 @@ use crate::codec::stream_error::{StreamResult, malformed};
 const DHT: u8 = 0xC4;
 const DQT: u8 = 0xDB;
 
-/// The tables that are defined at one position of the stream, by number.
+/// Tables that are defined at some position in the stream, by index.
 #[derive(Default)]
 pub(super) struct Tables {
-    /// In zigzag order, as stored.
+    /// Quantization tables in zigzag order, as stored.
     quantization: [Option<[u16; 64]>; 4],
-    /// Tables for DC, then for AC.
+    /// DC tables, then AC tables.
     huffman: [[Option<HuffmanTable>; 4]; 2],
-    /// Number of blocks; 0 for no restart interval.
+    /// Number of blocks between restart markers, or 0 for no restart markers.
     restart_interval: u16,
 }
 
 impl Tables {
-    /// Reads table segments, skips comments and application data, and returns the first other
-    /// marker.
+    /// Reads table segments and skips comments and application data. Returns the first other marker.
     pub fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
-            let marker = stream.marker_after_comments()?;
+            let marker = stream.read_marker_after_comments()?;
             match marker.code {
-                DQT => self.read_quantization(stream.segment("the quantization table segment")?)?,
-                DHT => self.read_huffman(stream.segment("the Huffman table segment")?)?,
-                DRI => self.read_interval(stream.segment("the restart interval segment")?)?,
+                DQT => {
+                    self.read_quantization(stream.read_segment("the quantization table segment")?)?
+                }
+                DHT => self.read_huffman(stream.read_segment("the Huffman table segment")?)?,
+                DRI => {
+                    self.read_restart_interval(
+                        stream.read_segment("the restart interval segment")?,
+                    )?;
+                }
                 _ => return Ok(marker),
             }
         }
     }
 
-    /// Reads tables, each a byte of precision and number, then 64 steps (B.2.4.1).
+    /// Reads quantization tables: for each, a byte with precision and index, then 64 steps (B.2.4.1).
     fn read_quantization(&mut self, mut segment: Cursor) -> StreamResult<()> {
         while !segment.at_end() {
-            let (precision, number) = precision_and_number(&mut segment, "quantization table")?;
+            let (precision, number) = read_precision_and_index(&mut segment, "quantization table")?;
             let mut table = [0; 64];
             for step in &mut table {
                 let at = segment.at;
                 *step = match precision {
-                    0 => u16::from(segment.byte("64 quantization steps")?),
-                    _ => segment.u16("64 quantization steps")?,
+                    0 => u16::from(segment.read_byte("64 quantization steps")?),
+                    _ => segment.read_u16("64 quantization steps")?,
                 };
                 if *step == 0 {
                     return Err(malformed(at, "a quantization step is zero"));
@@ -72,23 +76,30 @@ impl Tables {
         Ok(())
     }
 
-    /// Reads tables, each a byte of class (0 for DC, 1 for AC) and number, then the table (B.2.4.2).
+    /// Reads Huffman tables: for each, a byte with class (0 for DC, 1 for AC) and index, then the table (B.2.4.2).
     fn read_huffman(&mut self, mut segment: Cursor) -> StreamResult<()> {
         while !segment.at_end() {
-            let (class, number) = precision_and_number(&mut segment, "Huffman table")?;
+            let (class, number) = read_precision_and_index(&mut segment, "Huffman table")?;
             self.huffman[usize::from(class)][number] = Some(read_huffman_table(&mut segment)?);
         }
         Ok(())
     }
 
     /// Reads the number of blocks between restart markers (B.2.4.4).
-    fn read_interval(&mut self, mut segment: Cursor) -> StreamResult<()> {
-        self.restart_interval = segment.u16("the restart interval")?;
+    fn read_restart_interval(&mut self, mut segment: Cursor) -> StreamResult<()> {
+        self.restart_interval = segment.read_u16("the restart interval")?;
         segment.expect_end()
     }
 
-    /// Returns the tables that the headers name; `at` is the position of these numbers in the scan header.
-    pub fn of_scan(&self, quantization: u8, dc: u8, ac: u8, at: usize) -> StreamResult<ScanTables> {
+    /// Looks up the tables that the headers name. `at` is the offset of the table indices in the scan header, for
+    /// errors.
+    pub fn scan_tables(
+        &self,
+        quantization: u8,
+        dc: u8,
+        ac: u8,
+        at: usize,
+    ) -> StreamResult<ScanTables> {
         let [dc_tables, ac_tables] = &self.huffman;
         Ok(ScanTables {
             quantization: find_table(&self.quantization, quantization, "quantization table", at)?,
@@ -109,10 +120,10 @@ fn find_table<T: Clone>(
     table.ok_or_else(|| malformed(at, format!("{kind} {number} was not defined")))
 }
 
-/// Reads the byte before a table: its precision or class, 0 or 1, and its number, 0 … 3.
-fn precision_and_number(segment: &mut Cursor, kind: &str) -> StreamResult<(u8, usize)> {
+/// Reads the byte before a table: its precision or class, 0 or 1, and its index, 0 … 3.
+fn read_precision_and_index(segment: &mut Cursor, kind: &str) -> StreamResult<(u8, usize)> {
     let at = segment.at;
-    let byte = segment.byte(kind)?;
+    let byte = segment.read_byte(kind)?;
     let (precision, number) = (byte >> 4, byte & 15);
     if precision > 1 || number > 3 {
         let what = format!("no {kind} has precision or class {precision} and number {number}");
@@ -121,12 +132,12 @@ fn precision_and_number(segment: &mut Cursor, kind: &str) -> StreamResult<(u8, u
     Ok((precision, usize::from(number)))
 }
 
-/// Reads the numbers of codes of 1 … 16 bits, then the symbols (B.2.4.2).
+/// Reads the code counts for lengths of 1 … 16 bits, then the symbols (B.2.4.2).
 fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     let at = segment.at;
     let mut counts = [0; 16];
     for count in &mut counts {
-        *count = segment.byte("16 numbers of codes")?;
+        *count = segment.read_byte("16 numbers of codes")?;
     }
     let total: usize = counts.iter().map(|&count| usize::from(count)).sum();
     if total > 256 {
@@ -135,7 +146,7 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     }
     let mut symbols = Vec::with_capacity(total);
     for _ in 0..total {
-        symbols.push(segment.byte("the symbols of a Huffman table")?);
+        symbols.push(segment.read_byte("the symbols of a Huffman table")?);
     }
     let table = HuffmanTable { counts, symbols };
     match table.overfull_length() {

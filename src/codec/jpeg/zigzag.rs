@@ -1,7 +1,7 @@
 //! T.81 A.3.6: the zigzag order of coefficients
 //!
-//! Coefficients are stored along the antidiagonals of the block, from low to high frequencies, because quantization leaves
-//! zeros mostly at the end. Quantization tables are stored in the same order.
+//! Coefficients are stored along the antidiagonals of the block, from low to high frequencies, because most zeros
+//! after quantization are at the end. Quantization tables are stored in the same order.
 //!
 //! ```text
 //!  0  1  5  6 …
@@ -10,7 +10,7 @@
 //!  9 …
 //! ```
 
-/// The position of the k-th coefficient of the stream in its block, in row order from the top left.
+/// Row-order position in the block of the k-th coefficient in the stream.
 pub(crate) const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, //
     17, 24, 32, 25, 18, 11, 4, 5, //

@@ -1,42 +1,42 @@
 //! T.87 A.2.1, A.4.2, A.5.1, A.5.2, A.6: the statistics of a context
 //!
-//! A context keeps four numbers: N errors so far, the sum A of their magnitudes, the sum B of the
-//! errors themselves and the correction C of the prediction. A / N is the mean magnitude, which
-//! gives the parameter k of the Golomb code; B / N is the mean error, which C takes over one by one.
+//! A context keeps four numbers: the count N of errors so far, the sum A of their magnitudes, the sum B of the errors
+//! themselves, and the correction C of the prediction. A / N is the mean magnitude, which determines the parameter k
+//! of the Golomb code. B / N is the mean error, which C absorbs in steps of one.
 //!
-//! Worked example, a fresh context with MAXVAL 255 that meets the errors −3, −2 and 0:
+//! Worked example: a fresh context with MAXVAL 255, and the errors −3, −2 and 0.
 //!
 //! ```text
 //!         A   B   C  N   k
 //! fresh   4   0   0  1   2   1 · 2² ≥ 4
-//! −3      7  −1  −1  2   2   B was −3 and is not over −2: C takes one, B gets N back
-//! −2      9   0  −2  3   2   the same again
-//!  0      9   0  −2  4   2   predictions are now lowered by two
+//! −3      7  −1  −1  2   2   B = −3 is at most −N = −2, so C decreases and B increases by N
+//! −2      9   0  −2  3   2   the same
+//!  0      9   0  −2  4   2   predictions are now corrected by −2
 //! ```
 //!
 //! Format notes
-//! - When N reaches RESET, all sums are halved before N is incremented. B is rounded down then, also
-//!   below zero.
+//! - When N reaches RESET, A, B and N are halved before N is incremented. B is rounded down, for negative values as
+//!   well.
 
 use super::parameters::Parameters;
 
-/// The statistics of the errors in one kind of neighborhood.
+/// Statistics of the errors in one kind of neighborhood.
 #[derive(Clone, Copy)]
 pub(super) struct Context {
     /// Sum of the magnitudes of errors.
     a: i32,
     /// Sum of the errors, less the part that C has absorbed.
     b: i32,
-    /// The correction of the prediction, −128 … 127.
+    /// Correction of the prediction, −128 … 127.
     c: i32,
-    /// The number of errors.
+    /// Number of errors.
     n: i32,
 }
 
-/// Returns the contexts at the start of a scan, by number (A.2.1). Number 0 is the flat neighborhood, which belongs to run mode
-/// and is not used.
+/// Returns the contexts at the start of a scan (A.2.1). The context with index 0 is the flat neighborhood. It belongs
+/// to run mode and is not used.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
-    let a = initial_a(parameters);
+    let a = initial_error_sum(parameters);
     [Context {
         a,
         b: 0,
@@ -45,13 +45,13 @@ pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     }; 365]
 }
 
-/// Returns A after one error of a typical magnitude (A.2.1).
-pub(super) fn initial_a(parameters: &Parameters) -> i32 {
+/// Returns the initial value of A, as if after one typical error (A.2.1).
+pub(super) fn initial_error_sum(parameters: &Parameters) -> i32 {
     ((parameters.range + 32) / 64).max(2)
 }
 
-/// Returns the smallest k with n · 2^k ≥ a (A.5.1), so that 2^k is about the mean magnitude and a typical error has one zero or
-/// none before its one.
+/// Returns the smallest k with n · 2^k ≥ a (A.5.1). 2^k is about the mean magnitude, so the code of a typical error
+/// starts with at most one zero.
 #[inline]
 pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
     let mut k = 0;
@@ -64,7 +64,7 @@ pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
 impl Context {
     /// Returns the prediction, corrected by C (A.4.2). `sign` is −1 in the mirrored neighborhood.
     #[inline]
-    pub fn correct(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
+    pub fn correct_prediction(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
         (predicted + sign * self.c).clamp(0, maxval)
     }
 
@@ -73,14 +73,14 @@ impl Context {
         golomb_parameter(self.a, self.n)
     }
 
-    /// Returns true if negative errors are mapped first. Errors are mapped to 0, 1, 2 … in the order 0, −1, 1, −2, 2 …; where
-    /// negative ones are more frequent, in the order −1, 0, −2, 1 …, but only if k and NEAR are 0 (A.5.2).
+    /// Returns true if negative errors come first in the mapping to nonnegative numbers (A.5.2). The usual order is
+    /// 0, −1, 1, −2, 2 … If negative errors are more frequent, and if k and NEAR are 0, the order is −1, 0, −2, 1 …
     #[inline]
     pub fn maps_negative_first(&self, k: u32, near: i32) -> bool {
         k == 0 && near == 0 && 2 * self.b <= -self.n
     }
 
-    /// Updates the statistics (A.6).
+    /// Updates the statistics after an error (A.6).
     #[inline]
     pub fn update(&mut self, error: i32, parameters: &Parameters) {
         self.b += error * parameters.step;

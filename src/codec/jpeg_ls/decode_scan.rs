@@ -1,22 +1,22 @@
 //! T.87 Annex F: bits → samples
 //!
-//! Decodes every sample in order. The template selects one of two modes for each: regular mode codes one sample, run mode any
-//! number of them and the one after.
+//! Decodes every sample in order. The template selects one of two modes: regular mode codes one sample, and run mode
+//! any number of equal samples and the sample after them.
 //!
-//! Worked example: an image of one sample in the byte 70, bits 0111 0000.
+//! Worked example: an image with a single sample, in the byte 70 (bits 0111 0000).
 //!
 //! ```text
-//!        a, b, c and d are 0: all gradients are flat, run mode
-//! 0      no piece of a run; its rest takes J = 0 bits: the run is empty
+//!        a, b, c and d are 0: all gradients are flat, so run mode is used
+//! 0      no segment of a run, and the rest has J = 0 bits: the run is empty
 //! 1 11   the Golomb code of 3, with k = 2
-//!        RItype 1: 3 + 1 = 4 is twice the magnitude, of the sign that is not favored: error 2
+//!        RItype 1: 3 + 1 = 4 is twice the magnitude, with the sign that is not favored: error 2
 //!        sample 0 + 2
 //! 0000   padding
 //! ```
 //!
 //! Format notes
-//! - The template after a run is that of the interrupting sample: b is above *that* sample.
-//! - Errors are checked, because the range of a Golomb code is larger than that of errors.
+//! - The template after a run belongs to the interrupting sample: b is above *that* sample.
+//! - Errors are range-checked, because the range of a Golomb code is larger than that of errors.
 
 use super::contexts::{Context, fresh_contexts};
 use super::golomb::ReadGolomb;
@@ -25,19 +25,19 @@ use super::parameters::Parameters;
 use super::prediction::predict;
 use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
-use crate::codec::headers::room_for_samples;
+use crate::codec::headers::allocate_samples;
 use crate::codec::markers::Cursor;
 use crate::codec::stream_error::{StreamError, StreamResult, malformed};
 
-/// Decodes the entropy-coded data that begins at the cursor, up to the marker that ends it.
+/// Decodes the entropy-coded data that starts at the cursor. Leaves the cursor at the marker that ends the data.
 pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
     stream: &mut Cursor<'a>,
     parameters: &Parameters,
     width: u32,
     height: u32,
 ) -> StreamResult<Vec<u8>> {
-    // A line that continues the run of the previous line still takes a bit.
-    let mut samples = room_for_samples(stream, width, height, u64::from(height))?;
+    // A line that continues the run of the previous line still takes one bit.
+    let mut samples = allocate_samples(stream, width, height, u64::from(height))?;
     let mut scan = ScanDecoder {
         parameters,
         bits: B::new(stream.stream, stream.at),
@@ -50,11 +50,11 @@ pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
         scan.decode_line(&mut lines)?;
         line.copy_from_slice(lines.samples());
     }
-    stream.at = scan.bits.plain().finish()?;
+    stream.at = scan.bits.plain_bits().finish()?;
     Ok(samples)
 }
 
-/// The state of a scan.
+/// State of the decoder during a scan.
 struct ScanDecoder<'p, B> {
     parameters: &'p Parameters,
     bits: B,
@@ -63,7 +63,7 @@ struct ScanDecoder<'p, B> {
 }
 
 impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
-    /// Decodes each sample of a line in the mode of its neighborhood (A.3.2).
+    /// Decodes a line. The neighborhood of each sample selects its mode (A.3.2).
     fn decode_line(&mut self, lines: &mut Lines) -> StreamResult<()> {
         let width = lines.width();
         let mut x = 0;
@@ -82,7 +82,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
             } else {
                 self.decode_regular(context, neighbors)?
             };
-            neighbors = lines.set(x, sample, neighbors);
+            neighbors = lines.set_sample(x, sample, neighbors);
             x += 1;
         }
         Ok(())
@@ -94,10 +94,12 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         let parameters = self.parameters;
         let sign = context.signum();
         let context = &mut self.contexts[context.unsigned_abs() as usize];
-        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+        let predicted = context.correct_prediction(predict(neighbors), sign, parameters.maxval);
 
         let k = context.golomb_parameter();
-        let mapped = self.bits.golomb(k, parameters.limit, parameters.qbpp)?;
+        let mapped = self
+            .bits
+            .read_golomb(k, parameters.limit, parameters.qbpp)?;
         let error = (mapped >> 1) ^ -(mapped & 1); // 0, −1, 1, −2, 2 …
         let error = if context.maps_negative_first(k, parameters.near) {
             -1 - error
@@ -105,30 +107,31 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
             error
         };
         if !parameters.is_reduced(error) {
-            return Err(impossible(&self.bits, error));
+            return Err(impossible_error(&self.bits, error));
         }
         context.update(error, parameters);
         Ok(parameters.reconstruct(predicted, sign * error))
     }
 
-    /// Returns the number of samples equal to a (A.7.1), at most the `left` samples up to the end of the line.
+    /// Reads the length of a run of samples equal to a (A.7.1). It is at most `left`, the number of samples up to the
+    /// end of the line.
     fn decode_run_length(&mut self, left: usize) -> StreamResult<usize> {
         let mut run = 0;
         while self.bits.receive(1)? == 1 {
-            let piece = 1 << self.run_mode.j();
-            if run + piece > left {
-                return Ok(left); // A.7.1.2: a run that the line cuts short
+            let segment = 1 << self.run_mode.segment_bits();
+            if run + segment > left {
+                return Ok(left); // A.7.1.2: a run that the end of the line truncates
             }
-            run += piece;
-            self.run_mode.lengthen();
+            run += segment;
+            self.run_mode.increment_index();
             if run == left {
                 return Ok(left);
             }
         }
-        run += self.bits.receive(self.run_mode.j())? as usize;
+        run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
             let what = format!("a run of {run} samples and its end in a line with {left} to go");
-            return Err(malformed(self.bits.plain().offset(), what));
+            return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)
     }
@@ -142,22 +145,22 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
 
         let kind = interruption.kind;
         let k = context.golomb_parameter(kind);
-        let mapped = self.bits.golomb(k, limit, parameters.qbpp)?;
-        let doubled = mapped + kind; // twice the magnitude, less one for the favored sign
+        let mapped = self.bits.read_golomb(k, limit, parameters.qbpp)?;
+        let doubled = mapped + kind; // twice the magnitude, minus one for the favored sign
         let magnitude = (doubled + 1) >> 1;
         let favored = context.favored_sign(k) * magnitude;
         let error = if doubled & 1 == 1 { favored } else { -favored };
         if !parameters.is_reduced(error) {
-            return Err(impossible(&self.bits, error));
+            return Err(impossible_error(&self.bits, error));
         }
         context.update(error, mapped, kind, parameters.reset);
-        self.run_mode.shorten();
+        self.run_mode.decrement_index();
         Ok(parameters.reconstruct(interruption.predicted, interruption.sign * error))
     }
 }
 
 #[cold]
-fn impossible<'a>(bits: &impl ReadGolomb<'a>, error: i32) -> StreamError {
+fn impossible_error<'a>(bits: &impl ReadGolomb<'a>, error: i32) -> StreamError {
     let what = format!("no sample has prediction error {error}");
-    malformed(bits.plain().offset(), what)
+    malformed(bits.plain_bits().offset(), what)
 }

@@ -1,14 +1,14 @@
-//! T.87 C.2: the order of a stream, read
+//! T.87 C.2: reading of a stream
 //!
 //! ```text
 //! SOI  [LSE]  SOF55  [LSE]  SOS  entropy-coded data  [LSE]  EOI
 //! ```
 //!
 //! Format notes
-//! - Preset parameters may precede either header; the last ones before the scan header count.
-//! - LSE has thirteen types. Only type 1 applies to an image of one component of 8 bits without a
-//!   mapping table; T.870 has added types 5 to 13.
-//! - An APP8 segment may name a color space; it is skipped like any other.
+//! - Preset parameters may precede either header. The last ones before the scan header apply.
+//! - LSE has thirteen types. Only type 1 applies to an image with one component of 8 bits and no mapping table. T.870
+//!   added types 5 to 13.
+//! - An APP8 segment may name a color space. It is skipped like any other.
 
 use super::decode_scan::decode_scan;
 use super::parameters::{Parameters, PresetParameters};
@@ -17,25 +17,24 @@ use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, DNL, DRI, EOI, Marker, SOS};
 use crate::codec::stream_error::{StreamError, StreamResult, malformed, unsupported};
 
-// Markers of JPEG-LS only (Table C.1).
+// Markers that only JPEG-LS uses (Table C.1).
 const SOF55: u8 = 0xF7;
 const LSE: u8 = 0xF8;
 
-/// Decodes a JPEG-LS stream of one component and `width` × `height` samples, in row order from the
-/// top.
+/// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from
+/// the top.
 ///
 /// # Errors
 ///
-/// [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, has
-/// another size or another number of components;
-/// [`StreamFault::Unsupported`](crate::codec::StreamFault) for other precisions, mapping tables,
-/// point transforms, oversize images and restart intervals.
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has another
+/// size or another number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other
+/// precisions, mapping tables, point transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let (parameters, mut presets) = read_headers(&mut stream, width, height)?;
-    // The fast version; `Bits<7>` in place of `BitBuffer<7>` is the plain one.
+    // `BitBuffer<7>` is the fast version, and `Bits<7>` the plain one.
     let samples = decode_scan::<BitBuffer<7>>(&mut stream, &parameters, width, height)?;
-    expect(&mut stream, &mut presets, EOI, "the end of the image")?;
+    read_until(&mut stream, &mut presets, EOI, "the end of the image")?;
     Ok(samples)
 }
 
@@ -46,18 +45,18 @@ pub(super) fn read_headers(
     height: u32,
 ) -> StreamResult<(Parameters, StoredPresets)> {
     let mut presets = StoredPresets::default();
-    expect(stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
+    read_until(stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
     let frame = FrameHeader::read(stream, width, height, &OTHER_PRECISIONS)?;
-    expect(stream, &mut presets, SOS, "the scan header")?;
+    read_until(stream, &mut presets, SOS, "the scan header")?;
     let scan = ScanHeader::read(stream, &frame)?;
-    Ok((parameters_of_scan(&presets, &scan)?, presets))
+    Ok((read_scan_parameters(&presets, &scan)?, presets))
 }
 
 /// Sample precisions that the standard allows but this decoder does not implement.
 const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
 
-/// Reads the parameters of a scan: no mapping table, NEAR, the interleave mode, the point transform (C.2.3).
-fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
+/// Converts the scan header to parameters: no mapping table, NEAR, the interleave mode, the point transform (C.2.3).
+fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {
         let what = "samples that a mapping table translates are not implemented";
@@ -74,8 +73,8 @@ fn parameters_of_scan(presets: &StoredPresets, scan: &ScanHeader) -> StreamResul
     Parameters::new(&presets.parameters, presets.at, near, scan.at + 1)
 }
 
-/// Reads preset parameters up to this marker.
-fn expect(
+/// Reads preset parameters up to the marker `code`. Any other marker is an error.
+fn read_until(
     stream: &mut Cursor,
     presets: &mut StoredPresets,
     code: u8,
@@ -84,34 +83,33 @@ fn expect(
     let marker = presets.read(stream)?;
     match marker.code == code {
         true => Ok(()),
-        false => Err(unexpected(marker, what)),
+        false => Err(unexpected_marker(marker, what)),
     }
 }
 
-fn unexpected(marker: Marker, expected: &str) -> StreamError {
+fn unexpected_marker(marker: Marker, expected: &str) -> StreamError {
     match marker.code {
         DNL => unsupported(marker.at, "a height defined by DNL is not implemented"),
         _ => malformed(marker.at, format!("expected {expected}, found {marker}")),
     }
 }
 
-/// The preset coding parameters at one position of the stream.
+/// Preset coding parameters at some position in the stream.
 #[derive(Default)]
 pub(super) struct StoredPresets {
     parameters: PresetParameters,
-    /// Their position.
+    /// Offset of the parameters in the stream.
     at: usize,
 }
 
 impl StoredPresets {
-    /// Reads preset parameters, skips comments and application data, and returns the first other
-    /// marker.
+    /// Reads preset parameters and skips comments and application data. Returns the first other marker.
     fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
         loop {
-            let marker = stream.marker_after_comments()?;
+            let marker = stream.read_marker_after_comments()?;
             match marker.code {
-                LSE => self.read_segment(stream.segment("the preset parameter segment")?)?,
-                DRI => read_restart_interval(stream.segment("the restart interval segment")?)?,
+                LSE => self.read_segment(stream.read_segment("the preset parameter segment")?)?,
+                DRI => read_restart_interval(stream.read_segment("the restart interval segment")?)?,
                 _ => return Ok(marker),
             }
         }
@@ -120,15 +118,15 @@ impl StoredPresets {
     /// Reads a segment of preset parameters (C.2.4.1).
     fn read_segment(&mut self, mut segment: Cursor) -> StreamResult<()> {
         let at = segment.at;
-        let not_implemented = match segment.byte("its type")? {
+        let not_implemented = match segment.read_byte("its type")? {
             1 => {
                 self.at = segment.at;
                 self.parameters = PresetParameters {
-                    maxval: segment.u16("MAXVAL")?,
-                    t1: segment.u16("T1")?,
-                    t2: segment.u16("T2")?,
-                    t3: segment.u16("T3")?,
-                    reset: segment.u16("RESET")?,
+                    maxval: segment.read_u16("MAXVAL")?,
+                    t1: segment.read_u16("T1")?,
+                    t2: segment.read_u16("T2")?,
+                    t3: segment.read_u16("T3")?,
+                    reset: segment.read_u16("RESET")?,
                 };
                 return segment.expect_end();
             }
@@ -147,10 +145,10 @@ impl StoredPresets {
     }
 }
 
-/// Accepts an interval of 0, which means none.
+/// Reads a restart interval segment. Only 0 is supported, which means no restart interval.
 fn read_restart_interval(mut segment: Cursor) -> StreamResult<()> {
     let at = segment.at;
-    match segment.u16("the restart interval")? {
+    match segment.read_u16("the restart interval")? {
         0 => segment.expect_end(),
         _ => Err(unsupported(
             at,

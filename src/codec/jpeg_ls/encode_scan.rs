@@ -1,20 +1,19 @@
 //! T.87 Annex A: samples → bits
 //!
-//! The mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if NEAR is not 0: an
-//! encoder that predicts from the image drifts away from its decoder.
+//! This is the mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if
+//! NEAR is not 0. An encoder that predicts from the image itself drifts away from its decoder.
 //!
-//! Worked example: a line of seven samples 0 and a 1, in the bytes FB 40.
+//! Worked example: a line of seven samples 0 and a sample 1, in the bytes FB 40.
 //!
 //! ```text
-//! 1 1 1 1 1    run mode: four pieces of one sample, one of two
+//! 1 1 1 1 1    run mode: four segments of one sample, one of two
 //! 0 1          interrupted after one more sample
-//! 1 01         error 1 with a and b alike: 2 · 1 − 1 = 1, k = 2
+//! 1 01         error 1 with a = b: 2 · 1 − 1 = 1, k = 2
 //! 000000       padding
 //! ```
 //!
 //! Format notes
-//! - If the last byte is 0xFF, one more byte of seven zeros follows, or a decoder would read the marker
-//!   as data.
+//! - If the last byte is 0xFF, a byte of seven zero bits follows. Otherwise a decoder would read the marker as data.
 
 use super::contexts::{Context, fresh_contexts};
 use super::gradients::context_number;
@@ -24,7 +23,7 @@ use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
 use crate::codec::writer::{BitWriter, Writer};
 
-/// Writes all samples and returns the samples that a decoder will have.
+/// Encodes all samples. Returns the samples that a decoder reconstructs.
 pub(super) fn encode_scan(
     stream: &mut Writer,
     parameters: &Parameters,
@@ -48,7 +47,7 @@ pub(super) fn encode_scan(
     decoded
 }
 
-/// The state of a scan.
+/// State of the encoder during a scan.
 struct ScanEncoder<'p, 's> {
     parameters: &'p Parameters,
     bits: BitWriter<'s, 7>,
@@ -57,7 +56,7 @@ struct ScanEncoder<'p, 's> {
 }
 
 impl ScanEncoder<'_, '_> {
-    /// Encodes each sample of a line in the mode of its neighborhood (A.3.2).
+    /// Encodes a line. The neighborhood of each sample selects its mode (A.3.2).
     fn encode_line(&mut self, lines: &mut Lines, originals: &[u8]) {
         let width = lines.width();
         let mut x = 0;
@@ -77,7 +76,7 @@ impl ScanEncoder<'_, '_> {
             } else {
                 self.encode_regular(originals[x], context, neighbors)
             };
-            neighbors = lines.set(x, sample, neighbors);
+            neighbors = lines.set_sample(x, sample, neighbors);
             x += 1;
         }
     }
@@ -87,7 +86,7 @@ impl ScanEncoder<'_, '_> {
         let parameters = self.parameters;
         let sign = context.signum();
         let context = &mut self.contexts[context.unsigned_abs() as usize];
-        let predicted = context.correct(predict(neighbors), sign, parameters.maxval);
+        let predicted = context.correct_prediction(predict(neighbors), sign, parameters.maxval);
         let error = parameters.quantize_error(sign * (i32::from(original) - predicted));
 
         let k = context.golomb_parameter();
@@ -102,23 +101,24 @@ impl ScanEncoder<'_, '_> {
         parameters.reconstruct(predicted, sign * error)
     }
 
-    /// Returns the number of samples that differ from a by at most NEAR (A.7.1.1).
+    /// Returns the number of leading samples that differ from a by at most NEAR (A.7.1.1).
     fn run_length(&self, a: i32, originals: &[u8]) -> usize {
-        let alike = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
-        originals.iter().take_while(alike).count()
+        let is_near = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
+        originals.iter().take_while(is_near).count()
     }
 
     /// Writes the length of a run (A.7.1.2).
     fn encode_run_length(&mut self, mut run: usize, ends_line: bool) {
-        while run >= 1 << self.run_mode.j() {
-            self.bits.put(1, 1);
-            run -= 1 << self.run_mode.j();
-            self.run_mode.lengthen();
+        while run >= 1 << self.run_mode.segment_bits() {
+            self.bits.put_bits(1, 1);
+            run -= 1 << self.run_mode.segment_bits();
+            self.run_mode.increment_index();
         }
         if !ends_line {
-            self.bits.put(run as u32, 1 + self.run_mode.j());
+            self.bits
+                .put_bits(run as u32, 1 + self.run_mode.segment_bits());
         } else if run > 0 {
-            self.bits.put(1, 1);
+            self.bits.put_bits(1, 1);
         }
     }
 
@@ -137,7 +137,7 @@ impl ScanEncoder<'_, '_> {
         let mapped = 2 * error.abs() - kind - i32::from(favored);
         context.update(error, mapped, kind, parameters.reset);
         self.put_golomb(mapped, k, limit);
-        self.run_mode.shorten();
+        self.run_mode.decrement_index();
         parameters.reconstruct(interruption.predicted, sign * error)
     }
 
@@ -147,11 +147,11 @@ impl ScanEncoder<'_, '_> {
         let longest = limit - qbpp - 1;
         let zeros = number >> k;
         if zeros < longest {
-            self.bits.put(0, zeros);
-            self.bits.put(1 << k | number & ((1 << k) - 1), 1 + k);
+            self.bits.put_bits(0, zeros);
+            self.bits.put_bits(1 << k | number & ((1 << k) - 1), 1 + k);
         } else {
-            self.bits.put(0, longest);
-            self.bits.put(1 << qbpp | (number - 1), 1 + qbpp);
+            self.bits.put_bits(0, longest);
+            self.bits.put_bits(1 << qbpp | (number - 1), 1 + qbpp);
         }
     }
 }

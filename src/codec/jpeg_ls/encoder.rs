@@ -1,24 +1,24 @@
-//! T.87 C.2: writes a JPEG-LS stream, with its segments in this order
+//! T.87 C.2: writing of a stream
 
 use super::encode_scan::encode_scan;
 use super::parameters::{Parameters, PresetParameters};
 use crate::codec::writer::{Encoded, Writer, check_size};
 
-/// Options of the encoder.
+/// Options of the JPEG-LS encoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JpegLsOptions {
-    /// Maximum error of a sample; 0 for lossless.
+    /// Maximum error of a sample, or 0 for lossless coding.
     pub near: u8,
-    /// Preset parameters to write; without them no LSE segment is written.
+    /// Preset parameters. If absent, no LSE segment is written.
     pub presets: Option<PresetParameters>,
 }
 
-/// Encodes `width` × `height` samples, given in row order from the top.
+/// Encodes `width` × `height` samples, which are in row order from the top.
 ///
 /// # Panics
 ///
-/// If there are not `width` × `height` samples, a side is not within 1 … 65,535, a sample is over
-/// MAXVAL, or an option is out of its range.
+/// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, a sample exceeds
+/// MAXVAL, or an option is out of range.
 #[must_use]
 pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) -> Encoded {
     check_size(samples, width, height);
@@ -30,19 +30,19 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
     }
 
     let mut stream = Writer::new();
-    stream.frame_header(0xF7, width, height, [0x11, 0]);
+    stream.write_frame_header(0xF7, width, height, [0x11, 0]);
     if let Some(presets) = options.presets {
         write_presets(&mut stream, presets);
     }
-    stream.scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
+    stream.write_scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
     let samples = encode_scan(&mut stream, &parameters, samples, width);
     let stream = stream.finish();
     Encoded { stream, samples }
 }
 
-/// Writes type 1 and the five parameters (C.2.4.1.1).
+/// Writes a segment of type 1 with the five parameters (C.2.4.1.1).
 fn write_presets(stream: &mut Writer, presets: PresetParameters) {
     let p = presets;
     let numbers = [p.maxval, p.t1, p.t2, p.t3, p.reset].map(u16::to_be_bytes);
-    stream.segment(0xF8, &[&[1], &numbers.concat()[..]].concat());
+    stream.write_segment(0xF8, &[&[1], &numbers.concat()[..]].concat());
 }

@@ -1,7 +1,7 @@
-//! Golomb codes by counting zeros
+//! Fast decoding of Golomb codes by counting zeros
 //!
-//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare and left to
-//! the plain version.
+//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare
+//! and delegated to the plain version.
 //!
 //! ```text
 //! window   0001 0111 …     k = 2: three zeros, then 01: 3 · 4 + 1 = 13, six bits
@@ -13,14 +13,14 @@ use crate::codec::stream_error::StreamResult;
 
 impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
     #[inline]
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
-        // More than the length of a code that is not limited: its zeros, a one and k bits.
+    fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
+        // Longer than any code that is not limited: its zeros, a one and k bits.
         self.require(48);
-        let zeros = self.window().leading_zeros();
+        let zeros = self.peek_window().leading_zeros();
         if zeros >= limit - qbpp - 1 {
             return limited_golomb(self, k, limit, qbpp);
         }
-        let low = leading_bits(self.window() << (zeros + 1), k);
+        let low = leading_bits(self.peek_window() << (zeros + 1), k);
         self.skip(zeros + 1 + k)?;
         Ok((zeros << k | low) as i32)
     }
@@ -43,14 +43,17 @@ mod tests {
         let mut bits = B::new(stream, 1);
         let mut results = Vec::new();
         for &(k, limit, qbpp) in codes {
-            let number = bits.golomb(k, limit, qbpp);
+            let number = bits.read_golomb(k, limit, qbpp);
             if number.is_err() {
                 results.push(format!("{number:?}"));
                 return results;
             }
-            results.push(format!("{number:?}, then byte {}", bits.plain().offset()));
+            results.push(format!(
+                "{number:?}, then byte {}",
+                bits.plain_bits().offset()
+            ));
         }
-        results.push(format!("{:?}", bits.plain().finish()));
+        results.push(format!("{:?}", bits.plain_bits().finish()));
         results
     }
 

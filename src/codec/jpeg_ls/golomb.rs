@@ -1,40 +1,41 @@
-//! T.87 A.5.3: limited-length Golomb codes, read
+//! T.87 A.5.3: decoding of limited-length Golomb codes
 //!
-//! A number is coded in two parts: its high bits, all but the last k, as that many zeros and a one, then its last k bits. Codes
-//! of large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number less one follows in qbpp bits.
+//! A number is coded in two parts: all bits above the low k bits, as that many zeros and a one, then the low k bits.
+//! The codes of large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number minus one follows in
+//! qbpp bits.
 //!
 //! Worked example, with k = 2, LIMIT 32 and qbpp 8:
 //!
 //! ```text
 //! 3     1 11                   no zeros, low bits 11
 //! 13    0001 01                13 = 3 · 4 + 1
-//! 200   (23 zeros) 1 11000111  200 / 4 is over 22: the number 199 as it is
+//! 200   (23 zeros) 1 11000111  200 / 4 exceeds 22: the number 199 in 8 bits
 //! ```
 
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// The operations of scan decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes,
-/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) faster.
+/// Operations of scan decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes them,
+/// and [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
-    /// Reads the next code and returns its number.
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
+    /// Reads the next Golomb code and returns its number.
+    fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
 }
 
 impl<'a> ReadGolomb<'a> for Bits<'a, 7> {
-    fn golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
+    fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
         decode_golomb(self, k, limit, qbpp)
     }
 }
 
-/// Reads a code (A.5.3).
+/// Reads a Golomb code bit by bit (A.5.3).
 pub(super) fn decode_golomb<'a>(
     bits: &mut impl ReadBits<'a, 7>,
     k: u32,
     limit: u32,
     qbpp: u32,
 ) -> StreamResult<i32> {
-    let start = bits.plain();
+    let start = bits.plain_bits();
     let longest = limit - qbpp - 1;
     let mut zeros = 0;
     while bits.receive(1)? == 0 {
@@ -62,7 +63,7 @@ mod tests {
     fn long_codes_are_limited() {
         let stream = [0, 0b1110_0010, 0b1000_0000, 0, 0, 0b1110_0011, 0b1000_0000];
         let mut bits = Bits::new(&stream, 1);
-        let numbers = [(); 3].map(|()| bits.golomb(2, 32, 8));
+        let numbers = [(); 3].map(|()| bits.read_golomb(2, 32, 8));
         assert_eq!(numbers, [Ok(3), Ok(13), Ok(200)]);
     }
 }

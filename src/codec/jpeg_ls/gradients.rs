@@ -1,10 +1,11 @@
-//! T.87 A.3.2 – A.3.4: local gradients and the context that they select
+//! T.87 A.3.2 – A.3.4: local gradients, and the context that they select
 //!
-//! The gradients d − b, b − c and c − a measure the slope of the neighborhood. Each is quantized into one of nine regions, −4 …
-//! 4, by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror image (all signs inverted) share a context, with
-//! errors of opposite sign: of 9³ = 729 triples, one is flat and 364 pairs remain.
+//! The gradients d − b, b − c and c − a measure the slope of the neighborhood. Each is quantized to one of nine
+//! regions, −4 … 4, by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror image (with all signs
+//! inverted) share a context, with errors of opposite sign. Of 9³ = 729 triples, one is flat, and the others form 364
+//! pairs.
 //!
-//! Worked example, without loss and with the thresholds 3, 7, 21:
+//! Worked example: lossless coding with the thresholds 3, 7, 21.
 //!
 //! ```text
 //! c b d    10 12 40    gradients  28   2   5    regions  4  1  2    context 81·4 + 9·1 + 2 = 335
@@ -14,8 +15,8 @@
 use super::parameters::Parameters;
 use super::template::Neighbors;
 
-/// Returns the number of the context, with its sign: negative in the mirrored neighborhood. 0 is the flat neighborhood, which
-/// belongs to run mode. The standard leaves the numbering open.
+/// Returns the signed index of the context, which is negative in the mirrored neighborhood. Index 0 is the flat
+/// neighborhood, which belongs to run mode. The standard does not specify the numbering.
 #[inline]
 pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, d } = neighbors;
@@ -23,7 +24,8 @@ pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i
     81 * region(d - b) + 9 * region(b - c) + region(c - a)
 }
 
-/// Returns the region of a gradient (A.3.3): the flat one extends NEAR on both sides of zero, the others to T1, T2 and T3.
+/// Returns the region of a gradient (A.3.3). The flat region extends from −NEAR to NEAR, and the other regions up to
+/// T1, T2 and T3.
 #[inline]
 fn region(parameters: &Parameters, gradient: i32) -> i32 {
     let [t1, t2, t3] = parameters.thresholds;

@@ -1,25 +1,25 @@
 //! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of 8 bits
 //!
-//! Samples are coded one by one, left to right and top to bottom. Each is predicted from four neighbors that are already known,
-//! and the prediction error is written with a limited-length Golomb code. The gradients of the neighborhood select one of 364
-//! *contexts*, which adapt the correction of the prediction and the lengths of the codes to the errors so far. If the
-//! neighborhood is flat, the coder counts equal samples instead (*run mode*).
+//! Samples are coded one by one, from left to right and from top to bottom. Each sample is predicted from four known
+//! neighbors, and the prediction error is written with a limited-length Golomb code. The gradients of the
+//! neighborhood select one of 364 *contexts*, which adapt the correction of the prediction and the lengths of the
+//! codes to the errors so far. If the neighborhood is flat, the coder counts equal samples instead (*run mode*).
 //!
 //! ```text
 //! c b d     template → gradients ─┬→ prediction → contexts → golomb    regular mode (A.4 – A.6)
 //! a x                             └→ run_mode                          run mode (A.7)
 //! ```
 //!
-//! With NEAR above 0 each sample may be off by up to NEAR: the error is divided by 2·NEAR + 1 and rounded, and both sides
-//! continue with the sample of the decoder.
+//! If NEAR is positive, each sample may be off by up to NEAR: the error is divided by 2·NEAR + 1 and rounded, and
+//! both encoder and decoder continue with the decoded sample.
 //!
-//! Decoder and encoder adapt in the same way, so they share the contexts and all code that neither reads nor writes bits. Annex
-//! F, the decoder, is the inverse of Annex A.
+//! Decoder and encoder adapt in the same way, so they share the contexts and all code that neither reads nor writes
+//! bits. Annex F, the decoder, is the inverse of Annex A.
 //!
 //! Format notes
 //! - A decoder must handle NEAR: the frame header is the same with and without loss.
-//! - The standard leaves the unit of a restart interval open, and implementations
-//!   differ; streams with one are not supported.
+//! - The standard does not specify the unit of a restart interval, and implementations differ. Streams with a restart
+//!   interval are not supported.
 
 mod parameters;
 
@@ -33,7 +33,7 @@ mod contexts;
 
 mod run_mode;
 
-// Reading.
+// Decoder.
 
 mod decoder;
 
@@ -43,7 +43,7 @@ mod golomb;
 
 mod fast_golomb;
 
-// Writing.
+// Encoder.
 
 #[cfg(feature = "generate")]
 mod encoder;

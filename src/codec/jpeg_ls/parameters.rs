@@ -1,9 +1,9 @@
-//! T.87 C.2.4.1.1, A.2.1: preset coding parameters and values derived from them
+//! T.87 C.2.4.1.1, A.2.1: preset coding parameters, and values derived from them
 //!
-//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET; NEAR is in the scan header. All other parameters
-//! of a scan are computed from these.
+//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET. NEAR is in the scan header. All other
+//! parameters of a scan are computed from these.
 //!
-//! Worked example, samples of 8 bits:
+//! Worked example: parameters for samples of 8 bits.
 //!
 //! ```text
 //! MAXVAL NEAR   T1 T2 T3  RESET   RANGE qbpp  bpp  LIMIT
@@ -13,48 +13,49 @@
 //! ```
 //!
 //! Format notes
-//! - A zero in the segment stands for the default, which depends on MAXVAL and NEAR.
+//! - A zero in the segment means the default, which depends on MAXVAL and NEAR.
 //! - LIMIT follows from MAXVAL, not from the precision in the frame header.
 //! - T1 = T2 = T3 is legal.
 
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// The preset coding parameters of an LSE segment (C.2.4.1.1). 0 stands for the default.
+/// Preset coding parameters of an LSE segment (C.2.4.1.1). 0 means the default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct PresetParameters {
-    /// The largest sample: 1 … 255.
+    /// MAXVAL, the largest sample: 1 … 255.
     pub maxval: u16,
-    /// T1, NEAR + 1 … MAXVAL: the first threshold of gradients.
+    /// T1, the first gradient threshold: NEAR + 1 … MAXVAL.
     pub t1: u16,
-    /// T2, T1 … MAXVAL.
+    /// T2, the second gradient threshold: T1 … MAXVAL.
     pub t2: u16,
-    /// T3, T2 … MAXVAL.
+    /// T3, the third gradient threshold: T2 … MAXVAL.
     pub t3: u16,
-    /// RESET, 3 … 255: the number of samples after which a context halves its statistics.
+    /// RESET, the number of samples after which a context halves its statistics: 3 … 255.
     pub reset: u16,
 }
 
-/// The parameters of a scan.
+/// Parameters of a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Parameters {
-    /// The largest sample.
+    /// Largest sample.
     pub maxval: i32,
     pub near: i32,
-    /// T1, T2, T3.
+    /// Gradient thresholds T1, T2, T3.
     pub thresholds: [i32; 3],
     pub reset: i32,
-    /// 2·NEAR + 1: the difference of adjacent errors.
+    /// Distance between adjacent quantized errors, 2·NEAR + 1.
     pub step: i32,
-    /// Number of different errors.
+    /// Number of distinct errors.
     pub range: i32,
-    /// Number of bits of an error as a plain number.
+    /// Number of bits of an error in plain binary.
     pub qbpp: u32,
     /// Number of bits of the longest code.
     pub limit: u32,
 }
 
 impl Parameters {
-    /// Fills in defaults and checks. `presets_at` is the position of the preset parameters, `near_at` that of NEAR.
+    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for
+    /// errors.
     pub fn new(
         presets: &PresetParameters,
         presets_at: usize,
@@ -62,7 +63,7 @@ impl Parameters {
         near_at: usize,
     ) -> StreamResult<Parameters> {
         let near = i32::from(near);
-        let maxval = or_default(presets.maxval, 255);
+        let maxval = value_or_default(presets.maxval, 255);
         if maxval > 255 {
             let what = format!("MAXVAL {maxval} does not fit in 8 bits");
             return Err(malformed(presets_at, what));
@@ -72,7 +73,7 @@ impl Parameters {
             return Err(malformed(near_at, what));
         }
         let thresholds = thresholds(presets, presets_at, maxval, near)?;
-        let reset = or_default(presets.reset, 64);
+        let reset = value_or_default(presets.reset, 64);
         if !(3..=255).contains(&reset) {
             let what = format!("RESET must be within 3 to 255, found {reset}");
             return Err(malformed(presets_at + 8, what));
@@ -81,7 +82,7 @@ impl Parameters {
         // A.2.1.
         let step = 2 * near + 1;
         let range = (maxval + 2 * near) / step + 1;
-        let bpp = bits_for(maxval + 1).max(2);
+        let bpp = bit_width(maxval + 1).max(2);
         Ok(Parameters {
             maxval,
             near,
@@ -89,25 +90,25 @@ impl Parameters {
             reset,
             step,
             range,
-            qbpp: bits_for(range),
+            qbpp: bit_width(range),
             limit: 2 * (bpp + bpp.max(8)),
         })
     }
 }
 
-fn or_default(value: u16, default: i32) -> i32 {
+fn value_or_default(value: u16, default: i32) -> i32 {
     match value {
         0 => default,
         value => i32::from(value),
     }
 }
 
-/// Returns the number of bits that `values` different values need.
-fn bits_for(values: i32) -> u32 {
+/// Returns the number of bits needed for `values` distinct values.
+fn bit_width(values: i32) -> u32 {
     (values - 1).ilog2() + 1
 }
 
-/// Returns T1, T2, T3, each from the previous one to MAXVAL.
+/// Returns T1, T2, T3. Each must be between the previous one and MAXVAL.
 fn thresholds(
     presets: &PresetParameters,
     presets_at: usize,
@@ -117,7 +118,7 @@ fn thresholds(
     let mut thresholds = default_thresholds(maxval, near);
     let mut least = near + 1;
     for (i, stored) in [presets.t1, presets.t2, presets.t3].into_iter().enumerate() {
-        let threshold = or_default(stored, thresholds[i]);
+        let threshold = value_or_default(stored, thresholds[i]);
         if !(least..=maxval).contains(&threshold) {
             let name = i + 1;
             let what = format!("T{name} must be within {least} to {maxval}, found {threshold}");
@@ -129,15 +130,16 @@ fn thresholds(
     Ok(thresholds)
 }
 
-/// Returns the default thresholds: 3, 7, 21 for lossless 8 bits, else scaled by MAXVAL and NEAR (C.2.4.1.1.1).
+/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, otherwise scaled by MAXVAL and NEAR
+/// (C.2.4.1.1.1).
 ///
 /// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
-    limited_thresholds(wanted_thresholds(maxval, near), maxval, near)
+    limit_thresholds(unlimited_thresholds(maxval, near), maxval, near)
 }
 
 /// Returns the default thresholds before they are limited.
-pub(crate) fn wanted_thresholds(maxval: i32, near: i32) -> [i32; 3] {
+pub(crate) fn unlimited_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     if maxval >= 128 {
         // MAXVAL is at most 255 here, so the factor of the standard is always 1.
         [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
@@ -151,8 +153,9 @@ pub(crate) fn wanted_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     }
 }
 
-/// Limits thresholds: a threshold below the previous one (the first: below NEAR + 1) or above MAXVAL is replaced.
-pub(crate) fn limited_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
+/// Limits thresholds: one that is above MAXVAL or below the previous one (NEAR + 1 for the first) is replaced by the
+/// previous one.
+pub(crate) fn limit_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
     let mut least = near + 1;
     wanted.map(|threshold| {
         if (least..=maxval).contains(&threshold) {

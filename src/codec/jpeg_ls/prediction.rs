@@ -1,9 +1,9 @@
-//! T.87 A.4: prediction, its error and the resulting sample
+//! T.87 A.4: prediction, its error and the reconstructed sample
 //!
-//! The prediction is the *median edge detector*: b or a at an edge, else the plane through a, b and c. The error is a number
-//! modulo RANGE, because sample and prediction are: of two errors that give the same sample the one nearer to zero is coded.
+//! The prediction is the *median edge detector*: b or a at an edge, otherwise the plane through a, b and c. Errors
+//! are numbers modulo RANGE, so two errors give the same sample, and the one nearer to zero is coded.
 //!
-//! Worked example, a = 5, b = 12 and the sample 250, without loss:
+//! Worked example: a = 5, b = 12 and the sample 250, in lossless coding.
 //!
 //! ```text
 //! c = 10   between a and b      prediction 5 + 12 − 10 = 7
@@ -29,7 +29,8 @@ pub(crate) fn predict(neighbors: Neighbors) -> i32 {
 }
 
 impl Parameters {
-    /// Returns the error in units of the step, and nearest to zero among those that give the same sample (A.4.4, A.4.5).
+    /// Returns the error in units of the step. Of the errors that give the same sample, returns the one nearest to
+    /// zero (A.4.4, A.4.5).
     #[cfg(feature = "generate")]
     pub fn quantize_error(&self, error: i32) -> i32 {
         let quantized = (error + self.near * error.signum()) / self.step;
@@ -51,12 +52,12 @@ impl Parameters {
         -(self.range / 2) <= error && error < (self.range + 1) / 2
     }
 
-    /// Returns the sample for a prediction and an error (A.4.4), as in the decoder.
+    /// Reconstructs the sample from a prediction and an error (A.4.4), like the decoder.
     #[inline]
     pub fn reconstruct(&self, predicted: i32, error: i32) -> i32 {
         let modulus = self.range * self.step;
         let sample = predicted + error * self.step;
-        // Branch-free, because branches are unpredictable in noise.
+        // Branchless, because branches are unpredictable in noise.
         let below = i32::from(sample < -self.near);
         let above = i32::from(sample > self.maxval + self.near);
         (sample + (below - above) * modulus).clamp(0, self.maxval)

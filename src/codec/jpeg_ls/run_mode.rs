@@ -1,61 +1,62 @@
 //! T.87 A.7: run mode, the common part of decoder and encoder
 //!
-//! If all gradients are flat, samples equal to a are counted until one differs or the line ends. A run is written in pieces of
-//! 2^J samples, a bit 1 each, and J grows with `RUNindex` as long as runs continue. A bit 0 and the rest of the run in J bits
-//! mean that a sample interrupts it; that sample is predicted and coded separately.
+//! If all gradients are flat, samples equal to a are counted until a sample differs or the line ends. A run is
+//! written in segments of 2^J samples, with a bit 1 for each, and J grows with `RUNindex` while runs continue. A bit
+//! 0, followed by the rest of the run in J bits, means that a sample interrupts the run. That sample is predicted and
+//! coded separately.
 //!
-//! Worked example: a run of 7 samples and an interruption, `RUNindex` 0 before.
+//! Worked example: a run of 7 samples and an interruption, starting with `RUNindex` 0.
 //!
 //! ```text
-//! 1 1 1 1   four pieces of one sample (RUNindex 0 … 3), RUNindex is now 4
-//! 1         a piece of two samples (J = 1), RUNindex 5
+//! 1 1 1 1   four segments of one sample (RUNindex 0 … 3), RUNindex is now 4
+//! 1         a segment of two samples (J = 1), RUNindex 5
 //! 0 1       interrupted, after one more sample in J = 1 bits
 //! …         the Golomb code of the interrupting sample; then RUNindex is 4
 //! ```
 //!
 //! Format notes
-//! - The code of the interruption uses `RUNindex` *before* it is decremented at the end of the run.
-//! - A run that ends with its line is not interrupted: no sample follows, and `RUNindex` does not change.
+//! - The code of the interrupting sample uses `RUNindex` *before* it is decremented at the end of the run.
+//! - A run that ends with its line is not interrupted. No sample follows, and `RUNindex` does not change.
 
-use super::contexts::{golomb_parameter, initial_a};
+use super::contexts::{golomb_parameter, initial_error_sum};
 use super::parameters::Parameters;
 
-/// J of the standard, by `RUNindex`: a bit 1 in the stream means 2^J samples (A.2.1).
+/// J by `RUNindex`: a bit 1 in the stream means 2^J samples (A.2.1).
 pub(crate) const J: [u32; 32] = [
     0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13,
     14, 15,
 ];
 
-/// The state of run mode.
+/// State of run mode.
 pub(super) struct RunMode {
-    /// `RUNindex`: a measure of recent run lengths.
+    /// `RUNindex`, a measure of recent run lengths.
     index: usize,
-    /// By `RItype`: 0 if a and b differ, 1 if |a − b| ≤ NEAR. The standard's contexts 365 and 366.
+    /// Contexts by `RItype`: 0 if a and b differ, 1 if |a − b| ≤ NEAR. The standard numbers them 365 and 366.
     contexts: [RunContext; 2],
 }
 
-/// The statistics of errors of samples that interrupt a run (A.7.2).
+/// Statistics of the errors of samples that interrupt a run (A.7.2).
 #[derive(Clone, Copy)]
 pub(super) struct RunContext {
     a: i32,
     n: i32,
-    /// Nn: the number of negative errors.
+    /// Nn, the number of negative errors.
     negative: i32,
 }
 
-/// The prediction of the sample that interrupts a run (A.7.2).
+/// Prediction of the sample that interrupts a run (A.7.2).
 pub(super) struct Interruption {
     pub predicted: i32,
-    /// 1, or −1 if the sign of prediction errors is inverted.
+    /// Sign of prediction errors, 1 or −1.
     pub sign: i32,
-    /// `RItype`: 1 if |a − b| ≤ NEAR, else 0.
+    /// `RItype`: 1 if |a − b| ≤ NEAR, otherwise 0.
     pub kind: i32,
 }
 
 impl RunMode {
     pub fn new(parameters: &Parameters) -> RunMode {
         let fresh = RunContext {
-            a: initial_a(parameters),
+            a: initial_error_sum(parameters),
             n: 1,
             negative: 0,
         };
@@ -65,19 +66,19 @@ impl RunMode {
         }
     }
 
-    /// Returns J: the number of bits for the rest of a run; a piece is 2^J samples.
+    /// Returns J, the number of bits for the rest of a run. A segment has 2^J samples.
     #[inline]
-    pub fn j(&self) -> u32 {
+    pub fn segment_bits(&self) -> u32 {
         J[self.index]
     }
 
-    /// Increments `RUNindex` after a complete piece.
-    pub fn lengthen(&mut self) {
+    /// Increments `RUNindex` after a complete segment.
+    pub fn increment_index(&mut self) {
         self.index = (self.index + 1).min(31);
     }
 
     /// Decrements `RUNindex` after an interruption.
-    pub fn shorten(&mut self) {
+    pub fn decrement_index(&mut self) {
         self.index = self.index.saturating_sub(1);
     }
 
@@ -85,32 +86,32 @@ impl RunMode {
         &mut self.contexts[interruption.kind as usize]
     }
 
-    /// Returns the number of bits of the longest code of an interruption.
+    /// Returns the number of bits of the longest code for an interrupting sample.
     pub fn limit(&self, parameters: &Parameters) -> u32 {
-        parameters.limit - self.j() - 1
+        parameters.limit - self.segment_bits() - 1
     }
 }
 
 impl Interruption {
-    /// Makes the prediction after a run of a, with the sample b above the interrupting one (A.7.2).
+    /// Predicts the interrupting sample after a run of a, with the sample b above it (A.7.2).
     pub fn new(parameters: &Parameters, a: i32, b: i32) -> Interruption {
-        let alike = (a - b).abs() <= parameters.near;
+        let is_near = (a - b).abs() <= parameters.near;
         Interruption {
-            predicted: if alike { a } else { b },
-            sign: if !alike && a > b { -1 } else { 1 },
-            kind: i32::from(alike),
+            predicted: if is_near { a } else { b },
+            sign: if !is_near && a > b { -1 } else { 1 },
+            kind: i32::from(is_near),
         }
     }
 }
 
 impl RunContext {
-    /// Returns k (A.7.2). If a and b are alike, the error is never 0, so half an error is subtracted from the mean.
+    /// Returns k (A.7.2). If a ≈ b, the error is never 0, so half an error is subtracted from the mean.
     pub fn golomb_parameter(&self, kind: i32) -> u32 {
         golomb_parameter(self.a + kind * (self.n >> 1), self.n)
     }
 
-    /// Returns the sign for which errors of one magnitude have the smaller number (A.7.2): the `map` of the standard is 1
-    /// exactly if the error is not 0 and has this sign.
+    /// Returns the sign for which errors of a given magnitude have the smaller code number (A.7.2). `map` in the
+    /// standard is 1 if and only if the error is nonzero and has this sign.
     pub fn favored_sign(&self, k: u32) -> i32 {
         if k == 0 && 2 * self.negative < self.n {
             1
@@ -119,7 +120,7 @@ impl RunContext {
         }
     }
 
-    /// Updates the statistics (A.7.2). `mapped` is the error as it was coded.
+    /// Updates the statistics after an error (A.7.2). `mapped` is the coded number of the error.
     pub fn update(&mut self, error: i32, mapped: i32, kind: i32, reset: i32) {
         self.negative += i32::from(error < 0);
         self.a += (mapped + 1 - kind) >> 1;

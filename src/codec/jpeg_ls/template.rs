@@ -1,27 +1,27 @@
 //! T.87 A.3.1, A.2.1: the causal template
 //!
-//! The neighbors of the sample x, as in the decoder: a to the left of it, b above it, c and d to the left and to the right of
-//! b.
+//! The neighbors of the sample x, as in the decoder: a is to the left of x, b is above x, and c and d are to the left
+//! and to the right of b.
 //!
 //! ```text
 //!     c  b  d
 //!     a  x
 //! ```
 //!
-//! Worked example, the neighbors of the samples at the edges of two lines of three:
+//! Worked example: the neighbors at the edges of two lines with three samples.
 //!
 //! ```text
-//!  0 |  0  0  0 | 0     above the first line there are zeros
-//!  0 | 10 20 30 | 30    to the right of a line, d is b: after 30 comes 30
-//! 10 | 40 50 60         to the left of a line, a is b: before 40 comes 10
+//!  0 |  0  0  0 | 0     the line above the first one is zero
+//!  0 | 10 20 30 | 30    at the right edge, d equals b
+//! 10 | 40 50 60         at the left edge, a equals b
 //! ```
 //!
 //! Format notes
-//! - Before the first sample of a line, c is the value of a at the start of the previous line: in the example it is 0
+//! - For the first sample of a line, c is the value of a at the start of the previous line. In the example it is 0
 //!   for the sample 40, and *not* 10.
 
-/// The previous line and the current one, each with an additional sample at both ends for its edges: column x is at index x +
-/// 1.
+/// The previous and the current line. Each has additional samples at both ends for its edges: column x is at index x
+/// + 1.
 pub(super) struct Lines {
     above: Vec<u8>,
     line: Vec<u8>,
@@ -57,7 +57,7 @@ impl Lines {
         self.line.len() - 3
     }
 
-    /// Returns the neighbors of the sample in column x.
+    /// Returns the neighbors of the sample in column `x`.
     pub fn neighbors(&self, x: usize) -> Neighbors {
         Neighbors {
             a: i32::from(self.line[x]),
@@ -67,10 +67,9 @@ impl Lines {
         }
     }
 
-    /// Sets the sample in column x, with these neighbors. Returns the neighbors of the next sample, for which the template
-    /// moves by one.
+    /// Sets the sample in column `x`, which has these neighbors. Returns the neighbors of the next sample.
     #[inline]
-    pub fn set(&mut self, x: usize, sample: i32, neighbors: Neighbors) -> Neighbors {
+    pub fn set_sample(&mut self, x: usize, sample: i32, neighbors: Neighbors) -> Neighbors {
         self.line[x + 1] = sample as u8;
         Neighbors {
             a: sample,
@@ -80,12 +79,12 @@ impl Lines {
         }
     }
 
-    /// Sets a run of samples that begins in column x.
+    /// Sets a run of samples that starts in column `x`.
     pub fn fill(&mut self, x: usize, run: usize, sample: i32) {
         self.line[x + 1..][..run].fill(sample as u8);
     }
 
-    /// Returns the samples of the line.
+    /// Returns the samples of the current line.
     pub fn samples(&self) -> &[u8] {
         &self.line[1..=self.width()]
     }

@@ -1,6 +1,6 @@
-//! Malformed files that were accepted: the decoder does not check for the fault that each of them has.
+//! Describes malformed files that the decoder accepts, because it does not check for their faults.
 
-use super::first_of;
+use super::list_first;
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::Misreading;
@@ -20,7 +20,7 @@ pub(in crate::diagnose) fn describe(
     };
     let mut clauses: Vec<(&str, Vec<usize>)> = Vec::new();
     for w in left.iter().copied().filter(accepted) {
-        let clause = clause(&witnesses[w]);
+        let clause = violated_clause(&witnesses[w]);
         match clauses.iter_mut().find(|(known, _)| *known == clause) {
             Some((_, of)) => of.push(w),
             None => clauses.push((clause, vec![w])),
@@ -29,12 +29,12 @@ pub(in crate::diagnose) fn describe(
     left.retain(|w| !accepted(w));
     clauses.sort_by_key(|(_, of)| std::cmp::Reverse(of.len()));
     let diagnosis =
-        |(clause, of): (&str, Vec<usize>)| acceptance(witnesses, &of).with_clause(clause);
+        |(clause, of): (&str, Vec<usize>)| describe_acceptance(witnesses, &of).with_clause(clause);
     clauses.into_iter().map(diagnosis).collect()
 }
 
-/// Describes these malformed files, which are accepted.
-fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
+/// Describes malformed files that the decoder accepts.
+fn describe_acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
     let first = &witnesses[of[0]];
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
         format!(", which is the legal {twin} with this one fault")
@@ -44,12 +44,12 @@ fn acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
         fix: "refuse such files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };
-    Diagnosis::described(Category::Acceptance, witnesses, of, words)
+    Diagnosis::from_description(Category::Acceptance, witnesses, of, words)
 }
 
-/// Describes malformed files that are accepted, if a misreading explains nothing else. Malformed files have no correct image,
-/// so these cases do not show how the decoder reads them.
-pub(in crate::diagnose) fn all_that_shows(
+/// Describes the accepted malformed files if a misreading explains nothing else. Malformed files have no correct
+/// image, so these cases do not reveal how the decoder reads them.
+pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
@@ -61,31 +61,31 @@ pub(in crate::diagnose) fn all_that_shows(
     let says_more = !misreading.effect.starts_with("accepts");
     let &first = malformed.first()?;
     (says_more && of.iter().all(is_accepted)).then(|| {
-        acceptance(witnesses, &malformed)
-            .with_clause(clause(&witnesses[first]))
+        describe_acceptance(witnesses, &malformed)
+            .with_clause(violated_clause(&witnesses[first]))
             .cause
     })
 }
 
-/// Returns the clause that a malformed file breaks.
-fn clause<'w>(witness: &'w Witness<'_>) -> &'w str {
+/// Returns the clause that a malformed file violates.
+fn violated_clause<'w>(witness: &'w Witness<'_>) -> &'w str {
     let of_case = || witness.case.clauses.first().map_or("", String::as_str);
     (witness.case.damage()).map_or_else(of_case, |damage| &damage.clause)
 }
 
-/// Lists the faults of these files, each fault once.
+/// Lists the distinct faults of these files.
 fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
     let mut faults: Vec<&str> = Vec::new();
-    for fault in of.iter().map(|&w| fault(witnesses[w].case)) {
+    for fault in of.iter().map(|&w| fault_text(witnesses[w].case)) {
         if !faults.contains(&fault) {
             faults.push(fault);
         }
     }
-    first_of(&faults, "fault")
+    list_first(&faults, "fault")
 }
 
 /// Returns the damage of a file, or the reason for its case.
-pub(super) fn fault(case: &Case) -> &str {
+pub(super) fn fault_text(case: &Case) -> &str {
     let because = case.because.trim_end_matches('.');
     case.damage().map_or(because, |damage| &damage.effect)
 }

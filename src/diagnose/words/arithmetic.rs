@@ -1,45 +1,45 @@
-//! The arithmetic of one value, with the numbers of the file.
+//! Formats the arithmetic of one value, with the numbers in the file.
 
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::View;
 use crate::ptm::{Ptm, Shape};
 use crate::suite::compare;
 
-/// Returns the steps from stored values to one value of an image, or `None` for stored values.
-pub(in crate::diagnose) fn arithmetic(
+/// Returns the computation of one value of an image from stored values, or `None` for stored values.
+pub(in crate::diagnose) fn format_arithmetic(
     witness: &Witness,
     texel: usize,
     channel: usize,
 ) -> Option<String> {
     let ptm = witness.decoded().as_ref().ok()?;
-    steps(ptm, &witness.observation.view, texel, channel)
+    format_steps(ptm, &witness.observation.view, texel, channel)
 }
 
-/// Returns the steps from stored values to one value in a view of a map, or `None` for stored values.
+/// Returns the computation of one value in a view of a map, or `None` for stored values.
 #[must_use]
-pub fn steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
+pub fn format_steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
     let raw = ptm.planes.texels().nth(texel)?;
     match view {
         View::Coef if channel < ptm.planes.shape.coefficients() => {
-            Some(final_value(ptm, raw, channel))
+            Some(format_final_value(ptm, raw, channel))
         }
-        View::Rgb(light) => Some(color(ptm, raw, channel, (light.lu, light.lv))),
+        View::Rgb(light) => Some(format_color(ptm, raw, channel, (light.lu, light.lv))),
         _ => None,
     }
 }
 
-/// Returns `(raw − bias) · scale`.
-fn final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
+/// Formats `(raw − bias) · scale`.
+fn format_final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     let numbers = &ptm.header.scale_bias;
     format!(
         "({} − {}) · {}",
         raw[channel],
-        signed(numbers.bias[channel % 6]),
-        signed(numbers.scale[channel % 6])
+        parenthesized(numbers.bias[channel % 6]),
+        parenthesized(numbers.scale[channel % 6])
     )
 }
 
-fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
+fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
     let numbers = &ptm.header.scale_bias;
     let first = match ptm.planes.shape {
         Shape::Rgb => 6 * color,
@@ -53,7 +53,7 @@ fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
     let terms: Vec<String> = a
         .iter()
         .zip(powers)
-        .map(|(a, power)| format!("{}·{}", signed(*a), signed(power)))
+        .map(|(a, power)| format!("{}·{}", parenthesized(*a), parenthesized(power)))
         .collect();
     let polynomial = format!(
         "a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = {}",
@@ -64,17 +64,17 @@ fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
         Shape::Lrgb => format!(
             "L · {} / 255 with L = {} = {polynomial}",
             raw[6 + color],
-            short(sum)
+            short_number(sum)
         ),
         Shape::Lum(matrix) => {
-            let row = |column: usize| signed(matrix.0[4 * column + color]);
+            let row = |column: usize| parenthesized(matrix.0[4 * column + color]);
             format!(
                 "{}·Y + {}·Cr + {}·Cb + {} with Y = {}, Cr = {}, Cb = {} and Y = {polynomial}",
                 row(0),
                 row(1),
                 row(2),
                 row(3),
-                short(sum),
+                short_number(sum),
                 raw[6],
                 raw[7]
             )
@@ -83,14 +83,14 @@ fn color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> String {
 }
 
 /// Formats a number, in parentheses if it is negative.
-fn signed(value: f64) -> String {
+fn parenthesized(value: f64) -> String {
     match value < 0.0 {
-        true => format!("(−{})", short(-value)),
-        false => short(value),
+        true => format!("(−{})", short_number(-value)),
+        false => short_number(value),
     }
 }
 
 /// Formats a number with at most four decimals.
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     compare::short(value, 4)
 }

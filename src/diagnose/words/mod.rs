@@ -1,31 +1,34 @@
-//! Descriptions of the failures that no mistake explains.
+//! Descriptions of failures that no mistake explains.
 
 pub(super) mod acceptances;
 mod arithmetic;
+pub(super) mod differences;
 pub(super) mod nondeterminism;
-pub(super) mod place;
 pub(super) mod promises;
 pub(super) mod refusals;
 pub(super) mod uniform;
 pub(super) mod violation;
 
-pub use arithmetic::steps as arithmetic_steps;
+pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::scope::Shared;
+use super::scope::SharedScope;
 use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if others with the
-/// property fail in another way. The files are those of one format, or of all.
-fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> String {
-    let (count, others) = shared.legal_files(witnesses, format);
+/// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other files
+/// with the property fail in another way. Counts the files of one format, or of all formats.
+fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
+    let (count, others) = shared.count_legal_files(witnesses, format);
     let of_format = format.map_or(String::new(), |format| {
         format!("of {} ", format.short_name())
     });
     let scope = of_format + &shared.scope.describe();
     match others {
-        _ if count == 0 => format!("{} files {scope} that need not be decoded", shared.of.len()),
+        _ if count == 0 => format!(
+            "{} files {scope} that need not be decoded",
+            shared.cases.len()
+        ),
         0 => format!("every legal file {scope}"),
         others => {
             let all = count + others;
@@ -34,8 +37,8 @@ fn files_in(witnesses: &[Witness], shared: &Shared, format: Option<Format>) -> S
     }
 }
 
-/// Returns the clause about the layout of these files: of their format, of tables or of compressed planes. Files of other formats
-/// have only the header in common.
+/// Returns the clause about the layout that these files share: of their format, of tables, or of compressed planes.
+/// Files of different formats have only the header in common.
 fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
     let formats: Vec<Format> = of.iter().map(|&w| witnesses[w].case.format()).collect();
     let first = formats[0].layout_clause();
@@ -46,11 +49,11 @@ fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
     }
 }
 
-/// Formats that are listed; more are not mentioned.
+/// Maximum number of formats in a list. Longer lists are omitted.
 const MAX_FORMATS: usize = 4;
 
-/// Returns " of RGB, LRGB", the formats of these files, or nothing if there are more than can be listed.
-fn names_of(witnesses: &[Witness], of: &[usize]) -> String {
+/// Returns the formats of these files, such as " of RGB, LRGB", or an empty string if there are too many to list.
+fn format_names(witnesses: &[Witness], of: &[usize]) -> String {
     let is_shown = |format: &Format| of.iter().any(|&w| witnesses[w].case.format() == *format);
     let formats = Format::ALL.into_iter().filter(is_shown);
     let names: Vec<&str> = formats.map(Format::short_name).collect();
@@ -60,16 +63,16 @@ fn names_of(witnesses: &[Witness], of: &[usize]) -> String {
     }
 }
 
-/// Returns ", in files of RGB" if a mistake that is made everywhere shows in few formats.
-pub(super) fn formats_of(witnesses: &[Witness], of: &[usize]) -> String {
-    match names_of(witnesses, of) {
+/// Returns ", in files of RGB" if a mistake in all files affects only a few formats.
+pub(super) fn formats_phrase(witnesses: &[Witness], of: &[usize]) -> String {
+    match format_names(witnesses, of) {
         names if names.is_empty() => names,
         names => format!(", in files{names}"),
     }
 }
 
-/// Returns "12 of 160 legal files of LRGB, LUM", and how many of these files need not be decoded.
-fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
+/// Returns "12 of 160 legal files of LRGB, LUM", with the number of files that need not be decoded.
+fn share_text(witnesses: &[Witness], of: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let of_format = |one: Format| of.iter().find(|&&w| format(w) == one);
@@ -79,7 +82,7 @@ fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
         .map(|&w| witnesses[w].legal_files);
     let all: usize = counts.sum();
     let legal = of.iter().filter(|w| is_legal(w)).count();
-    let names = names_of(witnesses, of);
+    let names = format_names(witnesses, of);
     match (legal, of.len() - legal) {
         (0, 1) => format!("1 file{names} that need not be decoded"),
         (0, others) => format!("{others} files{names} that need not be decoded"),
@@ -90,11 +93,11 @@ fn share_of_formats(witnesses: &[Witness], of: &[usize]) -> String {
     }
 }
 
-/// Faults or kinds that are listed; the others are counted.
+/// Maximum number of faults or kinds in a list. The rest are counted.
 const MAX_LISTED: usize = 6;
 
-/// Lists the first of these and counts the others: "a; b; and 1 other fault".
-fn first_of(all: &[&str], noun: &str) -> String {
+/// Lists the first items and counts the rest: "a; b; and 1 other fault".
+fn list_first(all: &[&str], noun: &str) -> String {
     let (named, more) = all.split_at(all.len().min(MAX_LISTED));
     let named = named.join("; ");
     match more.len() {

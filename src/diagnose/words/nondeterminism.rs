@@ -1,14 +1,14 @@
-//! Requests with different responses. They are no evidence for a misreading, only for state that is kept or left to chance.
+//! Describes requests with inconsistent responses. They indicate shared or uninitialized state, not a misreading.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
-use crate::diagnose::tuning::is_much;
+use crate::diagnose::tuning::is_substantial;
 use crate::protocol::frame::Answer;
 use crate::session::observation::{Nondeterminism, Response};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// Describes the cases whose responses differ: between serve mode and one-shot mode, or from call to call.
+/// Describes the cases whose responses differ between serve mode and one-shot mode, or between calls.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
     let differing: Vec<(usize, &Nondeterminism)> = run
         .observations
@@ -63,8 +63,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     all.flatten().collect()
 }
 
-/// Returns true if at least a quarter of the failures differ from call to call, so that common properties of their images are
-/// chance.
+/// Returns true if at least a quarter of the failures differ between calls, so that common properties of their images
+/// are a coincidence.
 pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     let differs = |place: &usize| {
         let observation = run.observations[*place].as_ref();
@@ -73,5 +73,5 @@ pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     };
     let failed: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let differing = failed.iter().filter(|place| differs(place)).count();
-    is_much(differing, failed.len())
+    is_substantial(differing, failed.len())
 }

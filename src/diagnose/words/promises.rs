@@ -1,18 +1,18 @@
-//! Formats that a decoder declares and does not read: a mistake in its capabilities, not in its reading.
+//! Describes formats that a decoder declares but does not read: a mistake in its capabilities.
 
 use std::collections::BTreeSet;
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
-use crate::diagnose::witness::breaks_its_promise;
+use crate::diagnose::witness::breaks_promise;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
-/// Describes all declared formats that are not read.
+/// Describes all declared formats that the decoder does not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
     let is_broken = |&place: &usize| {
         let observation = run.observations[place].as_ref();
         run.judgement.cases[place].is_some()
-            && observation.is_some_and(|seen| breaks_its_promise(run, &suite.cases[place], seen))
+            && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[place], seen))
     };
     let of: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
     let first = &suite.cases[*of.first()?];

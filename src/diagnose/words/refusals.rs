@@ -1,39 +1,40 @@
-//! Legal files that were refused or crashed the decoder: the property that they share and that no accepted file has.
+//! Describes legal files that the decoder refused or crashed on, by a property that they share and that no accepted
+//! file has.
 
-use super::{files_in, share_of_formats, shared_clause};
+use super::{files_in_scope, share_text, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
-use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_much};
+use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::witness::Witness;
-use crate::kit::last_words::last_words;
+use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes refusals by a property that the refused files share and that no file that is read has. Removes them from `left`.
+/// Describes refusals by a property that the refused files share and no decoded file has. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     let read = files_read(witnesses);
-    for mode in FailureMode::among(witnesses, left) {
+    for mode in FailureMode::list_by_frequency(witnesses, left) {
         let mut open = mode.select(witnesses, left);
-        // A property that few of many share is a coincidence.
+        // A property shared by a few of many files is a coincidence.
         let shared_by = |open: &[usize], one: Option<Format>| {
             let is_of = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
             let of = |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
             let shared = shared_scope(witnesses, &of(open), &of(&read), true)?;
-            is_much(shared.of.len(), open.len()).then_some((shared, one))
+            is_substantial(shared.cases.len(), open.len()).then_some((shared, one))
         };
         let formats = || [None].into_iter().chain(Format::ALL.map(Some));
         while let Some((shared, one)) = formats().find_map(|one| shared_by(&open, one)) {
-            open.retain(|w| !shared.of.contains(w));
-            left.retain(|w| !shared.of.contains(w));
-            let effect = format!("{mode} {}", files_in(witnesses, &shared, one));
-            let refusal = refusal(witnesses, &shared.of, &mode, effect);
+            open.retain(|w| !shared.cases.contains(w));
+            left.retain(|w| !shared.cases.contains(w));
+            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
+            let refusal = describe_refusal(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
                 None => refusal,
@@ -43,8 +44,13 @@ pub(in crate::diagnose) fn describe(
     diagnoses
 }
 
-/// Returns the diagnosis of files that fail in one way.
-fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: String) -> Diagnosis {
+/// Returns the diagnosis for files that fail in the same way.
+fn describe_refusal(
+    witnesses: &[Witness],
+    of: &[usize],
+    mode: &FailureMode,
+    effect: String,
+) -> Diagnosis {
     let fix = match mode {
         FailureMode::Refuses | FailureMode::Unsupported => {
             "read these legal files, or exit with 69 for all files of this kind"
@@ -57,23 +63,27 @@ fn refusal(witnesses: &[Witness], of: &[usize], mode: &FailureMode, effect: Stri
         fix: fix.to_owned(),
         example: example(witnesses, of),
     };
-    Diagnosis::described(Category::Refusal, witnesses, of, words)
+    Diagnosis::from_description(Category::Refusal, witnesses, of, words)
 }
 
-/// Returns, for each failure mode, the failures that one shared property explains.
-pub(in crate::diagnose) fn widest(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
+/// Returns, for each failure mode, the failures that a single shared property explains.
+pub(in crate::diagnose) fn shared_failures(
+    witnesses: &[Witness],
+    failing: &[usize],
+) -> Vec<Vec<usize>> {
     let read = files_read(witnesses);
     let of = |mode: FailureMode| {
         let of = mode.select(witnesses, failing);
-        shared_scope(witnesses, &of, &read, true).map(|shared| shared.of)
+        shared_scope(witnesses, &of, &read, true).map(|shared| shared.cases)
     };
-    FailureMode::among(witnesses, failing)
+    FailureMode::list_by_frequency(witnesses, failing)
         .into_iter()
         .filter_map(of)
         .collect()
 }
 
-/// Returns the legal files that the decoder reads, correctly or not. A file that crashes it in another way is no evidence.
+/// Returns the legal files that the decoder reads, correctly or not. Files that crash it in another way are no
+/// evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
@@ -82,21 +92,21 @@ fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     (0..witnesses.len()).filter(is_read).collect()
 }
 
-/// Returns the failure mode that all of these share.
+/// Returns the failure mode that all of these cases share, if any.
 fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
     let mode = FailureMode::new(&witnesses[*of.first()?])?;
     (mode.select(witnesses, of).len() == of.len()).then_some(mode)
 }
 
-/// Formats whose legal files all fail in one way, without an image.
+/// Formats whose legal files all fail in the same way, without an image.
 pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
     formats: Vec<Format>,
-    /// These files, and other files of the formats that fail in the same way.
-    pub of: Vec<usize>,
+    /// The legal files of these formats, and other files of the formats that fail in the same way.
+    pub cases: Vec<usize>,
 }
 
-/// Returns the formats whose legal files all fail in one way, grouped by failure mode.
+/// Returns the formats whose legal files all fail in the same way, grouped by failure mode.
 pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeFormats> {
     let mut whole: Vec<WholeFormats> = Vec::new();
     for format in Format::ALL {
@@ -115,11 +125,11 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         match whole.iter_mut().find(|known| known.mode == mode) {
             Some(known) => {
                 known.formats.push(format);
-                known.of.extend(of);
+                known.cases.extend(of);
             }
             None => whole.push(WholeFormats {
                 formats: vec![format],
-                of: of.collect(),
+                cases: of.collect(),
                 mode,
             }),
         }
@@ -128,18 +138,20 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
 }
 
 impl WholeFormats {
-    /// Describes the observation, with the misreadings that would look the same.
+    /// Describes the observed behavior, and lists the misreadings that would have the same effect.
     pub fn describe(&self, witnesses: &[Witness], alike: Vec<&'static Misreading>) -> Diagnosis {
         let names = self.formats.iter().map(|format| format.short_name());
         let names: Vec<&str> = names.collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
-        let refusal = refusal(witnesses, &self.of, &self.mode, effect).with_alike(alike);
+        let refusal =
+            describe_refusal(witnesses, &self.cases, &self.mode, effect).with_equivalents(alike);
         refusal.with_clause("2.2/1")
     }
 }
 
-/// Describes these files if they are all the legal files of one format, or with some property, and fail in one way.
-pub(in crate::diagnose) fn all_that_shows(
+/// Describes these files if they are all the legal files with a common format or property, and if they all fail in
+/// the same way.
+pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     of: &[usize],
 ) -> Option<Diagnosis> {
@@ -147,13 +159,13 @@ pub(in crate::diagnose) fn all_that_shows(
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, of, &others, false)?;
-    let effect = format!("{mode} {}", files_in(witnesses, &shared, None));
-    (shared.of.len() == of.len()).then(|| refusal(witnesses, of, &mode, effect))
+    let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
+    (shared.cases.len() == of.len()).then(|| describe_refusal(witnesses, of, &mode, effect))
 }
 
-/// Describes how the legal ones among these files end, if they have hardly any images and no other evidence supports the
-/// misreading. Returns `None` if the refusals are the misreading.
-pub(in crate::diagnose) fn no_picture(
+/// Describes the failures on the legal files in `of`, if hardly any of them produced an image and no other evidence
+/// supports the misreading. Returns `None` if the misreading itself predicts the refusals.
+pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     of: &[usize],
     misreading: &Misreading,
@@ -162,7 +174,7 @@ pub(in crate::diagnose) fn no_picture(
     let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
     let is_refusal =
         |mode: &FailureMode| matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
-    let modes = FailureMode::among(witnesses, &of);
+    let modes = FailureMode::list_by_frequency(witnesses, &of);
     let shown = of
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
@@ -171,25 +183,25 @@ pub(in crate::diagnose) fn no_picture(
         return None;
     }
     let mode = modes.first()?;
-    let effect = ways(witnesses, &of, &modes);
-    let refusal = refusal(witnesses, &of, mode, effect);
+    let effect = outcomes_text(witnesses, &of, &modes);
+    let refusal = describe_refusal(witnesses, &of, mode, effect);
     Some(refusal.with_clause(misreading.clause).cause)
 }
 
-/// Returns "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
-fn ways(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
+/// Returns a list of outcomes: "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
+fn outcomes_text(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
     let files = |count: usize| match count {
         1 => "1 legal file".to_owned(),
         count => format!("{count} legal files"),
     };
     let way = |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, of).len()));
-    let mut ways: Vec<String> = modes.iter().map(way).collect();
+    let mut outcomes_text: Vec<String> = modes.iter().map(way).collect();
     let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
     match of.iter().filter(is_image).count() {
         0 => {}
-        count => ways.push(format!("shows a wrong image for {}", files(count))),
+        count => outcomes_text.push(format!("shows a wrong image for {}", files(count))),
     }
-    ways.join(", and ")
+    outcomes_text.join(", and ")
 }
 
 /// Describes refusals that no property explains, and removes them from `left`.
@@ -198,7 +210,7 @@ pub(in crate::diagnose) fn describe_unexplained(
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
-    for mode in FailureMode::among(witnesses, left) {
+    for mode in FailureMode::list_by_frequency(witnesses, left) {
         let of = mode.select(witnesses, left);
         left.retain(|w| !of.contains(w));
         let effect = match of.len() {
@@ -206,20 +218,20 @@ pub(in crate::diagnose) fn describe_unexplained(
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
-            _ => format!("{mode} {}", share_of_formats(witnesses, &of)),
+            _ => format!("{mode} {}", share_text(witnesses, &of)),
         };
         let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        let described = Diagnosis::described(Category::Refusal, witnesses, &of, words);
+        let described = Diagnosis::from_description(Category::Refusal, witnesses, &of, words);
         diagnoses.push(described.with_clause(shared_clause(witnesses, &of)));
     }
     diagnoses
 }
 
-/// Returns the smallest of these files, the reason for its case, and the end of its standard error.
+/// Describes the smallest of these files: the reason for its case, and the end of its standard error.
 pub(in crate::diagnose) fn example(witnesses: &[Witness], of: &[usize]) -> String {
     let smallest = of
         .iter()
@@ -228,7 +240,7 @@ pub(in crate::diagnose) fn example(witnesses: &[Witness], of: &[usize]) -> Strin
         .expect("a diagnosis explains at least one case");
     let stderr = &smallest.observation.stderr;
     let because = smallest.case.because.trim_end_matches('.');
-    let words = last_words(stderr).map_or(String::new(), |line| {
+    let words = last_message(stderr).map_or(String::new(), |line| {
         format!("; its standard error ends: {line}")
     });
     format!("for example {}: {because}{words}", smallest.case.id)

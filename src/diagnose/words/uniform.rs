@@ -1,4 +1,4 @@
-//! Images that do not depend on the file: the same image for every file, or one value in every sample.
+//! Describes images that do not depend on the file: the same image for every file, or the same value in every sample.
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
@@ -8,12 +8,12 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes views in which no image depends on the file, and removes their images from `left`.
+/// Describes views in which no image depends on the file, and removes these images from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
-    let found = find(witnesses, left);
+    let found = find_uniform_images(witnesses, left);
     let diagnosis = |(effect, of): (String, Vec<usize>)| {
         let clause = witnesses[of[0]].observation.view.kind().clause();
         left.retain(|w| !of.contains(w));
@@ -22,22 +22,22 @@ pub(in crate::diagnose) fn describe(
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &of),
         };
-        Diagnosis::described(Category::Difference, witnesses, &of, words).with_clause(clause)
+        Diagnosis::from_description(Category::Difference, witnesses, &of, words).with_clause(clause)
     };
     found.into_iter().map(diagnosis).collect()
 }
 
-/// Returns true if most failures are such images. Mistakes then agree with them by chance.
+/// Returns true if most failures are images that do not depend on the file. Mistakes would match them by chance.
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();
-    let found = find(witnesses, &failing);
+    let found = find_uniform_images(witnesses, &failing);
     let count: usize = found.iter().map(|(_, of)| of.len()).sum();
     is_most(count, failing.len())
 }
 
-/// Returns the effect and the cases of each view in which these failing images do not depend on the file.
-fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
+/// Returns the effect and the cases of each view in which the failing images do not depend on the file.
+fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     let mut found = Vec::new();
     for view in ViewKind::ALL {
         let is_of_view = |witness: &Witness| witness.observation.view.kind() == view;
@@ -56,7 +56,7 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
         let legal = witnesses.iter().filter(is_legal).count();
         let right = &witnesses[first_case].right;
         let are_alike = (shown.iter()).all(|&(w, _)| witnesses[w].right == *right);
-        // A few legal files have such an image, and files with equal contents have equal images.
+        // A few legal files have an image like this, and files with equal contents have equal images.
         if are_alike || shown.len() < MIN_SUPPORT || !is_most(shown.len(), legal) {
             continue;
         }
@@ -68,8 +68,9 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
             found.push((format!("shows {what} in view {view}"), of));
             continue;
         }
-        let common = shown.iter().find_map(|(_, frame)| value(frame));
-        let is_common = |(_, frame): &&(usize, &Frame)| common.is_some() && value(frame) == common;
+        let common = shown.iter().find_map(|(_, frame)| uniform_value(frame));
+        let is_common =
+            |(_, frame): &&(usize, &Frame)| common.is_some() && uniform_value(frame) == common;
         let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
         if let Some(value) = common.filter(|_| is_few(count - of.len(), count)) {
             let effect = format!(
@@ -82,8 +83,8 @@ fn find(witnesses: &[Witness], failing: &[usize]) -> Vec<(String, Vec<usize>)> {
     found
 }
 
-/// Returns the value of all samples of an image, if they are equal.
-fn value(frame: &Frame) -> Option<f32> {
+/// Returns the value that all samples of an image share, if any.
+fn uniform_value(frame: &Frame) -> Option<f32> {
     fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
         let first = *samples.first()?;
         let is_equal = samples.iter().all(|&sample| sample == first);

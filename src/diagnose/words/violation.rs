@@ -1,7 +1,8 @@
-//! Files that must or may be refused, and whose response was a crash, a hang, a malformed frame or "unsupported".
+//! Describes violations: files that must or may be refused, for which the response was a crash, a hang, a malformed
+//! frame or "unsupported".
 
-use super::acceptances::fault;
-use super::first_of;
+use super::acceptances::fault_text;
+use super::list_first;
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
@@ -9,7 +10,7 @@ use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes violations on files that need not be read, by failure mode. Removes them from `left`.
+/// Describes violations on files that need not be decoded, by failure mode. Removes them from `left`.
 pub(in crate::diagnose) fn describe(
     witnesses: &[Witness],
     left: &mut Vec<usize>,
@@ -37,9 +38,9 @@ pub(in crate::diagnose) fn describe(
             fix: fix(&mode, these.iter().all(may_be_read)),
             example: example(witnesses, &these),
         };
-        Diagnosis::described(Category::Violation, witnesses, &these, words)
+        Diagnosis::from_description(Category::Violation, witnesses, &these, words)
     };
-    FailureMode::among(witnesses, &of)
+    FailureMode::list_by_frequency(witnesses, &of)
         .into_iter()
         .map(diagnosis)
         .collect()
@@ -47,7 +48,7 @@ pub(in crate::diagnose) fn describe(
 
 /// Describes the files by their damages.
 fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
-    let damages = these.iter().map(|&w| fault(witnesses[w].case));
+    let damages = these.iter().map(|&w| fault_text(witnesses[w].case));
     let mut damages: Vec<&str> = damages.collect();
     damages.sort_unstable();
     damages.dedup();
@@ -56,7 +57,7 @@ fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> Stri
     format!(
         "{} {files} that must or may be refused ({}){others}",
         these.len(),
-        first_of(&damages, "kind")
+        list_first(&damages, "kind")
     )
 }
 
@@ -75,7 +76,7 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         _ => None,
     };
     match status {
-        // Statuses of panics in Rust, of shells and of signals. No decoder refuses files with them.
+        // These are the statuses of panics in Rust, of shells and of signals. No decoder uses them to refuse files.
         Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
             "{end}; if this decoder refuses files with status {status}, use --reject-exit {status}"
         ),

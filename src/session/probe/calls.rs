@@ -61,7 +61,9 @@ impl Calls<'_> {
         };
         match template {
             None => self.decoder.ask(&request, self.scratch),
-            Some(template) => (self.decoder.called_by(template)).ask(&request, self.scratch),
+            Some(template) => {
+                (self.decoder.with_command_line(template)).ask(&request, self.scratch)
+            }
         }
     }
 
@@ -70,7 +72,7 @@ impl Calls<'_> {
         let before = before.iter().map(OsString::from);
         let after = after.iter().map(OsString::from);
         let command = self.decoder.command().iter().cloned();
-        Template::of_words(&before.chain(command).chain(after).collect::<Vec<_>>())
+        Template::from_words(&before.chain(command).chain(after).collect::<Vec<_>>())
     }
 
     /// Explains an answer that is not a frame, if its cause is known.

@@ -1,6 +1,6 @@
 //! Explanations of answers that are not frames.
 
-use crate::kit::last_words::last_words;
+use crate::kit::last_message::last_message;
 use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 
@@ -8,7 +8,7 @@ use super::message::{ProbeFault, Slots, fault};
 
 /// Returns the last line of the decoder's standard error, on a separate line.
 fn its_last_words(reply: &Reply) -> String {
-    last_words(&reply.stderr).map_or(String::new(), |line| {
+    last_message(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     })
 }

@@ -43,8 +43,8 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         return Err(None);
     };
     let mut dialog = Dialog::start(calls).ok_or(None)?;
-    let whole = dialog.lay_down("one file.ptm", &first.sample.file);
-    let malformed = dialog.lay_down("malformed.ptm", MALFORMED);
+    let whole = dialog.write_input("one file.ptm", &first.sample.file);
+    let malformed = dialog.write_input("malformed.ptm", MALFORMED);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
     match dialog.ask(1, view, &whole) {
         Served::Answer(line, bytes) => {
@@ -150,8 +150,8 @@ impl<'a> Dialog<'a> {
     }
 
     /// Writes a file for a request. If it cannot be written, the decoder does not find it.
-    fn lay_down(&mut self, name: &str, bytes: &[u8]) -> PathBuf {
-        let path = self.workspace.lay_down(name, bytes);
+    fn write_input(&mut self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.workspace.write_input(name, bytes);
         path.unwrap_or_else(|_| PathBuf::from(name))
     }
 
@@ -180,7 +180,7 @@ impl<'a> Dialog<'a> {
         let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
-            let read = self.call.read_what_is_there(MAX_ANSWER);
+            let read = self.call.read_available(MAX_ANSWER);
             if let Some(served) = self.whole_answer() {
                 return served;
             }
@@ -193,7 +193,7 @@ impl<'a> Dialog<'a> {
                 return Served::Nothing;
             }
             // An error will occur again in the next read.
-            let _ = self.call.wait_for_news(None, left.min(POLL_INTERVAL));
+            let _ = self.call.wait_for_event(None, left.min(POLL_INTERVAL));
         }
     }
 

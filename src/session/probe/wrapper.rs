@@ -7,7 +7,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 
-use crate::kit::parallel::in_parallel;
+use crate::kit::parallel::map_in_parallel;
 use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
@@ -63,7 +63,7 @@ pub fn wrapper_faults(
     };
     let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
     let large = |i: usize| check_large_frame(&calls, decoded[i], contact.table);
-    let cut = in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
+    let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
         plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
@@ -175,7 +175,7 @@ fn check_large_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) ->
 fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);
-    let replies = in_parallel(files.len(), jobs, &|_, _| (), &ask);
+    let replies = map_in_parallel(files.len(), jobs, &|_, _| (), &ask);
     let is_crash = |reply: &Reply| matches!(reply.answer, Answer::Crashed(_));
     let exit = replies[0].exit?;
     if !(replies.iter()).all(|reply| is_crash(reply) && reply.exit == Some(exit)) {

@@ -99,7 +99,7 @@ fn difference(
         return describe_texels(ptm, &colors_differ(ptm, reading));
     }
     let other = match streams {
-        Some(streams) => streams.stored(reading),
+        Some(streams) => streams.reconstruct_map(reading),
         None => open_as(dissection.file, reading, &Limits::default()),
     };
     match other {
@@ -148,7 +148,8 @@ fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
             samples: samples.to_vec(),
         };
         // Readings of LUM differ in their use of coefficients, not in the coefficients.
-        let finals = evaluate::apply(&ptm.header.scale_bias, &planes, &Reading::SPEC);
+        let finals =
+            evaluate::compute_coefficients(&ptm.header.scale_bias, &planes, &Reading::SPEC);
         let mut differing = vec![false; size.texels()];
         for (lu, lv) in LIGHTS {
             let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();

@@ -6,7 +6,7 @@ use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
 use crate::codec;
 use crate::decode::Streams;
-use crate::decode::planes::records;
+use crate::decode::planes::parse_records;
 use crate::error::Kind;
 use crate::ptm::{Coding, Format, Size};
 use crate::tools::dissection::Role;
@@ -54,7 +54,7 @@ pub(super) fn faults(findings: &mut Findings) {
         }
         let start = dissection.start(Role::Side(plane));
         if let Some(block) = dissection.bytes(Role::Side(plane))
-            && let Err(error) = records(block, start, size.texels())
+            && let Err(error) = parse_records(block, start, size.texels())
         {
             let problem = match error.kind() {
                 Kind::PartialRecord { .. } => Problem::RecordCut,
@@ -192,7 +192,7 @@ fn other_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
 fn duplicate_records(findings: &mut Findings, plane: usize) {
     let role = Role::Side(plane);
     let block = findings.dissection.bytes(role).unwrap_or_default();
-    let records = records(block, 0, usize::MAX).unwrap_or_default();
+    let records = parse_records(block, 0, usize::MAX).unwrap_or_default();
     let numbered = records.iter().enumerate();
     let mut positions: Vec<(u32, usize)> = numbered.map(|(i, &(at, _))| (at, i)).collect();
     positions.sort_unstable();
@@ -249,7 +249,7 @@ fn near_an_end(
 ) -> Option<String> {
     let near = |sample: u8| sample < slack || 255 - sample < slack;
     let mut texels: Vec<bool> = samples.map(near).collect();
-    for &(position, _) in &records(side, 0, size.texels()).unwrap_or_default() {
+    for &(position, _) in &parse_records(side, 0, size.texels()).unwrap_or_default() {
         texels[texel_at(size, position)] = false;
     }
     let first = texels.iter().position(|&near| near)?;

@@ -1,4 +1,5 @@
-//! Streams with bytes changed, lost and doubled: the decoders refuse them, or return as many samples as were asked for.
+//! Tests streams with changed, lost and duplicated bytes. The decoders must refuse them or return the requested
+//! number of samples.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
@@ -6,7 +7,7 @@ use crate::draws::DraftGenerator;
 
 type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
 
-/// Paints an image with flat rows at the top, a slope in the middle, and noise at the bottom.
+/// Generates an image with flat rows at the top, a slope in the middle, and noise at the bottom.
 fn image(width: u32, height: u32, draws: &mut DraftGenerator) -> Vec<u8> {
     let texel = |x: u32, y: u32, noise: u8| match 3 * y / height {
         0 => 77,
@@ -21,7 +22,7 @@ fn image(width: u32, height: u32, draws: &mut DraftGenerator) -> Vec<u8> {
 
 const SIZES: [(u32, u32); 5] = [(1, 1), (8, 8), (17, 9), (40, 30), (3, 50)];
 
-/// Streams with the decoder to be asked.
+/// Streams with their sizes, and the decoder for them.
 type Streams = (Decode, Vec<(Vec<u8>, u32, u32)>);
 
 fn jpeg_streams() -> Streams {
@@ -65,7 +66,7 @@ fn jpeg_ls_streams() -> Streams {
     (jpeg_ls::decode, streams)
 }
 
-/// A damaged stream is decoded, or refused within its length.
+/// A damaged stream is decoded, or refused with an offset within the stream.
 #[test]
 fn damaged_streams_cause_no_panic() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
@@ -91,8 +92,8 @@ fn damaged_streams_cause_no_panic() {
     }
 }
 
-/// A stream that ends early is never taken for a whole one, and any size but that of the stream is refused, however
-/// large.
+/// A truncated stream is never mistaken for a complete one, and any other size than that of the stream is refused, no
+/// matter how large.
 #[test]
 fn truncated_or_resized_streams_are_malformed() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {

@@ -1,8 +1,8 @@
-//! Every error of the codecs has a witness: the smallest stream that provokes it, and its message.
+//! Tests every error of the codecs with a witness: the smallest stream that causes it, and its message.
 //!
-//! The tables have a stream and its result in each row. A stream consists of bytes in hexadecimal, with `01*64` for
-//! sixty-four bytes 01, and of the names of parts of the smallest stream. It ends where the rest does not matter. A result is
-//! an error, or samples that repeat to fill the image.
+//! Each row of a table contains a stream and its result. A stream consists of bytes in hexadecimal, with `01*64` for
+//! sixty-four 01 bytes, and of the names of parts of the smallest stream. It may end early if the rest does not
+//! matter. A result is an error, or samples that repeat to fill the image.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
@@ -10,10 +10,10 @@ use crate::table::rows;
 
 type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
 
-/// A decoder and the parts of its smallest stream.
+/// A decoder, and the parts of its smallest stream.
 type Codec = (Decode, &'static [(&'static str, &'static str)]);
 
-/// The smallest JPEG stream is one block of 8 × 8 samples, with two codes of one bit.
+/// The smallest JPEG stream: one block of 8 × 8 samples, with two one-bit codes.
 const JPEG: Codec = (
     jpeg::decode,
     &[
@@ -29,7 +29,7 @@ const JPEG: Codec = (
     ],
 );
 
-/// The smallest JPEG-LS stream is a row of four zeros, which is a run, written as four ones.
+/// The smallest JPEG-LS stream: a row of four zeros, which is a run, written as four ones.
 const JPEG_LS: Codec = (
     jpeg_ls::decode,
     &[
@@ -42,11 +42,11 @@ const JPEG_LS: Codec = (
     ],
 );
 
-/// Returns the bytes that a cell describes.
-fn bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
+/// Returns the bytes that a cell of a table describes.
+fn parse_bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
     let word = |word: &str| {
         if let Some((_, part)) = parts.iter().find(|(name, _)| *name == word) {
-            return bytes(part, &[]);
+            return parse_bytes(part, &[]);
         }
         let (digits, times) = word.split_once('*').unwrap_or((word, "1"));
         let byte = u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
@@ -56,11 +56,11 @@ fn bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
 }
 
 #[track_caller]
-fn check((decode, parts): Codec, width: u32, height: u32, table: &str) {
+fn check_results((decode, parts): Codec, width: u32, height: u32, table: &str) {
     for [stream, result] in rows(table) {
-        match decode(&bytes(&stream, parts), width, height) {
+        match decode(&parse_bytes(&stream, parts), width, height) {
             Ok(samples) => {
-                let expected = bytes(&result, &[]);
+                let expected = parse_bytes(&result, &[]);
                 let expected = expected.repeat(samples.len() / expected.len());
                 assert_eq!(samples, expected, "{stream}");
             }
@@ -73,7 +73,7 @@ fn check((decode, parts): Codec, width: u32, height: u32, table: &str) {
     }
 }
 
-/// Comments, fill bytes, restart intervals, tables in other places, 16-bit steps, SOF1 and other sampling factors.
+/// Comments, fill bytes, restart intervals, tables in other positions, 16-bit steps, SOF1 and other sampling factors.
 const JPEG_SPELLINGS: &str = "
 SOI DQT SOF DHT0 DHT1 SOS DATA EOI | 80
 SOI FF E0 00 04 4A 46 FF FE 00 02 DQT SOF DHT0 DHT1 SOS DATA EOI | 80
@@ -88,9 +88,10 @@ SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
 SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
-/// Two numbers at the limits of the inverse transform. A DC coefficient of 1,200 times 4 is 600 above gray, which in ten
-/// bits is 424 below it: black, but white with clamping alone. An AC coefficient of 1,000 times 200 has over fourteen bits;
-/// the result is that of the Group's own C code. No encoder writes either.
+/// Values beyond the range of the inverse transform, which no encoder writes. A DC coefficient of 1,200 times 4 is
+/// 600 above gray, which in ten bits is 424 below gray: black, although plain clamping would produce white. An AC
+/// coefficient of 1,000 times 200 has more than fourteen bits. Its result was computed with the C code of the
+/// Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
 SOI FF DB 00 43 00 04*64 SOF FF C4 00 14 00 01 00*15 0B DHT1 SOS 4B 07 EOI | 00
 SOI FF DB 00 43 00 C8*64 SOF DHT0 FF C4 00 15 10 00 02 00*14 00 0A SOS 3F 41 EOI | 00 00 FF 00 FF 00 FF FF
@@ -162,9 +163,9 @@ SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zero
 SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros extends past the end of the block
 ";
 
-/// Two blocks. In the first table, code 0 is no difference and code 1 is one of four bits: 01 1000 0 | 01 1000 0 is eight
-/// and then sixteen, divided by eight by the transform; after a restart marker, it is eight again. The last row has two
-/// differences of eleven bits 1.
+/// Streams with two blocks. In the first table, code 0 is no difference and code 1 is a difference of four bits. 01
+/// 1000 0 | 01 1000 0 is eight, then sixteen, which the transform divides by eight. After a restart marker, the
+/// second value is eight again. The last row has two differences with eleven one bits.
 const JPEG_BLOCKS: &str = "
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 SOS 60 C3 EOI | 81*8 82*8
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D0 61 EOI | 81
@@ -179,16 +180,16 @@ SOI DQT WIDE FF C4 00 14 00 01 00*15 0B DHT1 SOS 7F F3 FF 00 BF EOI
 #[test]
 fn jpeg_streams_give_the_listed_results() {
     for table in [JPEG_SPELLINGS, JPEG_EXTREMES, JPEG_ERRORS] {
-        check(JPEG, 8, 8, table);
+        check_results(JPEG, 8, 8, table);
     }
-    check(JPEG, 16, 8, JPEG_BLOCKS);
+    check_results(JPEG, 16, 8, JPEG_BLOCKS);
     let huge = "SOI DQT FF C0 00 0B 08 FF FF FF FF 01 01 11 00 DHT0 DHT1 SOS DATA EOI \
         | byte 138: 65535 x 65535 samples cannot be coded in the 3 bytes left";
-    check(JPEG, 65_535, 65_535, huge);
+    check_results(JPEG, 65_535, 65_535, huge);
 }
 
-/// Comments, fill bytes, a restart interval of 0, preset parameters equal to the defaults and before the frame header,
-/// other sampling factors, other bits after the last.
+/// Comments, fill bytes, a restart interval of 0, preset parameters that equal the defaults or precede the frame
+/// header, other sampling factors, and other padding bits.
 const JPEG_LS_SPELLINGS: &str = "
 SOI SOF SOS DATA EOI | 00
 SOI FF E8 00 04 4A 46 FF FE 00 02 SOF SOS DATA EOI | 00
@@ -204,7 +205,8 @@ SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
 SOI SOF SOS F7 EOI | 00
 ";
 
-/// In the last row, after no run, 22 zeros, a one and 1111 1111 are number 256, one more than the largest error.
+/// In the last row, an empty run is followed by 22 zeros, a one and 1111 1111. This is number 256, one more than the
+/// largest error.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
 D8 FF | byte 0: the stream does not start with SOI, bytes FF D8
@@ -250,16 +252,16 @@ SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: no sample has prediction error -129
 
 #[test]
 fn jpeg_ls_streams_give_the_listed_results() {
-    check(JPEG_LS, 4, 1, JPEG_LS_SPELLINGS);
-    check(JPEG_LS, 4, 1, JPEG_LS_ERRORS);
-    // 0: no run. 1 and then 11, because k is 2: number 3, which is error 2.
+    check_results(JPEG_LS, 4, 1, JPEG_LS_SPELLINGS);
+    check_results(JPEG_LS, 4, 1, JPEG_LS_ERRORS);
+    // 0: empty run. Then 1 and 11, because k is 2: number 3, which is error 2.
     let interrupted = "SOI FF F7 00 0B 08 00 01 00 01 01 01 11 00 SOS 70 EOI | 02";
-    check(JPEG_LS, 1, 1, interrupted);
-    // Four samples, then a run that ends: one more, and another one that interrupts it.
+    check_results(JPEG_LS, 1, 1, interrupted);
+    // Four samples, then a run that ends: one more sample, and another one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
         | byte 25: a run of 5 samples and its end in a line with 5 to go";
-    check(JPEG_LS, 5, 1, long);
+    check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";
-    check(JPEG_LS, 65_535, 65_535, huge);
+    check_results(JPEG_LS, 65_535, 65_535, huge);
 }

@@ -1,7 +1,8 @@
-//! Every image of witnesses.txt, against the streams and samples of libjpeg and `CharLS`.
+//! Tests every image in witnesses.txt against the streams and samples of libjpeg and `CharLS`.
 //!
-//! The file holds recipes and digests. `scripts/codec_witnesses.py` wrote it: it painted each image by its recipe, encoded
-//! and decoded it with the other codecs, and noted the digests. Here the same recipe is painted again.
+//! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generated each image
+//! from its recipe, encoded and decoded it with the other codecs, and recorded the digests. This test generates the
+//! same images again.
 
 #![allow(
     clippy::manual_midpoint,
@@ -15,7 +16,7 @@ use ptm_conform::kit::digest::sha256;
 
 use crate::draws::DraftGenerator;
 
-/// One line of the file.
+/// A line of witnesses.txt.
 struct Witness {
     recipe: &'static str,
     kind: &'static str,
@@ -121,7 +122,7 @@ fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
     for parameter in parameters.split(',') {
         match parameter.split_once('=') {
             Some(("near", near)) => options.near = near.parse().expect(parameters),
-            // Samples of fewer bits, with the parameters that follow from that.
+            // Samples with fewer bits, and the parameters that follow from this.
             Some(("bits", bits)) => {
                 let bits: u32 = bits.parse().expect(parameters);
                 options.presets = Some(PresetParameters {
@@ -151,8 +152,8 @@ fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
     options
 }
 
-/// Returns the bytes between the scan header and EOI. The segments are those of our encoder.
-fn scan_of(stream: &[u8]) -> &[u8] {
+/// Returns the bytes between the scan header and EOI. The segments must be those of our encoder.
+fn scan_bytes(stream: &[u8]) -> &[u8] {
     let mut at = 2;
     loop {
         let code = stream[at + 1];
@@ -202,7 +203,7 @@ fn jpeg_ls_scans_and_samples_equal_those_of_charls() {
         let encoded = jpeg_ls::encode(&originals, witness.width, witness.height, &options);
         let decoded =
             jpeg_ls::decode(&encoded.stream, witness.width, witness.height).expect("an image");
-        compare(witness, scan_of(&encoded.stream), &encoded, &decoded);
+        compare(witness, scan_bytes(&encoded.stream), &encoded, &decoded);
         let mut pairs = originals.iter().zip(&decoded);
         let near = pairs.all(|(&a, &b)| a.abs_diff(b) <= options.near);
         assert!(near, "{} is left by more than NEAR", witness.parameters);

@@ -1,10 +1,10 @@
-//! The decoder in Python and the reference, which were written apart from each other, on files that nobody chose.
+//! Compares the Python decoder with the reference, which was written independently, on randomly generated files.
 
 use crate::common::{Workspace, have_python, python_example};
 
-const FILES: usize = 10_000;
+const MIN_FILES: usize = 10_000;
 
-/// Some files are asked for more than once.
+/// Number of calls, which is larger than the number of files because some files are requested several times.
 const CALLS: usize = 13_000;
 
 #[test]
@@ -22,5 +22,5 @@ fn the_python_decoder_agrees_with_the_reference_on_10_000_generated_files() {
         .next()
         .and_then(|word| word.parse().ok())
         .expect("a number of files");
-    assert!(drawn >= FILES, "{said}");
+    assert!(drawn >= MIN_FILES, "{said}");
 }

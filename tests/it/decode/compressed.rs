@@ -1,4 +1,4 @@
-//! The properties of the cases of §2.9.
+//! Tests properties of the cases for §2.9.
 
 use ptm_conform::generate::Model;
 use ptm_conform::generate::plan::Residuals;
@@ -7,8 +7,8 @@ use ptm_conform::ptm::Coding;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::values::Values;
 
-/// The small compressed cases that the generator writes undamaged, and their models.
-fn painted() -> Vec<(Case, Model)> {
+/// Returns the small compressed cases that the generator writes undamaged, with their models.
+fn generated_cases() -> Vec<(Case, Model)> {
     let suite = Suite::load().expect("the suite loads");
     let small = |case: &Case| {
         case.recipe()
@@ -26,7 +26,7 @@ fn painted() -> Vec<(Case, Model)> {
 
 #[test]
 fn only_lossy_jpeg_planes_have_a_tolerance() {
-    for (case, model) in painted() {
+    for (case, model) in generated_cases() {
         let recipe = case.recipe().expect("painted");
         let natural_jpeg = recipe.format.coding() == Some(Coding::Jpeg)
             && recipe.compression.residuals == Residuals::Natural;
@@ -36,7 +36,7 @@ fn only_lossy_jpeg_planes_have_a_tolerance() {
 
 #[test]
 fn tolerance_grows_with_each_predictor_and_is_zero_where_corrected() {
-    for (case, model) in painted()
+    for (case, model) in generated_cases()
         .iter()
         .filter(|(_, model)| !model.slack.is_empty())
     {
@@ -65,7 +65,7 @@ fn tolerance_grows_with_each_predictor_and_is_zero_where_corrected() {
 
 #[test]
 fn cases_with_overflows_have_corrections() {
-    let mut cases = painted();
+    let mut cases = generated_cases();
     cases.retain(|(case, _)| case.id.starts_with("overflows-"));
     assert!(!cases.is_empty());
     for (case, model) in cases {
@@ -75,8 +75,8 @@ fn cases_with_overflows_have_corrections() {
 }
 
 #[test]
-fn cases_show_only_choices_of_their_lists() {
-    for (case, _) in painted() {
+fn cases_depend_only_on_choices_of_their_lists() {
+    for (case, _) in generated_cases() {
         let recipe = case.recipe().expect("painted");
         let touched = recipe.compression.axes();
         let are_touched = case.axes().iter().all(|axis| touched.contains(axis));
@@ -86,7 +86,7 @@ fn cases_show_only_choices_of_their_lists() {
 
 #[test]
 fn every_choice_except_inversion_has_an_isolated_case() {
-    let cases = painted();
+    let cases = generated_cases();
     let is_shown = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
     let axes = "jpeg-ls-offset motion-sign motion-vertical motion-half motion-border side-lossless";
     for axis in axes.split(' ') {
@@ -97,7 +97,7 @@ fn every_choice_except_inversion_has_an_isolated_case() {
 
 #[test]
 fn lossy_planes_near_0_or_255_are_requested_only_raw() {
-    for (case, model) in painted() {
+    for (case, model) in generated_cases() {
         let mut samples = model.samples.iter().zip(&model.slack);
         let near =
             samples.any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));

@@ -1,6 +1,6 @@
-//! The decoder, without any other part of the library, against the corpus. `cargo mutants` runs this test.
+//! Tests the decoder without any other part of the library, on the corpus. `cargo mutants` runs this test.
 //!
-//! `PTM_CORPUS` names another corpus, such as one that `generate` wrote with the large files too.
+//! `PTM_CORPUS` selects a different corpus, such as one with large files that `generate` wrote.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use ptm_conform::decode::open;
 use ptm_conform::error::Class;
 use ptm_conform::{Ptm, decode};
 
-/// An entry of the manifest, which is read line by line.
+/// An entry of the manifest, which is parsed line by line.
 #[derive(Default)]
 struct Entry {
     id: String,
@@ -43,7 +43,7 @@ fn entries(manifest: &str) -> Vec<Entry> {
     entries
 }
 
-/// The samples in a view, as numbers, and how far off they may be.
+/// Returns the samples of a map in a view, and their tolerance.
 fn samples(ptm: &Ptm, view: &str) -> (Vec<f64>, f64) {
     let bytes = |bytes: &[u8]| bytes.iter().map(|&byte| f64::from(byte)).collect();
     match view.split_once(':') {
@@ -57,8 +57,8 @@ fn samples(ptm: &Ptm, view: &str) -> (Vec<f64>, f64) {
     }
 }
 
-/// The samples of a frame.
-fn expected(frame: &[u8]) -> Vec<f64> {
+/// Returns the samples of a frame.
+fn frame_samples(frame: &[u8]) -> Vec<f64> {
     let line = frame.iter().position(|&byte| byte == b'\n');
     let (line, samples) = frame.split_at(line.expect("a frame has a line") + 1);
     match line.ends_with(b"f32\n") {
@@ -70,8 +70,8 @@ fn expected(frame: &[u8]) -> Vec<f64> {
     }
 }
 
-/// Returns the reason why a result differs from the manifest.
-fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
+/// Returns the reason why a result differs from the manifest, if it does.
+fn mismatch(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
     let outcome = decode(file);
     if let Ok(ptm) = &outcome {
         let stored = open(file).expect("what can be decoded can be opened");
@@ -83,11 +83,12 @@ fn wrong(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
     match (entry.expect.as_str(), outcome) {
         ("decode" | "lenient", Ok(ptm)) => {
             let (samples, slack) = samples(&ptm, &entry.view);
-            let expected = expected(&frame.expect("a frame next to its file"));
+            let frame_samples = frame_samples(&frame.expect("a frame next to its file"));
             let near = |(&a, &b): (&f64, &f64)| {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
-            let same = samples.len() == expected.len() && samples.iter().zip(&expected).all(near);
+            let same = samples.len() == frame_samples.len()
+                && samples.iter().zip(&frame_samples).all(near);
             (!same).then(|| "another image".to_owned())
         }
         ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),
@@ -106,13 +107,13 @@ fn every_file_has_the_result_of_the_manifest() {
     let manifest = std::fs::read_to_string(corpus.join("MANIFEST.yaml")).expect("a manifest");
     let mut read = 0;
     for entry in entries(&manifest) {
-        // The committed corpus does without its large files.
+        // The committed corpus does not contain its large files.
         let Ok(file) = std::fs::read(corpus.join(&entry.file)) else {
             continue;
         };
         let frame = std::fs::read(corpus.join(&entry.frame)).ok();
-        let wrong = wrong(&entry, &file, frame);
-        assert_eq!(wrong, None, "{}", entry.id);
+        let mismatch = mismatch(&entry, &file, frame);
+        assert_eq!(mismatch, None, "{}", entry.id);
         read += 1;
     }
     println!("{read} files");

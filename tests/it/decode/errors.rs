@@ -1,17 +1,17 @@
-//! Every error has a witness: the smallest file that provokes it, and its message.
+//! Tests every error with a witness: the smallest file that causes it, and its message.
 
 use ptm_conform::error::Class;
 use ptm_conform::{Limits, Reading, decode, decode_as};
 
 use crate::table::rows;
 
-/// Returns a header up to the numbers of §2.4.
+/// Returns a header up to and including §2.4.
 fn header(format: &str) -> String {
     format!("PTM_1.2\nPTM_FORMAT_{format}\n2\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n")
 }
 
-/// Malformed files: the beginning, the rest, and the message. The beginning is `none`, `size` or `scale` for an RGB file
-/// up to §2.3 or §2.4, or the format of a whole header. In the rest, `\s` stands for a space.
+/// Malformed files: the start of the file, the rest, and the message. The start is `none`, `size` or `scale` for an
+/// RGB file up to §2.3 or §2.4, or the format of a complete header. In the rest, `\s` represents a space.
 const WITNESSES: &str = r#"
 none | | header string (§2.1), byte 0: expected PTM_1.2, found the end of the file
 none | PTM_1.1\n | header string (§2.1), byte 0: expected PTM_1.2, found "PTM_1.1"
@@ -58,7 +58,7 @@ JPEGLS_LRGB | 0\n0 0 9999999999999999999
   | compressed data (§2.9.2), byte 65: expected a transform, found "9999999999999999999"
 "#;
 
-/// Replaces escapes in a cell of the table.
+/// Replaces the escape sequences in a cell of the table.
 fn unescape(cell: &str) -> String {
     let escapes = [
         ("\\n", "\n"),
@@ -89,13 +89,13 @@ fn malformed_files_give_the_listed_messages() {
     }
 }
 
-/// The smallest JPEG-LS stream: one sample 0.
+/// The smallest JPEG-LS stream, with a single sample 0.
 const STREAM: &str =
     "FF D8 FF F7 00 0B 08 00 01 00 01 01 01 11 00 FF DA 00 08 01 01 00 00 00 00 80 FF D9";
 
-/// Faulty compressed files: changes to a file of one texel and nine planes, and the message. A change is to one number of a
-/// list, or to the bytes of a stream or of side information, in hexadecimal.
-const COMPRESSED: &str = r#"
+/// Malformed compressed files: changes to a file with one texel and nine planes, and the message. A change sets a
+/// number in a list, or the bytes of a stream or of side information in hexadecimal.
+const COMPRESSED_WITNESSES: &str = r#"
 transforms 2 4 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
 transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
 transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
@@ -130,8 +130,8 @@ sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed 
   plane 2: samples of 12 bits are not implemented
 "#;
 
-/// Returns the file of one texel and nine intra coded planes, all zero, after changes.
-fn compressed(changes: &str) -> Vec<u8> {
+/// Returns a file with one texel and nine intra planes, all zero, after some changes.
+fn compressed_file(changes: &str) -> Vec<u8> {
     let names = "transforms x y order references sizes side-sizes stream side";
     let mut values = ["0", "0", "0", "0", "-1", "28", "0", STREAM, ""].map(|value| [value; 9]);
     for change in changes.split(';').filter(|change| !change.is_empty()) {
@@ -152,8 +152,8 @@ fn compressed(changes: &str) -> Vec<u8> {
 
 #[test]
 fn malformed_compressed_files_give_the_listed_messages() {
-    for [changes, message] in rows(COMPRESSED) {
-        let error = decode(&compressed(&changes)).expect_err(&changes);
+    for [changes, message] in rows(COMPRESSED_WITNESSES) {
+        let error = decode(&compressed_file(&changes)).expect_err(&changes);
         assert_eq!(error.to_string(), message);
         let is_unsupported = message.ends_with("not read") || message.ends_with("not implemented");
         assert_eq!(
@@ -169,7 +169,10 @@ fn exceeded_limits_are_not_malformed_files() {
     let plain = header("LRGB") + "0123456789ab012345";
     let size = "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17";
     let planes = "image size (§2.3), byte 457: the planes need 9 bytes, the limit is 8";
-    for (file, memory, message) in [(plain.into_bytes(), 17, size), (compressed(""), 8, planes)] {
+    for (file, memory, message) in [
+        (plain.into_bytes(), 17, size),
+        (compressed_file(""), 8, planes),
+    ] {
         let read = |memory| decode_as(&file, &Reading::SPEC, &Limits { memory });
         let error = read(memory).expect_err("a low limit");
         assert_eq!(error.to_string(), message);

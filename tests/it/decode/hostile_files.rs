@@ -1,12 +1,12 @@
-//! No file makes the decoder panic: it decodes or it says clearly what is wrong.
+//! Tests that no file makes the decoder panic: it either decodes the file or returns a clear error.
 
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::{Limits, Reading, decode, decode_as};
 
 use crate::draws::DraftGenerator;
 
-/// The files of some cases of the suite.
-fn files_of(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
+/// Returns the files of some cases in the suite.
+fn suite_files(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
     let suite = Suite::load().expect("the suite loads");
     let cases = suite.cases.iter().filter(|case| is_wanted(case));
     cases
@@ -14,13 +14,13 @@ fn files_of(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The small accepted files of the suite, one of each format and spelling.
+/// Returns small accepted files in the suite, one for each format and spelling.
 fn files() -> Vec<Vec<u8>> {
     let prefixes = ["header-plain", "space-behind-every", "hand-"];
-    files_of(|case| prefixes.iter().any(|prefix| case.id.starts_with(prefix)))
+    suite_files(|case| prefixes.iter().any(|prefix| case.id.starts_with(prefix)))
 }
 
-/// The length of the header: all but the payload.
+/// Returns the length of the header, which is everything before the payload.
 fn header_length(file: &[u8]) -> usize {
     let (fields, _) = ptm_conform::decode::fields(file);
     let payload = fields
@@ -30,7 +30,7 @@ fn header_length(file: &[u8]) -> usize {
 }
 
 #[track_caller]
-fn answers(file: &[u8]) {
+fn assert_decodes_or_fails(file: &[u8]) {
     if let Err(error) = decode(file) {
         assert!(error.offset() <= file.len(), "{error}");
         assert!(error.to_string().contains("§2."), "{error}");
@@ -54,7 +54,7 @@ fn any_header_byte_gives_a_result() {
             for byte in 0..=255 {
                 let mut file = file.clone();
                 file[place] = byte;
-                answers(&file);
+                assert_decodes_or_fails(&file);
             }
         }
     }
@@ -89,18 +89,18 @@ fn megabyte_numbers_and_lines_give_a_result() {
         " ".repeat(1 << 20),
         "0".repeat(1 << 20) + "1",
     ] {
-        answers(format!("PTM_1.2\nPTM_FORMAT_LRGB\n{long}\n1\n").as_bytes());
+        assert_decodes_or_fails(format!("PTM_1.2\nPTM_FORMAT_LRGB\n{long}\n1\n").as_bytes());
         let numbers = format!("{long} 1 1 1 1 1\n0 0 0 0 0 {long}\n123456789");
-        answers(format!("PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n{numbers}").as_bytes());
-        answers(long.as_bytes());
+        assert_decodes_or_fails(format!("PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n{numbers}").as_bytes());
+        assert_decodes_or_fails(long.as_bytes());
     }
 }
 
-/// A damaged file needs little memory, and far less time than the limit.
+/// Decoding a damaged file needs little memory, and far less time than the limit.
 #[test]
 fn damaged_compressed_files_give_a_result() {
-    // Every format, structure and kind of stream.
-    let files = files_of(|case| {
+    // Include every format, structure and kind of stream.
+    let files = suite_files(|case| {
         let recipe = case.recipe().filter(|recipe| recipe.size.texels() <= 200);
         recipe.is_some() && case.damage().is_none() && case.compression().is_some()
     });
@@ -124,6 +124,6 @@ fn damaged_compressed_files_give_a_result() {
         slowest = slowest.max(start.elapsed());
     }
     println!("{decoded} of 3,000 decoded, the slowest took {slowest:?}");
-    // No test of speed: a hang is what takes thousands of times as long.
+    // This is not a test of speed. It detects hangs, which take thousands of times as long.
     assert!(slowest.as_secs() < 20, "{slowest:?}");
 }

@@ -1,4 +1,5 @@
-//! A real file by HP's fitter, against the photographs it was fitted to. Skipped where the shared data is absent.
+//! Compares a real file, written by HP's fitter, with the photographs from which it was computed. Skipped if the
+//! shared data is not available.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,8 +7,8 @@ use std::path::PathBuf;
 use ptm_conform::Ptm;
 use ptm_conform::kit::digest::sha256;
 
-/// Returns the folder of the file and the map.
-fn real() -> Option<(PathBuf, Ptm)> {
+/// Returns the folder of the file, and the decoded map.
+fn read_real_file() -> Option<(PathBuf, Ptm)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/ptmfitter-8x5");
     let Ok(file) = fs::read(format!("{folder}/reference_8x5.ptm")) else {
         println!("SKIPPED: ../shared/data/ptmfitter-8x5 is not there");
@@ -19,13 +20,15 @@ fn real() -> Option<(PathBuf, Ptm)> {
 
 #[test]
 fn planes_have_the_digest_of_an_independent_reader() {
-    let Some((_, ptm)) = real() else { return };
-    // Plane after plane, top row first.
+    let Some((_, ptm)) = read_real_file() else {
+        return;
+    };
+    // Plane by plane, top row first.
     let planes: Vec<u8> = (0..9)
         .flat_map(|channel| ptm.planes.texels().map(move |texel| texel[channel]))
         .collect();
-    // Found by two independent readers in Python. The note with the file has another digest, which no order of
-    // planes, rows or texels gives; the photographs below decide.
+    // Computed by two independent decoders in Python. The note with the file contains a different digest, which does
+    // not match any order of planes, rows or texels. The photographs below are decisive.
     assert_eq!(
         sha256(&planes),
         "79409eba1ef1d61e6f2c89015102fdda53e7c78374b4a2110159ef5dd56c1dbb"
@@ -34,7 +37,7 @@ fn planes_have_the_digest_of_an_independent_reader() {
 
 #[test]
 fn the_colors_match_the_photographs() {
-    let Some((folder, ptm)) = real() else {
+    let Some((folder, ptm)) = read_real_file() else {
         return;
     };
     let coefficients = ptm.coefficients();

@@ -1,9 +1,9 @@
-//! The diagnosis names the mistakes of a failing decoder.
+//! Tests that the diagnosis names the mistakes of a failing decoder.
 
 use std::collections::HashMap;
 
 use ptm_conform::Reading;
-use ptm_conform::diagnose::{Cause, Diagnosis, applies, composable, diagnose};
+use ptm_conform::diagnose::{Cause, Diagnosis, can_affect_file, can_combine, diagnose};
 use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
@@ -11,13 +11,13 @@ use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::run::Run;
-use ptm_conform::strength::matrix::ask_all;
+use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
 use crate::in_process::{computing, jobs, misread, misreading, right, run_all, suite};
 use crate::table::rows;
 
-/// Returns the causes that are found, without a fault of the search.
+/// Returns the causes that the diagnosis finds. Fails if the search panics.
 fn causes(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
     let causes = diagnose(suite, run, &[], jobs());
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);
@@ -28,7 +28,7 @@ fn failures(run: &Run) -> Vec<usize> {
     run.judgement.with_outcome(Outcome::Fail).collect()
 }
 
-/// Returns the misreadings that are named, or said to look the same.
+/// Returns the slugs of the misreadings that a diagnosis names or lists as equivalent.
 fn slugs(diagnosis: &Diagnosis) -> Vec<&'static str> {
     let (first, alike) = match &diagnosis.cause {
         Cause::Misreading {
@@ -40,7 +40,7 @@ fn slugs(diagnosis: &Diagnosis) -> Vec<&'static str> {
     all.map(|misreading| misreading.slug).collect()
 }
 
-fn words(diagnosis: &Diagnosis) -> String {
+fn cause_text(diagnosis: &Diagnosis) -> String {
     match &diagnosis.cause {
         Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
         Cause::Described {
@@ -49,17 +49,20 @@ fn words(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Changes the correct answer as a wrong decoder does.
-type Wrong = fn(&Request, Answer) -> Answer;
+/// Changes the correct answer like a faulty decoder.
+type ChangeAnswer = fn(&Request, Answer) -> Answer;
 
-/// Runs a decoder that changes the correct answers.
-fn run_of(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Run {
+/// Runs the suite against a decoder that changes the correct answers.
+fn run_faulty_decoder(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Run {
     run_all(suite, |request| wrong(request, right(request)))
 }
 
-/// Returns the diagnosis of a decoder that changes the correct answers, in words.
-fn diagnosed(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Vec<String> {
-    let run = run_of(suite, wrong);
+/// Returns the diagnosis of a decoder that changes the correct answers, one line per cause.
+fn diagnose_faulty_decoder(
+    suite: &Suite,
+    wrong: impl Fn(&Request, Answer) -> Answer + Sync,
+) -> Vec<String> {
+    let run = run_faulty_decoder(suite, wrong);
     let diagnoses = causes(suite, &run);
     let explained = diagnoses
         .iter()
@@ -69,21 +72,21 @@ fn diagnosed(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -
     assert_eq!(explained, failures(&run), "every failure has one diagnosis");
     let lines = diagnoses.iter().map(|one| {
         let (explains, partly, except) = (one.explains.len(), one.partly.len(), one.except.len());
-        format!("{explains}+{partly}-{except}: {}", words(one))
+        format!("{explains}+{partly}-{except}: {}", cause_text(one))
     });
     let lines: Vec<String> = lines.collect();
     println!("  {}", lines.join("\n  "));
     lines
 }
 
-/// Answers that a search may make for each case, however much fails.
-const WORK: usize = 200;
+/// Maximum number of answers per case that a search may compute, regardless of the number of failures.
+const MAX_ANSWERS_PER_CASE: usize = 200;
 
 #[test]
 fn search_ends_for_unrelated_failures() {
     let mut suite = suite().prepared();
     suite.cases.retain(|case| case.format().coding().is_none());
-    let run = run_of(&suite, |_, _| {
+    let run = run_faulty_decoder(&suite, |_, _| {
         Answer::Decoded(Frame {
             view: ViewKind::Raw,
             width: 1,
@@ -97,14 +100,14 @@ fn search_ends_for_unrelated_failures() {
     let causes = diagnose(&suite, &run, &[], jobs());
     println!("{failing} failures, {} answers", causes.answered);
     assert!(failing > 500);
-    let limit = WORK * suite.cases.len();
+    let limit = MAX_ANSWERS_PER_CASE * suite.cases.len();
     assert!(causes.answered < limit, "{}", causes.answered);
 }
 
 #[test]
 fn mistake_in_one_channel_names_the_channel() {
     let wraps = misreading("color-wraps");
-    let causes = diagnosed(&suite().prepared(), |request, answer| {
+    let causes = diagnose_faulty_decoder(&suite().prepared(), |request, answer| {
         let wrong = misread(&[wraps], request);
         match (answer, wrong) {
             (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == ViewKind::Rgb => {
@@ -125,7 +128,7 @@ fn mistake_in_one_channel_names_the_channel() {
     }
 }
 
-/// A decoder without a format refuses some of its files before it sees their format, as any other.
+/// A decoder that lacks a format may still refuse some of its files before it reads the format.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {
     let mut suite = suite().prepared();
@@ -136,7 +139,7 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     suite.cases.retain(is_wanted);
     let is_refused = |file: &[u8]| file.len().is_multiple_of(7);
     let is_lum = |file: &[u8]| file.windows(14).any(|word| word == b"PTM_FORMAT_LUM");
-    let run = run_of(&suite, |request, answer| match answer {
+    let run = run_faulty_decoder(&suite, |request, answer| match answer {
         Answer::Decoded(_) if is_lum(request.file) => match is_refused(request.file) {
             true => Answer::Rejected,
             false => Answer::Unsupported,
@@ -151,8 +154,9 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     assert!((1..=of_length.count()).contains(&refused), "{refused}");
 }
 
-/// Mistakes in a formula: its name, what the decoder computes, the only view that it supports, and parts of the first cause.
-const FORMULAS: &str = "
+/// Mistakes in a formula: its name, the expression that the decoder computes, the only view that it supports, and
+/// parts of the first cause.
+const FORMULA_MISTAKES: &str = "
 stored value | mod(raw + 128 * select(at_most(abs(i - 3), 0), 1, 0), 256) | raw | + 128 instead of && only in a3
 stored value | mod(raw + 1, 256) | raw | raw + 1 instead of raw
 final coefficient | (raw - select(at_most(abs(bias[i] + 1), 0), 0, bias[i])) * scale[i] | any | wrong final values
@@ -165,17 +169,19 @@ polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u +
 #[test]
 fn formula_mistake_is_described() {
     let suite = suite().prepared();
-    for [formula, expression, view, says] in rows(FORMULAS) {
+    for [formula, expression, view, says] in rows(FORMULA_MISTAKES) {
         println!("{formula} = {expression}");
         let edit = Edit::parse(&formula, &expression).expect("a formula");
         let mistake = computing(vec![edit]);
-        let causes = diagnosed(&suite, |request, answer| match answer {
+        let causes = diagnose_faulty_decoder(&suite, |request, answer| match answer {
             Answer::Decoded(_) if view != "any" && view != request.view.name() => {
                 Answer::Unsupported
             }
             _ => misread(&[&mistake], request),
         });
-        let is_said = says.split(" && ").all(|words| causes[0].contains(words));
+        let is_said = says
+            .split(" && ")
+            .all(|cause_text| causes[0].contains(cause_text));
         assert!(is_said, "{expression}: {causes:#?}");
     }
 }
@@ -183,7 +189,7 @@ fn formula_mistake_is_described() {
 #[test]
 fn mistake_outside_the_formulas_is_described() {
     let suite = suite().prepared();
-    let decoders: &[(&str, Wrong, &[&str])] = &[
+    let decoders: &[(&str, ChangeAnswer, &[&str])] = &[
         (
             "too wide",
             |_, answer| match answer {
@@ -226,49 +232,58 @@ fn mistake_outside_the_formulas_is_described() {
     ];
     for (name, wrong, says) in decoders {
         println!("{name}");
-        let causes = diagnosed(&suite, wrong);
-        let is_said = says.iter().all(|words| causes[0].contains(words));
+        let causes = diagnose_faulty_decoder(&suite, wrong);
+        let is_said = says.iter().all(|cause_text| causes[0].contains(cause_text));
         assert!(is_said, "{name}: {causes:#?}");
     }
 }
 
 /// Counts the mistakes that are among the first causes.
-fn named_of(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usize {
+fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usize {
     let first = || diagnoses.iter().take(mistakes.len());
     let is_named =
         |mistake: &&&Misreading| first().any(|diagnosis| slugs(diagnosis).contains(&mistake.slug));
     mistakes.iter().filter(is_named).count()
 }
 
-/// Returns the causes that are stated as certain, and are not among the mistakes.
-fn false_of(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Vec<String> {
+/// Returns the causes that are reported as certain, but are not among the mistakes.
+fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Vec<String> {
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
         let is_made = mistakes.iter().any(|mistake| slugs.contains(&mistake.slug));
         diagnosis.certain && !is_made
     };
-    diagnoses.iter().filter(is_false).map(words).collect()
+    diagnoses.iter().filter(is_false).map(cause_text).collect()
 }
 
-fn described(mistakes: &[&'static Misreading], failing: usize, diagnoses: &[Diagnosis]) -> String {
+fn describe_result(
+    mistakes: &[&'static Misreading],
+    failing: usize,
+    diagnoses: &[Diagnosis],
+) -> String {
     let slugs: Vec<&str> = mistakes.iter().map(|mistake| mistake.slug).collect();
     let causes: Vec<String> = diagnoses
         .iter()
-        .map(|diagnosis| format!("    {} {}", diagnosis.explains.len(), words(diagnosis)))
+        .map(|diagnosis| format!("    {} {}", diagnosis.explains.len(), cause_text(diagnosis)))
         .collect();
     format!("{slugs:?}, {failing} failures:\n{}", causes.join("\n"))
 }
 
-/// Checks every `step`th misreading from `first` on: its decoder fails, and the misreading is the first cause.
-fn names_every(suite: &Suite, first: usize, step: usize, run: impl Fn(&'static Misreading) -> Run) {
+/// Checks every `step`th misreading, starting at `first`: its decoder fails, and the misreading is the first cause.
+fn check_every_misreading(
+    suite: &Suite,
+    first: usize,
+    step: usize,
+    run: impl Fn(&'static Misreading) -> Run,
+) {
     let (mut wrong, mut count) = (Vec::new(), 0);
     for mistake in misreadings::all().skip(first).step_by(step) {
         count += 1;
         let run = run(mistake);
         let failing = failures(&run).len();
         let diagnoses = causes(suite, &run);
-        if failing == 0 || named_of(&[mistake], &diagnoses) == 0 {
-            wrong.push(described(&[mistake], failing, &diagnoses));
+        if failing == 0 || count_named(&[mistake], &diagnoses) == 0 {
+            wrong.push(describe_result(&[mistake], failing, &diagnoses));
             println!("{}", wrong[wrong.len() - 1]);
         }
         if count % 10 == 0 {
@@ -279,15 +294,15 @@ fn names_every(suite: &Suite, first: usize, step: usize, run: impl Fn(&'static M
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-fn names_in_reference_dialect(first: usize, step: usize) {
+fn check_in_reference_dialect(first: usize, step: usize) {
     let suite = suite().prepared();
-    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
-    let run = |mistake| ask_all(&suite, &[mistake], &[], jobs(), &right).0;
-    names_every(&suite, first, step, run);
+    let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
+    let run = |mistake| run_with_mistakes(&suite, &[mistake], &[], jobs(), &right).0;
+    check_every_misreading(&suite, first, step, run);
 }
 
-/// Checks misreadings of a decoder that resolves an open question in another way than the reference.
-fn names_where_a_line_feed_ends_the_table(first: usize, step: usize) {
+/// Checks misreadings of a decoder whose choice for an open question differs from the reference.
+fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite().prepared();
     let reading = Reading::SPEC.with_newline_after_table();
     let run = |mistake| {
@@ -295,33 +310,33 @@ fn names_where_a_line_feed_ends_the_table(first: usize, step: usize) {
             misreadings::answer(&[mistake], reading, request.file, request.view)
         })
     };
-    names_every(&suite, first, step, run);
+    check_every_misreading(&suite, first, step, run);
 }
 
 #[test]
 fn one_misreading_in_forty_is_named() {
-    names_in_reference_dialect(7, 40);
+    check_in_reference_dialect(7, 40);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn every_misreading_is_named() {
-    names_in_reference_dialect(0, 1);
+    check_in_reference_dialect(0, 1);
 }
 
 #[test]
-fn one_in_forty_is_named_with_a_line_feed_after_tables() {
-    names_where_a_line_feed_ends_the_table(3, 40);
+fn one_misreading_in_forty_is_named_with_line_feed_after_tables() {
+    check_with_line_feed_after_tables(3, 40);
 }
 
 #[test]
 #[ignore = "takes minutes"]
-fn every_misreading_is_named_where_a_line_feed_ends_the_table() {
-    names_where_a_line_feed_ends_the_table(0, 1);
+fn every_misreading_is_named_with_line_feed_after_tables() {
+    check_with_line_feed_after_tables(0, 1);
 }
 
-/// Returns pseudo-random sets of composable misreadings, the same on every machine.
-fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
+/// Generates the same pseudorandom sets of compatible misreadings on every platform.
+fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     let all: Vec<&'static Misreading> = misreadings::all().collect();
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut draw = || {
@@ -335,7 +350,7 @@ fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
         let mut set: Vec<&'static Misreading> = Vec::new();
         while set.len() < size {
             let next = draw();
-            if set.iter().all(|other| composable(other, next)) {
+            if set.iter().all(|other| can_combine(other, next)) {
                 set.push(next);
             }
         }
@@ -344,8 +359,8 @@ fn drawn(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     sets
 }
 
-/// Returns true if each member still changes an answer of a decoder that makes the others.
-fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
+/// Returns true if each member of the set changes some answer of a decoder that makes the other mistakes.
+fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     let answer = |set: &[&Misreading], file: &[u8], view| {
         misreadings::answer(set, Reading::SPEC, file, view)
     };
@@ -355,35 +370,36 @@ fn all_show(suite: &Suite, set: &[&'static Misreading]) -> bool {
         suite.cases.iter().any(|case| {
             let file = &case.build(TableSpelling::default()).file;
             let shows = |view| answer(set, file, view) != answer(&others, file, view);
-            applies(member, file) && case.views.first().is_some_and(shows)
+            can_affect_file(member, file) && case.views.first().is_some_and(shows)
         })
     })
 }
 
-/// Chooses `count` sets of `size` mistakes that all show. Each set must be caught; of a hundred, at least `least` must be
-/// named whole among the first causes, and at most `most_false` may have a false cause that is stated as certain.
-fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
+/// Tests `count` sets of `size` mistakes that all have an effect. Each set must be caught. At least `least` percent
+/// of the sets must be named completely among the first causes, and at most `most_false` percent may have a false
+/// cause that is reported as certain.
+fn check_sets(count: usize, size: usize, least: usize, most_false: usize) {
     let suite = suite().prepared();
-    let (_, right) = ask_all(&suite, &[], &[], jobs(), &HashMap::new());
+    let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let (mut tried, mut whole, mut false_ones) = (0, 0, 0);
-    for set in drawn(count * 4, size) {
+    for set in random_sets(count * 4, size) {
         if tried == count {
             break;
         }
-        if !all_show(&suite, &set) {
+        if !all_have_effect(&suite, &set) {
             continue;
         }
         tried += 1;
-        let (run, _) = ask_all(&suite, &set, &[], jobs(), &right);
+        let (run, _) = run_with_mistakes(&suite, &set, &[], jobs(), &right);
         let failing = failures(&run).len();
         assert!(failing > 0, "{set:?} fail no case");
         let diagnoses = causes(&suite, &run);
-        let is_whole = named_of(&set, &diagnoses) == size;
-        let wrong = false_of(&set, &diagnoses);
+        let is_whole = count_named(&set, &diagnoses) == size;
+        let wrong = false_causes(&set, &diagnoses);
         whole += usize::from(is_whole);
         false_ones += usize::from(!wrong.is_empty());
         if !is_whole || !wrong.is_empty() {
-            println!("{}", described(&set, failing, &diagnoses));
+            println!("{}", describe_result(&set, failing, &diagnoses));
             println!("  FALSE {wrong:?}");
         }
         println!("{tried} sets of {size}: {whole} named whole, {false_ones} with a false cause");
@@ -397,23 +413,23 @@ fn names_sets(count: usize, size: usize, least: usize, most_false: usize) {
 
 #[test]
 fn ten_pairs_are_named() {
-    names_sets(10, 2, 80, 20);
+    check_sets(10, 2, 80, 20);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn two_hundred_pairs_are_caught_and_nine_in_ten_named() {
-    names_sets(200, 2, 90, 5);
+    check_sets(200, 2, 90, 5);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn sixty_triples_are_caught_and_most_named() {
-    names_sets(60, 3, 80, 5);
+    check_sets(60, 3, 80, 5);
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn sixty_quadruples_are_caught_and_most_named() {
-    names_sets(60, 4, 60, 10);
+    check_sets(60, 4, 60, 10);
 }

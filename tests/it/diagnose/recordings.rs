@@ -1,7 +1,8 @@
-//! The responses of seven public readers to the suite, judged and diagnosed again.
+//! Judges and diagnoses recorded responses of seven public decoders.
 //!
-//! `tests/it/recordings/` has the answers of each reader, compressed, and `rows.yaml`: for each mistake that the reader's source
-//! shows, the cause that must be named, and statements that must not be made because its author could refute them.
+//! `tests/it/recordings/` contains the answers of each decoder, compressed, and `rows.yaml`. For each mistake in the
+//! decoder's source code, `rows.yaml` lists the cause that must be named. It also lists false statements that must
+//! not be made.
 
 use std::collections::HashMap;
 
@@ -17,7 +18,7 @@ use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use serde::Deserialize;
 
-/// A reader, and statements that must and must not be made about it.
+/// A decoder, with statements that must and must not be made about it.
 #[derive(Deserialize)]
 struct Reader {
     name: String,
@@ -25,22 +26,22 @@ struct Reader {
     forbidden: Vec<Forbidden>,
 }
 
-/// A mistake that the reader's source shows.
+/// A mistake in the source code of a decoder.
 #[derive(Deserialize)]
 struct Row {
     mistake: String,
-    /// A slug, or part of the effect of a cause; several are separated by " or ".
+    /// A slug, or part of the effect of a cause. Alternatives are separated by " or ".
     #[serde(default)]
     cause: String,
-    /// Failing cases that stand under the cause.
+    /// Minimum number of failing cases listed under the cause.
     #[serde(default)]
     at_least: usize,
-    /// Why no case can show it.
+    /// Reason why no case can reveal the mistake.
     #[serde(default)]
     omitted: String,
 }
 
-/// A statement that is false, by parts of its text. The program once made it.
+/// Parts of a false statement that the program once made.
 #[derive(Deserialize)]
 struct Forbidden {
     effect: String,
@@ -49,22 +50,22 @@ struct Forbidden {
     and: String,
 }
 
-/// A cause as it is printed: how many cases it explains, its slug or effect, and its example.
-struct Said {
+/// A cause as it is reported: the number of cases that it explains, its slug or effect, and its example.
+struct ReportedCause {
     count: usize,
     effect: String,
     example: String,
 }
 
 impl Forbidden {
-    fn fires(&self, said: &Said) -> bool {
+    fn matches(&self, said: &ReportedCause) -> bool {
         let text = format!("{} {}", said.effect, said.example);
         said.effect.contains(&self.effect) && text.contains(&self.and)
     }
 }
 
-/// The run as it was, of all cases whose answers were recorded.
-fn replayed(suite: &Suite, reader: &str) -> Run {
+/// Replays the recorded run, for all cases whose answers were recorded.
+fn replay(suite: &Suite, reader: &str) -> Run {
     let known = recorded(reader);
     let is_recorded = |case: &Case| {
         TableSpelling::all().any(|table| {
@@ -84,7 +85,7 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
         let Some(kept) = known.get(&key) else {
             return Answer::Unsupported.into();
         };
-        // An image that is equal to the expected one was not recorded.
+        // Images that equal the expected ones were not recorded.
         let answer = kept.answer.clone().unwrap_or_else(|| right(request));
         Reply {
             stderr: kept.stderr.clone(),
@@ -95,9 +96,9 @@ fn replayed(suite: &Suite, reader: &str) -> Run {
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
 
-/// Every cause that is named for a reader.
-fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
-    let run = replayed(suite, reader);
+/// Returns every cause that is named for a decoder.
+fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
+    let run = replay(suite, reader);
     let failures = run.judgement.with_outcome(Outcome::Fail).count();
     let found = diagnose(suite, &run, &[], 2);
     assert!(found.faults.is_empty(), "{:?}", found.faults);
@@ -122,7 +123,7 @@ fn causes(suite: &Suite, reader: &str) -> Vec<Said> {
                 effect, example, ..
             } => (effect, example),
         };
-        let said = Said {
+        let said = ReportedCause {
             count: diagnosis.explains.len() + diagnosis.partly.len(),
             effect,
             example,
@@ -142,13 +143,13 @@ fn readers() -> Vec<Reader> {
 }
 
 #[test]
-fn every_mistake_of_seven_readers_is_named_and_no_false_statement_is_made() {
+fn mistakes_of_seven_readers_are_named_without_false_statements() {
     let suite = suite().prepared();
     let mut missed = Vec::new();
     for reader in readers() {
         let said = causes(&suite, &reader.name);
         for row in reader.rows.iter().filter(|row| row.omitted.is_empty()) {
-            let is_named = |said: &&Said| {
+            let is_named = |said: &&ReportedCause| {
                 row.cause
                     .split(" or ")
                     .any(|cause| said.effect.contains(cause))
@@ -167,35 +168,38 @@ fn every_mistake_of_seven_readers_is_named_and_no_false_statement_is_made() {
             }
         }
         for forbidden in &reader.forbidden {
-            let made = said.iter().filter(|said| forbidden.fires(said));
+            let made = said.iter().filter(|said| forbidden.matches(said));
             missed.extend(made.map(|said| format!("{}: false: {}", reader.name, said.effect)));
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
-/// A forbidden statement that never fires would prove nothing: each fires on what the program said before.
+/// A forbidden statement that never matches would prove nothing, so each must match some earlier output of the
+/// program.
 #[test]
 fn forbidden_statements_match_earlier_output() {
     let text = std::fs::read_to_string(folder().join("before.yaml")).expect("before.yaml");
     let before: HashMap<String, Vec<[String; 2]>> =
         yaml::from_yaml(&text).expect("before.yaml is valid");
     for reader in readers() {
-        let said = before[&reader.name].iter().map(|[effect, example]| Said {
-            count: 0,
-            effect: effect.clone(),
-            example: example.clone(),
-        });
-        let said: Vec<Said> = said.collect();
+        let said = before[&reader.name]
+            .iter()
+            .map(|[effect, example]| ReportedCause {
+                count: 0,
+                effect: effect.clone(),
+                example: example.clone(),
+            });
+        let said: Vec<ReportedCause> = said.collect();
         for forbidden in &reader.forbidden {
-            let fires = said.iter().any(|said| forbidden.fires(said));
-            assert!(fires, "{}: {} never fired", reader.name, forbidden.effect);
+            let matches = said.iter().any(|said| forbidden.matches(said));
+            assert!(matches, "{}: {} never fired", reader.name, forbidden.effect);
         }
     }
 }
 
-/// Returns the part of a report of `reports/readers` that follows from the run.
-fn judged(suite: &Suite, run: &Run) -> String {
+/// Returns the part of a report in `reports/readers` that follows from the run.
+fn report_text(suite: &Suite, run: &Run) -> String {
     let views = run.offer.views.join(", ");
     let mut text = format!(
         "views: [{views}]\nsuite: \"{}\"\ncases: {}\noutcomes:\n",
@@ -215,9 +219,9 @@ fn judged(suite: &Suite, run: &Run) -> String {
     text
 }
 
-/// To write the reports again, set `WRITE_REPORTS`.
+/// To update the reports, set `WRITE_REPORTS`.
 #[test]
-fn the_report_of_each_reader_follows_from_its_recording() {
+fn reports_of_readers_match_their_recordings() {
     let suite = suite().prepared();
     for reader in readers() {
         let path = format!(
@@ -227,11 +231,11 @@ fn the_report_of_each_reader_follows_from_its_recording() {
         );
         let text = std::fs::read_to_string(&path).expect("a report");
         let (facts, published) = text.split_at(text.find("views:").expect("views"));
-        let judged = judged(&suite, &replayed(&suite, &reader.name));
+        let report_text = report_text(&suite, &replay(&suite, &reader.name));
         if std::env::var_os("WRITE_REPORTS").is_some() {
-            std::fs::write(&path, format!("{facts}{judged}")).expect("the report is written");
+            std::fs::write(&path, format!("{facts}{report_text}")).expect("the report is written");
         } else {
-            assert_eq!(published, judged, "{}", reader.name);
+            assert_eq!(published, report_text, "{}", reader.name);
         }
     }
 }

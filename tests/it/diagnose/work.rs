@@ -1,4 +1,4 @@
-//! The search for causes is bounded by work, whatever the decoder answers.
+//! Tests that the search for causes does a bounded amount of work for any decoder.
 
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
@@ -8,11 +8,11 @@ use ptm_conform::runner::run::Request;
 
 use crate::in_process::{misread, misreading, right, run_all, suite};
 
-/// Answers that the search may compute.
+/// Maximum number of answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
 
-/// Returns one value in every sample.
-fn uniform(request: &Request) -> Answer {
+/// Returns the correct answer with one value in every sample.
+fn with_uniform_samples(request: &Request) -> Answer {
     let mut answer = right(request);
     if let Answer::Decoded(frame) = &mut answer {
         match &mut frame.samples {
@@ -23,8 +23,8 @@ fn uniform(request: &Request) -> Answer {
     answer
 }
 
-/// Returns the same image for every file, even a malformed one.
-fn the_same_image(request: &Request) -> Answer {
+/// Returns the same image for every file, even for a malformed one.
+fn constant_image(request: &Request) -> Answer {
     let mut frame = Frame {
         view: request.view.kind(),
         width: 3,
@@ -41,12 +41,12 @@ fn the_same_image(request: &Request) -> Answer {
     Answer::Decoded(frame)
 }
 
-fn exchanged_sizes(request: &Request) -> Answer {
+fn with_swapped_sizes(request: &Request) -> Answer {
     misread(&[misreading("height-before-width")], request)
 }
 
-/// Keeps width and height in eight bits.
-fn sizes_in_bytes(request: &Request) -> Answer {
+/// Truncates width and height to eight bits.
+fn with_sizes_in_bytes(request: &Request) -> Answer {
     let text = String::from_utf8_lossy(request.file);
     let mut tokens = text.split_ascii_whitespace().skip(2);
     let mut file = request.file.to_vec();
@@ -66,10 +66,10 @@ fn sizes_in_bytes(request: &Request) -> Answer {
 fn search_is_bounded_for_any_decoder() {
     let suite = suite().prepared();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
-        ("uniform", uniform, ""),
-        ("the same image", the_same_image, ""),
-        ("sizes in bytes", sizes_in_bytes, ""),
-        ("exchanged sizes", exchanged_sizes, "height-before-width"),
+        ("uniform", with_uniform_samples, ""),
+        ("the same image", constant_image, ""),
+        ("sizes in bytes", with_sizes_in_bytes, ""),
+        ("exchanged sizes", with_swapped_sizes, "height-before-width"),
     ];
     for (name, decoder, slug) in decoders {
         let run = run_all(&suite, decoder);

@@ -1,4 +1,5 @@
-//! Every formula of `formulas.yaml` equals the function of the reference decoder, on every case of the suite.
+//! Tests that every formula in `formulas.yaml` equals the function of the reference decoder, on every case of the
+//! suite.
 
 use ptm_conform::Reading;
 use ptm_conform::formula::{Edit, EditedForm, Formula};
@@ -8,11 +9,11 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 
 use crate::in_process::computing;
 
-/// Samples of an answer beyond which a case is skipped: large maps take long and show nothing new.
+/// Maximum number of samples in an answer. Larger maps are skipped because they take long and reveal nothing new.
 const MAX_SAMPLES: usize = 1 << 15;
 
-/// A decoder that computes these formulas by their expressions, and by those of the specification.
-fn stated(formulas: &[Formula]) -> Misreading {
+/// Returns a decoder that computes these formulas with the expressions of the specification.
+fn stated_decoder(formulas: &[Formula]) -> Misreading {
     let edit = |&formula: &Formula| Edit {
         formula,
         change: EditedForm::Expression(formula.stated().expression.clone()),
@@ -20,14 +21,15 @@ fn stated(formulas: &[Formula]) -> Misreading {
     computing(formulas.iter().map(edit).collect())
 }
 
-fn size(answer: &Answer) -> usize {
+fn sample_count(answer: &Answer) -> usize {
     match answer {
         Answer::Decoded(frame) => frame.samples.len(),
         _ => 0,
     }
 }
 
-/// Bytes must be equal; final values may differ by the last bit, since sums are added in another order.
+/// Returns true if two answers are equal. Bytes must be equal; final values may differ in the last bit, because sums
+/// are added in a different order.
 fn is_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => match (&a.samples, &b.samples) {
@@ -41,14 +43,17 @@ fn is_equal(a: &Answer, b: &Answer) -> bool {
 #[test]
 fn each_formula_equals_the_function_of_the_reference() {
     let suite = Suite::load().expect("the suite loads");
-    let single = Formula::ALL.map(|row| (row.1, stated(&[row.0])));
-    let all = ("all formulas", stated(&Formula::ALL.map(|row| row.0)));
+    let single = Formula::ALL.map(|row| (row.1, stated_decoder(&[row.0])));
+    let all = (
+        "all formulas",
+        stated_decoder(&Formula::ALL.map(|row| row.0)),
+    );
     let mut used = vec![0; single.len() + 1];
     for case in &suite.cases {
         let built = case.build(TableSpelling::default());
         for view in &case.views {
             let right = misreadings::answer(&[], Reading::SPEC, &built.file, view);
-            if size(&right) > MAX_SAMPLES {
+            if sample_count(&right) > MAX_SAMPLES {
                 continue;
             }
             for (place, (name, decoder)) in single.iter().chain([&all]).enumerate() {
@@ -58,7 +63,7 @@ fn each_formula_equals_the_function_of_the_reference() {
                     "{name} differs in {} {view}",
                     case.id
                 );
-                used[place] += usize::from(size(&right) > 0);
+                used[place] += usize::from(sample_count(&right) > 0);
             }
         }
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use arbitrary::Unstructured;
 use proptest::prelude::*;
-use ptm_conform::diagnose::applies;
+use ptm_conform::diagnose::can_affect_file;
 use ptm_conform::fuzz::draft::Draft;
 use ptm_conform::fuzz::draws::DraftGenerator;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
@@ -92,7 +92,7 @@ impl Question {
     }
 
     fn shows(&self, mistake: &Misreading) -> bool {
-        applies(mistake, &self.file)
+        can_affect_file(mistake, &self.file)
             && misreadings::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
     }
 }

@@ -1,17 +1,17 @@
-//! The suite is as strong as the mistakes it catches and tells apart.
+//! Tests the strength of the suite: it must catch and distinguish all misreadings.
 
 use std::collections::{HashMap, HashSet};
 
 use ptm_conform::misreadings;
 use ptm_conform::session::outcome::Outcome;
-use ptm_conform::strength::matrix::{MatrixRow, ask_all, matrix};
+use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
 
 use crate::in_process::{jobs, suite};
 use crate::table::rows;
 
-/// Mistakes that show only in files larger than 4×4 texels, and why.
+/// Misreadings that only affect files larger than 4×4 texels, with the reason.
 const LARGE_BY_NATURE: &[(&str, &str)] = &[
     ("sizes-of-four-digits", "a size needs five digits"),
     ("texels-counted-in-16-bits", "a map needs 65,536 texels"),
@@ -19,15 +19,15 @@ const LARGE_BY_NATURE: &[(&str, &str)] = &[
     ("rows-counted-in-8-bits", "a map needs 257 rows"),
 ];
 
-/// Pairs that no file tells apart, and why.
-const EQUIVALENT: &str = "
+/// Pairs of misreadings that no file can distinguish, with the reason.
+const EQUIVALENT_PAIRS: &str = "
 side-sizes-are-records | sizes-include-side-information | both refuse every file with records
 sizes-include-side-information | side-information-before-its-plane | both refuse every file with records
 sof1-refused | tables-of-16-bits-refused | an encoder that writes one writes the other
 table-one-entry-long | table-separated | both find every table too short and refuse all files with one
 ";
 
-/// Mistakes that hide from a decoder that shows colors only, and why.
+/// Misreadings that cannot be detected in a decoder that only outputs colors, with the reason.
 const HIDDEN_IN_COLORS: &str = "
 tables-of-16-bits-cut
   | the files that show it leave the range in which lossy planes are asked for in colors
@@ -56,7 +56,7 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
             alike.push((other, row.misreading.slug));
         }
     }
-    let equivalent = rows(EQUIVALENT);
+    let equivalent = rows(EQUIVALENT_PAIRS);
     alike.retain(|&(a, b)| !equivalent.iter().any(|[c, d, _]| (a, b) == (c, d)));
     assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
     let hidden = matrix.iter().filter(|row| !is_seen_in_colors(&suite, row));
@@ -66,7 +66,8 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
     assert_eq!(hidden, known, "not seen in colors");
 }
 
-/// Returns true if a decoder that shows colors only is caught too, by a case that catches it in stored values.
+/// Returns true if the misreading is also caught in a decoder that only outputs colors, by a case that catches it in
+/// stored values.
 fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     row.killed_by.chunks(20).any(|some| {
         // A damaged file is requested together with its twin.
@@ -79,19 +80,20 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
             .cloned()
             .collect();
         let some = Suite { cases };
-        let (run, _) = ask_all(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
+        let (run, _) =
+            run_with_mistakes(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
         run.judgement.with_outcome(Outcome::Fail).next().is_some()
     })
 }
 
-/// Returns the reason why a mistake is not caught well enough.
+/// Returns the reason why a misreading is not caught well enough, if any.
 fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
     let slug = row.misreading.slug;
     let large = LARGE_BY_NATURE.iter().any(|&(known, _)| known == slug);
     let small = row.killed_by.iter().any(|&i| is_small(&suite.cases[i]));
     let mut killers = row.killed_by.iter().map(|&i| &suite.cases[i]);
     let own = killers.any(|case| case.clauses.iter().any(|id| id == row.misreading.clause));
-    // Sections 1.0 to 2.8 need a small case; a stream has another size than its image.
+    // Sections 1.0 to 2.8 need a small case. In 2.9, the size of a stream differs from that of its image.
     let smallness_counts = !row.misreading.clause.starts_with("2.9");
     match row.killed_by.len() {
         count @ 0..2 => Some(format!("{slug} is caught by {count} cases")),
@@ -120,7 +122,7 @@ fn every_clause_is_tested_or_gives_a_reason() {
             ClauseStatus::Ruled => {
                 let ruling = clause.ruling.as_ref().expect("a ruled clause has a ruling");
                 let ruling = rulings.iter().find(|one| one.id == *ruling).expect(id);
-                // Every listed reading of a choice is right, and none of them is a misreading.
+                // Every listed reading of a choice is correct, and none of them is a misreading.
                 has_case && (has_misreading || ruling.kind == RulingKind::Choice)
             }
             ClauseStatus::Informative | ClauseStatus::Untestable => clause.why.is_some(),
@@ -133,7 +135,7 @@ fn every_clause_is_tested_or_gives_a_reason() {
 }
 
 #[test]
-fn every_link_has_a_target() {
+fn every_referenced_id_exists() {
     let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
     let ids: HashSet<&String> = clauses.iter().map(|clause| &clause.id).collect();

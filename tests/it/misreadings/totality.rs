@@ -1,4 +1,4 @@
-//! Every misreading returns for any file, also after another misreading: no panic, no memory that only a file claims, no
+//! Tests that every misreading returns for any file, even after another misreading: no panic, no excessive memory, no
 //! endless loop.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -15,12 +15,12 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 use crate::draws::DraftGenerator;
 use crate::in_process::jobs;
 
-/// Bytes of a file that is tried: the suite has a kind of everything in smaller ones.
-const LARGEST: usize = 8 << 10;
-/// Texels that a file may claim, so that the time goes into files and not into planes.
-const MOST_TEXELS: u64 = 1 << 16;
+/// Maximum size of a tested file in bytes. The suite covers everything with smaller files.
+const MAX_FILE_BYTES: usize = 8 << 10;
+/// Maximum number of texels in a tested file, so that the time is spent on files and not on planes.
+const MAX_TEXELS: u64 = 1 << 16;
 
-/// Returns true if a file claims no more texels than are worth the time.
+/// Returns true if a file is small enough to test.
 fn is_small(file: &[u8]) -> bool {
     let sizes = fields(file)
         .0
@@ -30,11 +30,11 @@ fn is_small(file: &[u8]) -> bool {
         let digits = String::from_utf8_lossy(&file[field.range]).into_owned();
         texels.saturating_mul(digits.parse().unwrap_or(1))
     });
-    file.len() <= LARGEST && texels <= MOST_TEXELS
+    file.len() <= MAX_FILE_BYTES && texels <= MAX_TEXELS
 }
 
-/// Returns small files, each together with a copy after one to four edits.
-fn damaged_too(
+/// Returns the small files, each with a copy that has one to four random edits.
+fn with_damaged_copies(
     files: impl Iterator<Item = (String, Vec<u8>)>,
     draws: &mut DraftGenerator,
 ) -> Vec<(String, Vec<u8>)> {
@@ -49,14 +49,14 @@ fn damaged_too(
     all
 }
 
-/// The files of the suite, legal and damaged, and bytes of no format.
-fn files_of_the_suite(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
+/// Returns the files of the suite, legal and damaged, and files with random bytes.
+fn suite_files(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
     let suite = Suite::load().expect("the suite loads");
     let files = suite.cases.iter().map(|case| {
         let built = case.build(TableSpelling::default());
         (case.id.clone(), built.file.clone())
     });
-    let mut files = damaged_too(files, draws);
+    let mut files = with_damaged_copies(files, draws);
     for length in (0..600).step_by(3) {
         let bytes = (0..length).map(|_| draws.byte()).collect();
         files.push((format!("{length} bytes"), bytes));
@@ -64,8 +64,8 @@ fn files_of_the_suite(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Asks a decoder with two mistakes; returns a message if it panics.
-fn tried(pair: [&Misreading; 2], name: &str, file: &[u8], view: &View) -> Option<String> {
+/// Runs a decoder with two mistakes. Returns a message if it panics.
+fn try_pair(pair: [&Misreading; 2], name: &str, file: &[u8], view: &View) -> Option<String> {
     let asked = AssertUnwindSafe(|| drop(answer(&pair, Reading::SPEC, file, view)));
     let panic = catch_unwind(asked).err()?;
     let words = panic.downcast_ref::<String>().cloned();
@@ -77,8 +77,8 @@ fn tried(pair: [&Misreading; 2], name: &str, file: &[u8], view: &View) -> Option
     ))
 }
 
-/// Runs `count` trials on all processors and fails with what some of them said.
-fn run(count: usize, trial: impl Fn(usize) -> Option<String> + Sync) {
+/// Runs `count` trials on all processors. Fails with the messages of the first failed trials.
+fn run_trials(count: usize, trial: impl Fn(usize) -> Option<String> + Sync) {
     let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(i) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count) {
@@ -104,26 +104,26 @@ fn views() -> [View; 3] {
 
 #[test]
 fn any_two_misreadings_terminate() {
-    let files = files_of_the_suite(&mut DraftGenerator(0x9e37_79b9));
+    let files = suite_files(&mut DraftGenerator(0x9e37_79b9));
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
-    // Every ordered pair, each on another file.
-    run(all.len() * all.len(), |i| {
+    // Every ordered pair, each on a different file.
+    run_trials(all.len() * all.len(), |i| {
         let pair = [all[i / all.len()], all[i % all.len()]];
         let (name, file) = &files[i * 7919 % files.len()];
-        tried(pair, name, file, &views[i % 3])
+        try_pair(pair, name, file, &views[i % 3])
     });
 }
 
 #[test]
 #[ignore = "runs for half an hour"]
-fn any_misreading_after_any_other_returns_on_drawn_files() {
+fn any_misreading_after_another_returns_on_random_files() {
     let suite = Suite::load().expect("the suite loads");
     let draws = draws::DraftGenerator::new(&suite);
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     let tries = AtomicUsize::new(0);
-    run(10_000, |number| {
+    run_trials(10_000, |number| {
         let draft = draws.file(1, number as u64)?;
         let cases = draft.cases("drawn").ok()?;
         let built = cases.iter().map(|case| {
@@ -131,12 +131,12 @@ fn any_misreading_after_any_other_returns_on_drawn_files() {
             (format!("file {number}"), built.file.clone())
         });
         let mut draw = DraftGenerator(number as u32 * 2 + 1);
-        let files = damaged_too(built.take(1), &mut draw);
+        let files = with_damaged_copies(built.take(1), &mut draw);
         let mut wrong = None;
         for (name, file) in &files {
             for i in 0..200 {
                 let pair = [all[draw.below(all.len())], all[draw.below(all.len())]];
-                wrong = wrong.or(tried(pair, name, file, &views[i % 3]));
+                wrong = wrong.or(try_pair(pair, name, file, &views[i % 3]));
                 tries.fetch_add(1, Ordering::Relaxed);
             }
         }

@@ -1,10 +1,10 @@
-//! Programs that do not speak the protocol, called by a template.
+//! Tests programs that do not implement the protocol and are called by a template.
 
 use crate::common::{Checked, PROGRAM, Workspace, assert_says, measured, rows};
 
-/// A workspace with `viewer`, a program that is called as `viewer LU LV IN OUT` and writes a pixmap, or prints it if OUT
-/// is `-`. It exits with `malformed` for a file that it cannot read.
-fn with_viewer(malformed: u8) -> Workspace {
+/// Creates a workspace with `viewer`, a program that is called as `viewer LU LV IN OUT` and writes a pixmap, or
+/// prints it if OUT is `-`. It exits with `malformed` for a file that it cannot read.
+fn workspace_with_viewer(malformed: u8) -> Workspace {
     let here = Workspace::new();
     let text = format!(
         "#!/bin/sh\n\
@@ -24,8 +24,8 @@ fn check(here: &Workspace, template: &str, options: &str) -> Checked {
 }
 
 #[test]
-fn a_viewer_that_writes_images_passes() {
-    let here = with_viewer(3);
+fn viewer_that_writes_images_passes() {
+    let here = workspace_with_viewer(3);
     for output in ["{out}", "{out}.ppm", "-"] {
         let checked = check(
             &here,
@@ -35,14 +35,14 @@ fn a_viewer_that_writes_images_passes() {
         checked.ends(0, "");
         let views = &checked.report["decoder"]["views"];
         assert_eq!(*views, serde_json::json!(["rgb"]));
-        // Without a status for refusals they look like crashes.
+        // Without `--reject-exit`, refusals look like crashes.
         assert_eq!(checked.case("version-1-3-lrgb")["outcome"], "not judged");
         assert_eq!(checked.case("hand-lum-in-color")["outcome"], "pass");
     }
 }
 
 #[test]
-fn images_of_every_form_are_accepted_and_jpegs_are_marked() {
+fn every_image_format_is_accepted_and_jpeg_is_marked() {
     let here = Workspace::new();
     for suffix in ["png", "ppm", "tiff", "bmp", "webp", "jpg"] {
         let render = |light: &str| {
@@ -58,7 +58,7 @@ fn images_of_every_form_are_accepted_and_jpegs_are_marked() {
             "{suffix}: {}",
             right.text
         );
-        // Lit from elsewhere.
+        // With swapped light coordinates, the check fails.
         render("{lv},{lu}").ends(1, "");
     }
 }
@@ -79,7 +79,7 @@ fn huge_images_allocate_no_memory() {
 #[test]
 fn refusals_with_another_status_are_weak() {
     let template = "./viewer {lu} {lv} {in} {out}";
-    let checked = check(&with_viewer(3), template, "--reject-exit 3");
+    let checked = check(&workspace_with_viewer(3), template, "--reject-exit 3");
     checked.ends(0, "refusals are weak");
     let refused = checked.case("version-1-3-lrgb");
     assert_eq!(refused["outcome"], "pass");
@@ -87,7 +87,7 @@ fn refusals_with_another_status_are_weak() {
     let cases = checked.report["cases"].as_array().expect("cases");
     assert!(cases.iter().any(|case| case.get("weak").is_none()));
 
-    let checked = check(&with_viewer(65), template, "--reject-exit 3");
+    let checked = check(&workspace_with_viewer(65), template, "--reject-exit 3");
     checked.ends(0, "");
     assert!(!checked.text.contains("weak"), "{}", checked.text);
 }

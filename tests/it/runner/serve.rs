@@ -1,4 +1,4 @@
-//! Serve mode, capabilities, and runtimes.
+//! Tests serve mode, capabilities, and various runtimes.
 
 use std::fs::{self, File};
 use std::process::Command;
@@ -11,14 +11,14 @@ use crate::common::{
     repository_text, zoo,
 };
 
-const FEW: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
+const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
 
-/// Checks a program of the zoo on few cases.
+/// Checks a program in the zoo with a few cases.
 fn check_zoo(kind: &str) -> Checked {
-    check(&format!("{FEW} -- {}", zoo(kind)))
+    check(&format!("{FEW_CASES} -- {}", zoo(kind)))
 }
 
-/// Returns the answers of the reference in serve mode.
+/// Returns the output of the reference in serve mode.
 fn serve(here: &Workspace, requests: &str) -> Vec<u8> {
     here.write("requests", requests);
     let mut serving = here.command("reference serve");
@@ -28,7 +28,7 @@ fn serve(here: &Workspace, requests: &str) -> Vec<u8> {
     output.stdout
 }
 
-/// The examples of the page on serve mode are the actual texts.
+/// The examples on the page about serve mode must be the actual texts.
 #[test]
 fn documented_capabilities_and_responses_work() {
     let page = repository_text("docs/check.md");
@@ -82,7 +82,7 @@ fn the_python_decoder_declares_serve_mode_and_is_served() {
         return;
     }
     let decoder = python_example("decoders/ptm_decoder.py");
-    let checked = check(&format!("{FEW} -- {decoder}"));
+    let checked = check(&format!("{FEW_CASES} -- {decoder}"));
     checked.ends(0, "");
     let about = &checked.report["decoder"];
     assert_eq!(about["mode"], "serve");
@@ -92,7 +92,10 @@ fn the_python_decoder_declares_serve_mode_and_is_served() {
 
 #[test]
 fn state_leak_is_reported_with_the_previous_file() {
-    let line = format!("{FEW} --serve --jobs 2 -- {}", zoo("serves-with-leaks"));
+    let line = format!(
+        "{FEW_CASES} --serve --jobs 2 -- {}",
+        zoo("serves-with-leaks")
+    );
     let (one, two) = (check(&line), check(&line));
     one.ends(1, "");
     assert_eq!(one.report, two.report);
@@ -124,11 +127,12 @@ fn reports_with_remarks_conform_to_the_schema() {
     }
 }
 
-/// The line that checks a decoder on one case.
-const ONE: &str = "check --case hand-lrgb-blocks --timeout 60 --";
+/// Command that checks a decoder on a single case.
+const CHECK_ONE_CASE: &str = "check --case hand-lrgb-blocks --timeout 60 --";
 
-/// A decoder of `LRGB` in `raw`: the header as its parent spells it, and 69 for all else.
-const JAVA: &str = r#"
+/// A decoder for view `raw` of `LRGB`. It supports only some spellings of the header and exits with 69 for everything
+/// else.
+const JAVA_DECODER: &str = r#"
 import java.io.*; import java.nio.file.*;
 public class Dec {
   static byte[] file; static int at = 0;
@@ -152,22 +156,22 @@ public class Dec {
 "#;
 
 #[test]
-fn java_runs_under_the_default_limit_of_memory() {
+fn java_runs_under_the_default_memory_limit() {
     if have("javac") && have("java") {
         let here = Workspace::new();
-        here.write("Dec.java", JAVA);
+        here.write("Dec.java", JAVA_DECODER);
         let mut javac = Command::new("javac");
         javac
             .current_dir(here.path(""))
             .args(["-d", "my classes", "Dec.java"]);
         assert!(javac.status().expect("javac starts").success());
-        let text = here.succeeds(&format!("{ONE} java -cp 'my classes' Dec"));
+        let text = here.succeeds(&format!("{CHECK_ONE_CASE} java -cp 'my classes' Dec"));
         assert_says(&text, "pass: 1 pass");
     }
 }
 
 #[test]
-fn a_virtual_environment_is_found_by_a_relative_path() {
+fn virtual_environment_is_found_by_relative_path() {
     if !have("python3") {
         return;
     }
@@ -191,8 +195,8 @@ fn a_virtual_environment_is_found_by_a_relative_path() {
     fs::write(packages.join("only_here.py"), "").expect("a module");
     let decoder = repository_text("examples/decoders/ptm_decoder.py");
     here.write("dec.py", format!("import only_here\n{decoder}"));
-    let text = here.succeeds(&format!("{ONE} 'my venv/bin/python3' dec.py"));
+    let text = here.succeeds(&format!("{CHECK_ONE_CASE} 'my venv/bin/python3' dec.py"));
     assert_says(&text, "pass: 1 pass");
-    // Without the environment the module is missing.
-    here.exits(3, &format!("{ONE} python3 dec.py"));
+    // Outside the virtual environment, the module is missing.
+    here.exits(3, &format!("{CHECK_ONE_CASE} python3 dec.py"));
 }

@@ -1,5 +1,6 @@
-//! A failure of the harness is never a verdict about the decoder: with little space, few open files, few processes and
-//! odd signals, a correct decoder passes, or the run ends with status 2 and names the missing resource.
+//! Tests that a failure of the harness is never a verdict about the decoder. With little space, few open files, few
+//! processes and unusual signals, a correct decoder passes, or the run ends with status 2 and names the missing
+//! resource.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -8,15 +9,18 @@ use std::process::{Command, Stdio};
 
 use crate::common::{PROGRAM, Workspace, have_proc, outcome, zoo};
 
-/// A few small cases.
-const FEW: &str = "--case hand-* --case header-plain-*";
+/// Options that select a few small cases.
+const FEW_CASES: &str = "--case hand-* --case header-plain-*";
 
-/// Checks a correct decoder from a shell, after the commands `before` and with the words `with` before the program.
+/// Checks a correct decoder from a shell, after the commands `before` and with the wrapper `with` before the program.
 fn check(before: &str, with: &str, options: &str) -> (i32, String) {
     let here = Workspace::new();
     let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
     fs::set_permissions(here.path(""), open).expect("permissions");
-    let line = format!("check {FEW} --timeout 60 {options} -- {}", zoo("right"));
+    let line = format!(
+        "check {FEW_CASES} --timeout 60 {options} -- {}",
+        zoo("right")
+    );
     let script = format!("set -f; {before}; exec {with} '{PROGRAM}' {line}");
     let mut shell = Command::new("sh");
     shell.current_dir(here.path("")).args(["-c", &script]);
@@ -24,14 +28,14 @@ fn check(before: &str, with: &str, options: &str) -> (i32, String) {
 }
 
 #[track_caller]
-fn passes((status, text): (i32, String)) {
+fn assert_passes((status, text): (i32, String)) {
     assert_eq!(status, 0, "{text}");
     assert!(text.contains("pass: "), "{text}");
 }
 
-/// A correct decoder passes, or the output names the missing resource.
+/// Checks that a correct decoder passes, or that the output names the missing resource.
 #[track_caller]
-fn passes_or_names((status, text): (i32, String), what: &str) {
+fn assert_passes_or_names((status, text): (i32, String), what: &str) {
     match status {
         0 => assert!(text.contains("pass: "), "{text}"),
         2 => assert!(
@@ -42,14 +46,14 @@ fn passes_or_names((status, text): (i32, String), what: &str) {
     }
 }
 
-/// Returns true if this user can run a shell command.
-fn can(command: &str) -> bool {
+/// Returns true if the current user can run a shell command.
+fn can_run(command: &str) -> bool {
     let output = Command::new("sh").args(["-c", command]).output();
-    let can = output.is_ok_and(|output| output.status.success());
-    if !can {
+    let can_run = output.is_ok_and(|output| output.status.success());
+    if !can_run {
         println!("SKIPPED: {command}: not allowed here");
     }
-    can
+    can_run
 }
 
 fn is_root() -> bool {
@@ -58,21 +62,21 @@ fn is_root() -> bool {
 
 #[test]
 fn ignored_sigchld_is_handled() {
-    passes(check("trap '' CHLD", "", ""));
+    assert_passes(check("trap '' CHLD", "", ""));
 }
 
 #[test]
-fn shortage_of_file_descriptors_is_waited_out() {
-    passes(check("ulimit -n 64", "", "--jobs 32"));
+fn calls_are_retried_without_file_descriptors() {
+    assert_passes(check("ulimit -n 64", "", "--jobs 32"));
     for limit in [20, 14, 12, 10, 8] {
         let before = format!("ulimit -n {limit}");
-        passes_or_names(check(&before, "", "--jobs 2"), "open files");
+        assert_passes_or_names(check(&before, "", "--jobs 2"), "open files");
     }
 }
 
 #[test]
-fn a_limit_on_the_size_of_files_is_reported() {
-    // Root may write more anyway.
+fn file_size_limit_is_reported() {
+    // Root may exceed the limit.
     let (status, text) = check("ulimit -f 0", "", "");
     match status {
         0 => assert!(is_root(), "{text}"),
@@ -82,25 +86,25 @@ fn a_limit_on_the_size_of_files_is_reported() {
 }
 
 #[test]
-fn a_lack_of_processes_is_reported() {
+fn process_limit_is_reported() {
     const USER: &str = "setpriv --reuid 54321 --regid 54321 --clear-groups";
-    if !is_root() || !can(&format!("{USER} test -x {}", zoo(""))) {
+    if !is_root() || !can_run(&format!("{USER} test -x {}", zoo(""))) {
         return;
     }
     for limit in [40, 8, 6, 5, 4, 3] {
-        // The limit is that of the user; root has none.
+        // The limit applies to the user. Root has no limit.
         let with = format!("{USER} prlimit --nproc={limit}");
-        passes_or_names(check("umask 0", &with, "--jobs 2"), "processes");
+        assert_passes_or_names(check("umask 0", &with, "--jobs 2"), "processes");
     }
 }
 
 #[test]
-fn inputs_are_written_where_space_is_left() {
+fn inputs_are_written_to_directories_with_space() {
     let mount = |places: &str| {
         format!("for place in {places}; do mount -t tmpfs -o size=16k none $place || exit 9; done")
     };
     let unshare = "unshare --mount --map-root-user";
-    if !can(&format!("{unshare} sh -c '{}'", mount("/mnt"))) {
+    if !can_run(&format!("{unshare} sh -c '{}'", mount("/mnt"))) {
         return;
     }
     let check = |places: &str| {
@@ -115,7 +119,7 @@ fn inputs_are_written_where_space_is_left() {
             .output();
         outcome(&output.expect("unshare starts"))
     };
-    passes(check("/dev/shm"));
+    assert_passes(check("/dev/shm"));
     if Path::new(env!("CARGO_TARGET_TMPDIR")).starts_with("/tmp") {
         // The decoder itself would be hidden.
         return;
@@ -128,7 +132,7 @@ fn inputs_are_written_where_space_is_left() {
     );
 }
 
-/// The run collects orphans of a decoder that have ended.
+/// The run reaps orphans of a decoder that have ended.
 #[test]
 fn ended_orphans_are_reaped() {
     if !have_proc() {
@@ -150,16 +154,16 @@ fn ended_orphans_are_reaped() {
         if let Some(status) = run.try_wait().expect("it can be asked") {
             break status;
         }
-        most = most.max(zombies_of(run.id()));
+        most = most.max(count_zombies(run.id()));
         std::thread::sleep(std::time::Duration::from_millis(5));
     };
     assert_eq!(status.code(), Some(0));
-    // Five for each call; those of the calls under way are not yet seen.
+    // There are five orphans per call. Those of calls in progress are not visible yet.
     println!("at most {most} orphans at a time had ended");
     assert!(most <= 40, "{most} at a time");
 }
 
-fn zombies_of(parent: u32) -> usize {
+fn count_zombies(parent: u32) -> usize {
     let children = fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
     let children = children.unwrap_or_default();
     let has_ended = |pid: &&str| {

@@ -1,5 +1,5 @@
-//! The harness is tested against programs that answer wrongly, each in one way (`examples/zoo.rs`), and so that nothing
-//! of them stays: no process, no file, no memory.
+//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory
+//! may be left behind.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,17 +9,17 @@ use crate::common::{
     Checked, Load, Workspace, assert_says, eventually, have_proc, measured, processes, rows, zoo,
 };
 
-/// A few small cases of every kind, so that programs that hang take seconds.
-const FEW: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum --case hand-lum-in-color \
+/// Options that select a few small cases of every kind, so that programs that hang take only seconds.
+const FEW_CASES: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum --case hand-lum-in-color \
                    --case version-1-3-lrgb --case version-1-3-rgb --case header-plain-*";
 
-/// A program of the zoo and the verdict about it.
+/// A program in the zoo, and the expected verdict.
 ///
-/// A row of a table names programs, the exit status of `check`, its options, the cases that fail, and parts of its
-/// output. The cases that fail are `none` (and some pass), `some`, `any` (where it depends on which process is faster),
-/// a number, their ids, or `not judged`. The timeout is 60 s unless the options have another: no correct answer takes so
-/// long, however busy the machine is.
-type Faulty = [String; 5];
+/// A row of a table contains program names, the exit status of `check`, its options, the failing cases, and parts of
+/// its output. The failing cases are `none` (and some pass), `some`, `any` (if it depends on which process is
+/// faster), a number, their ids, or `not judged`. The timeout is 60 s unless the options specify another one. No
+/// correct answer takes this long, however busy the machine is.
+type FaultyDecoder = [String; 5];
 
 /// Programs that answer.
 const ANSWERING: &str = "
@@ -68,7 +68,7 @@ declares-coef-only | 0 | | none | pass:
 declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a refusal
 ";
 
-/// Programs that are stopped by a limit.
+/// Programs that exceed a limit.
 const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
@@ -76,7 +76,7 @@ hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: its p
 hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
-/// Programs that serve. If serve mode fails, each file is requested in one-shot mode.
+/// Programs with serve mode. If serve mode fails, each file is requested in one-shot mode.
 const SERVING: &str = r#"
 serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass
@@ -110,9 +110,9 @@ serves-other-answers
   | 1 | --serve --jobs 1 | some | state leaks between files && it answers with "unsupported"; alone, with an image
 "#;
 
-/// The programs of a table.
-fn faulty(table: &str) -> Vec<Faulty> {
-    let mut all: Vec<Faulty> = Vec::new();
+/// Expands a table to one entry per program.
+fn faulty(table: &str) -> Vec<FaultyDecoder> {
+    let mut all: Vec<FaultyDecoder> = Vec::new();
     for row in rows::<5>(table) {
         for kind in row[0].split(' ') {
             let mut faulty = row.clone();
@@ -126,22 +126,22 @@ fn faulty(table: &str) -> Vec<Faulty> {
     all
 }
 
-/// Numbers the runs, so that processes of one are not mistaken for another's.
-static RUNS: AtomicUsize = AtomicUsize::new(0);
+/// Number of runs so far, which distinguishes the processes of different runs.
+static RUN_COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Shows a faulty decoder to the harness: the verdict is exact, and nothing of it stays. Returns the most memory that the
-/// harness held, in KiB.
+/// Checks a faulty decoder: the verdict must be exact, and nothing may be left behind. Returns the peak memory of the
+/// harness in KiB.
 #[track_caller]
-fn show(faulty: &Faulty) -> u64 {
+fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     let here = Workspace::new();
-    let run = RUNS.fetch_add(1, Ordering::Relaxed);
+    let run = RUN_COUNT.fetch_add(1, Ordering::Relaxed);
     let nap = format!("1000.{}{run:06}", std::process::id());
     let temporary = here.path("a place");
     fs::create_dir(&temporary).expect("a directory");
     let precious = here.write("precious/file", "precious");
     let [kind, _, options, ..] = faulty;
     let line = format!(
-        "check {FEW} {options} --report report.yaml -- {}",
+        "check {FEW_CASES} {options} --report report.yaml -- {}",
         zoo(kind)
     );
     let mut command = here.command(&line);
@@ -155,7 +155,7 @@ fn show(faulty: &Faulty) -> u64 {
     let left: Vec<_> = fs::read_dir(&temporary).expect("a directory").collect();
     assert!(left.is_empty(), "{kind}: {left:?} stay");
     if have_proc() {
-        // The watcher may take a moment to go.
+        // The watchdog may take a moment to exit.
         let mark = format!("TMPDIR={}", temporary.display());
         let alive = || {
             processes(|command, environment| command.contains(&nap) || environment.contains(&mark))
@@ -170,7 +170,7 @@ fn show(faulty: &Faulty) -> u64 {
 }
 
 #[track_caller]
-fn judge(faulty: &Faulty, checked: &Checked) {
+fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     let [kind, status, _, fails, says] = faulty;
     let found = checked.status.to_string();
     assert_eq!(found, *status, "{kind}: {}", checked.text);
@@ -191,19 +191,23 @@ fn judge(faulty: &Faulty, checked: &Checked) {
     );
 }
 
-/// The most memory of the harness, in KiB: it holds the suite and little else, whatever a decoder does.
-const MAX_MEMORY: u64 = 100 << 10;
+/// Maximum memory of the harness in KiB. It contains the suite and little else, regardless of the decoder.
+const MAX_MEMORY_KIB: u64 = 100 << 10;
 
-/// Shows faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`
-/// gives the problem with the memory that the harness held, if there is one.
+/// Checks faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`
+/// returns a problem with the memory of the harness, if any.
 #[track_caller]
-fn show_all(all: &[Faulty], at_a_time: usize, judge: impl Fn(usize, u64) -> Option<String> + Sync) {
+fn check_faulty_decoders(
+    all: &[FaultyDecoder],
+    at_a_time: usize,
+    judge: impl Fn(usize, u64) -> Option<String> + Sync,
+) {
     let (next, problems) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let shower = || {
         loop {
             let turn = next.fetch_add(1, Ordering::Relaxed);
             let Some(faulty) = all.get(turn) else { break };
-            let problem = match std::panic::catch_unwind(|| show(faulty)) {
+            let problem = match std::panic::catch_unwind(|| check_faulty_decoder(faulty)) {
                 Ok(memory) => judge(turn, memory),
                 Err(panic) => Some(panic.downcast_ref::<String>().cloned().unwrap_or_default()),
             };
@@ -223,29 +227,29 @@ fn show_all(all: &[Faulty], at_a_time: usize, judge: impl Fn(usize, u64) -> Opti
 }
 
 #[track_caller]
-fn show_each(table: &str) {
-    show_all(&faulty(table), 3, |_, memory| {
-        (memory > MAX_MEMORY).then(|| format!("the harness held {memory} KiB"))
+fn check_table(table: &str) {
+    check_faulty_decoders(&faulty(table), 3, |_, memory| {
+        (memory > MAX_MEMORY_KIB).then(|| format!("the harness held {memory} KiB"))
     });
 }
 
 #[test]
 fn answering_decoders_get_the_listed_verdicts() {
-    show_each(ANSWERING);
+    check_table(ANSWERING);
 }
 
 #[test]
 fn endless_decoders_are_stopped() {
-    show_each(STOPPED);
+    check_table(STOPPED);
 }
 
 #[test]
 fn serving_decoders_get_the_listed_verdicts() {
-    show_each(SERVING);
+    check_table(SERVING);
 }
 
-/// Repeats all of them while every processor is busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- \
-/// --ignored --nocapture verdicts_are_the_same_under_load`.
+/// Repeats all checks while every processor is busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
+/// --nocapture verdicts_are_the_same_under_load`.
 #[test]
 #[ignore = "takes half an hour"]
 fn verdicts_are_the_same_under_load() {
@@ -253,19 +257,19 @@ fn verdicts_are_the_same_under_load() {
     let runs = runs.and_then(|runs| runs.parse().ok()).unwrap_or(20);
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let _load = Load::new(processors);
-    let once: Vec<Faulty> = [ANSWERING, STOPPED, SERVING]
+    let once: Vec<FaultyDecoder> = [ANSWERING, STOPPED, SERVING]
         .into_iter()
         .flat_map(faulty)
         .collect();
-    let all: Vec<Faulty> = once
+    let all: Vec<FaultyDecoder> = once
         .iter()
         .cycle()
         .take(runs * once.len())
         .cloned()
         .collect();
-    // The memory that the harness held when each decoder was shown first, in KiB.
+    // Memory of the harness for the first check of each decoder, in KiB.
     let first: Vec<OnceLock<u64>> = once.iter().map(|_| OnceLock::new()).collect();
-    show_all(&all, 4, |turn, memory| {
+    check_faulty_decoders(&all, 4, |turn, memory| {
         let first = *first[turn % once.len()].get_or_init(|| memory);
         let run = turn / once.len() + 1;
         (memory > first + 8 * 1024)
@@ -279,14 +283,14 @@ fn verdicts_are_the_same_under_load() {
 
 #[test]
 fn decimal_comma_is_detected() {
-    // A machine without such a locale gets a program that lists one; the decoder looks at LC_ALL alone.
+    // Add a fake `locale` program, in case the machine has no such locale. The decoder only reads LC_ALL.
     let here = Workspace::new();
     here.write_program("locale", "#!/bin/sh\necho C\necho de_DE.utf8\n");
     let path = std::env::var("PATH").unwrap_or_default();
     let path = format!("{}:{path}", here.path("").display());
     let check = |kind: &str| {
         let line = format!(
-            "check {FEW} --timeout 60 --report report.yaml -- {}",
+            "check {FEW_CASES} --timeout 60 --report report.yaml -- {}",
             zoo(kind)
         );
         let mut command = here.command(&line);

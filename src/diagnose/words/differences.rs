@@ -1,14 +1,15 @@
-//! Wrong images of unknown cause: the step at which values first differ, in which channels and files, and one example.
+//! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and
+//! one example.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
 
-use super::arithmetic::arithmetic;
-use super::{files_in, share_of_formats};
+use super::arithmetic::format_arithmetic;
+use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::ImagePair;
-use crate::diagnose::scope::{Shared, shared_scope};
+use crate::diagnose::scope::{SharedScope, shared_scope};
 use crate::diagnose::search::{Id, Search, Set, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
@@ -19,17 +20,17 @@ use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, format_distinct};
 use crate::suite::origin;
 
-/// Channels that are listed.
+/// Maximum number of channels in a list.
 const MAX_LISTED: usize = 3;
 
-/// The step at which the values of an image first differ, as far as one image shows.
+/// The step at which the values of an image first differ, as far as a single image reveals it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Phase {
     Size,
     Channels,
     Choice,
     NoReading,
-    Places,
+    Rearranged,
     Stream,
     Prediction,
     Correction,
@@ -39,8 +40,8 @@ enum Phase {
 }
 
 impl Phase {
-    /// Returns the step that the values of a view follow from.
-    fn in_view(view: ViewKind) -> Phase {
+    /// Returns the last step before the values of a view.
+    fn for_view(view: ViewKind) -> Phase {
         match view {
             ViewKind::Raw => Phase::StoredValue,
             ViewKind::Coef => Phase::FinalValue,
@@ -48,7 +49,7 @@ impl Phase {
         }
     }
 
-    /// Returns the decoder's behavior, as a sentence without its subject.
+    /// Returns the behavior of the decoder, as a sentence without its subject.
     fn effect(self) -> &'static str {
         match self {
             Phase::Size => "shows an image of another size",
@@ -57,7 +58,7 @@ impl Phase {
             }
             Phase::Choice => "follows another reading of an open question than in its other images",
             Phase::NoReading => "shows an image that is wrong in every reading of the file",
-            Phase::Places => "shows the correct values in the wrong places",
+            Phase::Rearranged => "shows the correct values in the wrong places",
             Phase::Stream => {
                 "shows wrong values in planes that are neither predicted nor corrected"
             }
@@ -71,7 +72,7 @@ impl Phase {
         }
     }
 
-    /// Returns the advice.
+    /// Returns the advice for the user.
     fn fix(self) -> &'static str {
         match self {
             Phase::Size => "compare width and height with the header of the file",
@@ -80,7 +81,7 @@ impl Phase {
             }
             Phase::Choice => "use one reading of the question in all files",
             Phase::NoReading => "show the image of one reading, or exit with 65",
-            Phase::Places => "compare the order of rows, columns and blocks with the clause",
+            Phase::Rearranged => "compare the order of rows, columns and blocks with the clause",
             Phase::Stream => {
                 "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
             }
@@ -98,8 +99,8 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that states the step in formats of several layouts: their colors are computed from the same polynomial,
-    /// and the number of channels follows from the format.
+    /// Returns the clause that defines the step for formats with different layouts. Their colors are computed from
+    /// the same polynomial, and the number of channels follows from the format.
     fn common_clause(self) -> Option<&'static str> {
         match self {
             Phase::Color => Phase::Color.clause(Format::Rgb),
@@ -108,11 +109,11 @@ impl Phase {
         }
     }
 
-    /// The clause that states the step.
+    /// Returns the clause that defines the step for a format.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
             (Phase::Size, _) => "2.3/1",
-            (Phase::Channels | Phase::Places | Phase::StoredValue, format) => {
+            (Phase::Channels | Phase::Rearranged | Phase::StoredValue, format) => {
                 format.layout_clause()
             }
             (Phase::Stream, _) => "2.9.8/3",
@@ -127,10 +128,11 @@ impl Phase {
     }
 }
 
-/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` are the mistakes that were found.
+/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
+/// that were found.
 pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
-    let mut steps = search.each(left, |&w| step(search, set, w));
-    // If values of files without streams are wrong too, the mistake is after the streams.
+    let mut steps = search.map_parallel(left, |&w| first_difference(search, set, w));
+    // If files without streams have wrong values as well, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
         streams.for_each(|step| *step = Phase::StoredValue);
@@ -142,7 +144,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
     for w in left {
         by_step.entry(known[w]).or_default().push(*w);
     }
-    // A correct or an explained image contradicts a property. A file without an image is no evidence.
+    // A correct or explained image contradicts a property. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &search.witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -161,30 +163,33 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
         for mut of in by_clause.into_values() {
             parts.extend(take_scopes(search, &seen, &mut of, &Format::ALL.map(Some)));
             if !of.is_empty() {
-                let place = share_of_formats(search.witnesses, &of);
+                let files = share_text(search.witnesses, &of);
                 parts.push(CauseGroup {
-                    of,
-                    place,
+                    cases: of,
+                    files,
                     clause: None,
                 });
             }
         }
-        let described = parts.iter().map(|part| difference(search, set, step, part));
+        let described = parts
+            .iter()
+            .map(|part| describe_difference(search, set, step, part));
         diagnoses.extend(described);
     }
     diagnoses
 }
 
-/// Replaces the steps of final values and colors by the step of an earlier view, if more than half as many unexplained images of
-/// the format, or of all formats with wrong images in that view, are wrong there: what comes before explains them. An image that
-/// is described elsewhere counts too. Values in the wrong places are a cause if most wrong images of the format have them.
+/// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images
+/// are wrong in that view. "Enough" means more than half as many, of the same format or of all formats with wrong
+/// images in that view. Images that are described elsewhere count as well. The phase `Rearranged` applies only if most
+/// wrong images of the format have it.
 fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
     open.retain(|w| {
         FailureMode::new(&witnesses[*w]).is_none()
             && witnesses[*w].case.expect == Expect::Decode
-            && steps.get(w).is_none_or(|step| *step >= Phase::Places)
+            && steps.get(w).is_none_or(|step| *step >= Phase::Rearranged)
     });
     let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
         let is_of = |w: &usize| {
@@ -195,12 +200,13 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
     };
     for format in Format::ALL {
         let mut of_format: Vec<usize> = steps.keys().copied().collect();
-        of_format.retain(|&w| steps[&w] >= Phase::Places && witnesses[w].case.format() == format);
+        of_format
+            .retain(|&w| steps[&w] >= Phase::Rearranged && witnesses[w].case.format() == format);
         let all = of_format.len();
-        of_format.retain(|w| steps[w] == Phase::Places);
-        // Few values, or similar ones, may be exchanged by chance.
+        of_format.retain(|w| steps[w] == Phase::Rearranged);
+        // A few values, or similar ones, may be permuted by chance.
         if !is_most(of_format.len(), all) {
-            let plain = |w: usize| (w, Phase::in_view(witnesses[w].observation.view.kind()));
+            let plain = |w: usize| (w, Phase::for_view(witnesses[w].observation.view.kind()));
             steps.extend(of_format.into_iter().map(plain));
         }
         let views = [
@@ -237,14 +243,15 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
     }
 }
 
-/// Wrong images with one cause: the files in words, and the clause about their common property.
+/// Wrong images with the same cause, a description of the files, and the clause about their common property.
 struct CauseGroup {
-    of: Vec<usize>,
-    place: String,
+    cases: Vec<usize>,
+    files: String,
     clause: Option<&'static str>,
 }
 
-/// Removes the files with a property that most of `open` share and no file of known behavior has, of all formats or of each.
+/// Removes groups of files with a property that most of `open` share and no file with known behavior has, for each
+/// entry of `formats`.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -266,23 +273,23 @@ fn take_scopes(
     for &one in formats.iter().filter(|_| !search.is_arbitrary && !is_rest) {
         let these = of_format(open, one);
         let shared = shared_scope(witnesses, &these, &of_format(known, one), false);
-        let is_rule = |shared: &Shared| {
-            is_most(shared.of.len(), open.len()) && shared.is_prevalent(witnesses, one)
+        let is_rule = |shared: &SharedScope| {
+            is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses, one)
         };
         if let Some(shared) = shared.filter(is_rule) {
-            open.retain(|w| !shared.of.contains(w));
+            open.retain(|w| !shared.cases.contains(w));
             parts.push(CauseGroup {
-                place: files_in(witnesses, &shared, one),
+                files: files_in_scope(witnesses, &shared, one),
                 clause: shared.scope.clause(),
-                of: shared.of,
+                cases: shared.cases,
             });
         }
     }
     parts
 }
 
-fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Diagnosis {
-    let (witnesses, of) = (search.witnesses, &part.of[..]);
+fn describe_difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Diagnosis {
+    let (witnesses, of) = (search.witnesses, &part.cases[..]);
     let clauses = of.iter().map(|&w| step.clause(witnesses[w].case.format()));
     let clauses: BTreeSet<_> = clauses.collect();
     let first = clauses.first().copied().flatten();
@@ -292,7 +299,7 @@ fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Di
     };
     let mut wrong = wrong_channels(search, set, of);
     wrong.retain(|_| of.len() >= MIN_SHARING_FILES);
-    // Only R, G and B of a format with one polynomial are wrong.
+    // Only R, G and B are wrong in a format with one polynomial.
     let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
     let clause = match (step, clause) {
         (Phase::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
@@ -300,21 +307,25 @@ fn difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Di
         (Phase::FinalValue, _) if are_colors => Some("2.4/9"),
         _ => clause,
     };
-    let (effect, only, views) = (step.effect(), only_in(&wrong), views(witnesses, of));
+    let (effect, only, views) = (
+        step.effect(),
+        channels_phrase(&wrong),
+        views_phrase(witnesses, of),
+    );
     let words = CauseWords {
-        effect: format!("{effect}{only}, in {}{views}", part.place),
+        effect: format!("{effect}{only}, in {}{views}", part.files),
         fix: step.fix().to_owned(),
-        example: example_given(search, set, smallest(witnesses, of)),
+        example: example_with_mistakes(search, set, smallest_file(witnesses, of)),
     };
-    let described = Diagnosis::described(Category::Difference, witnesses, of, words);
+    let described = Diagnosis::from_description(Category::Difference, witnesses, of, words);
     match clause {
         Some(clause) => described.with_clause(clause),
         None => described,
     }
 }
 
-/// Returns " (12 in view raw, 10 in view coef)" if the images are of several views.
-fn views(witnesses: &[Witness], of: &[usize]) -> String {
+/// Returns " (12 in view raw, 10 in view coef)" if the images belong to several views.
+fn views_phrase(witnesses: &[Witness], of: &[usize]) -> String {
     let count = |view: &ViewKind| {
         let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
         of.iter().filter(is_of).count()
@@ -329,9 +340,13 @@ fn views(witnesses: &[Witness], of: &[usize]) -> String {
     }
 }
 
-/// Returns, for each channel, true if it is wrong in an image of the first view; nothing if the numbers of channels differ.
+/// Returns one flag per channel: true if it is wrong in any image of the earliest view. Returns an empty list if the
+/// images differ in their number of channels.
 pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usize]) -> Vec<bool> {
-    let mut pairs: Vec<ImagePair> = of.iter().filter_map(|&w| pair_of(search, set, w)).collect();
+    let mut pairs: Vec<ImagePair> = of
+        .iter()
+        .filter_map(|&w| image_pair(search, set, w))
+        .collect();
     let first = pairs.iter().map(|pair| pair.view).min();
     pairs.retain(|pair| Some(pair.view) == first);
     let count = pairs.first().map_or(0, |pair| pair.channels);
@@ -342,8 +357,8 @@ pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usi
     (0..count).map(is_wrong).collect()
 }
 
-/// Returns ", only in a3" if no other channel is wrong.
-fn only_in(wrong: &[bool]) -> String {
+/// Returns ", only in a3" if all other channels are correct.
+fn channels_phrase(wrong: &[bool]) -> String {
     let names: Vec<String> = (0..wrong.len())
         .filter(|&channel| wrong[channel])
         .map(|channel| channel_name(wrong.len(), channel))
@@ -355,12 +370,12 @@ fn only_in(wrong: &[bool]) -> String {
 }
 
 /// Returns the step at which the values of an image first differ.
-fn step(search: &Search, set: &[Id], w: usize) -> Phase {
+fn first_difference(search: &Search, set: &[Id], w: usize) -> Phase {
     let witness = &search.witnesses[w];
-    let Some(received) = witness.shown() else {
+    let Some(received) = witness.wrong_image() else {
         return Phase::Choice;
     };
-    let made = search.answer_of(w, set);
+    let made = search.best_answer(w, set);
     let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
     else {
         return Phase::NoReading;
@@ -373,38 +388,38 @@ fn step(search: &Search, set: &[Id], w: usize) -> Phase {
         };
     };
     if is_rearranged(&pair) {
-        return Phase::Places;
+        return Phase::Rearranged;
     }
-    let plain = Phase::in_view(pair.view);
+    let plain = Phase::for_view(pair.view);
     if plain == Phase::Color || witness.case.format().coding().is_none() {
         return plain;
     }
-    match step_of_planes(&pair, witness) {
+    match first_difference_of_planes(&pair, witness) {
         step @ (Phase::Prediction | Phase::Correction) => step,
         step if pair.view == ViewKind::Raw => step,
-        // A later step may explain the samples of a stream.
+        // A later step may explain the wrong samples of a stream.
         _ => plain,
     }
 }
 
-/// Returns true if an image has the correct values in wrong places.
+/// Returns true if an image has the correct values in the wrong order.
 fn is_rearranged(pair: &ImagePair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
         bits.sort_unstable();
         bits
     };
-    pair.wrong().len() >= MIN_SUPPORT && sorted(&pair.want) == sorted(&pair.got)
+    pair.wrong_samples().len() >= MIN_SUPPORT && sorted(&pair.expected) == sorted(&pair.received)
 }
 
-/// Returns the step of a compressed file. A stream is named only if a plane that is neither predicted nor corrected has wrong
-/// values, and not the correct values in wrong places.
-fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
+/// Returns the step for a compressed file. Reports a stream only if a plane that is neither predicted nor corrected
+/// has wrong values, as opposed to correct values in the wrong order.
+fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
         return Phase::StoredValue;
     };
     let wrong = pair.wrong_channels();
-    let plain = |plane: &usize| wrong[*plane] && witness.is_of_stream(*plane);
+    let plain = |plane: &usize| wrong[*plane] && witness.is_plain_plane(*plane);
     let is_corrected = |i: &usize| {
         let (texel, plane) = (i / pair.channels, i % pair.channels);
         let (x, y) = (texel % pair.width, texel / pair.width);
@@ -413,7 +428,7 @@ fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
         records.any(|&(position, _)| position as usize == stored)
     };
     let is_predicted = |plane: usize| coded.plan.reference(plane).is_some();
-    if pair.wrong().iter().all(is_corrected) {
+    if pair.wrong_samples().iter().all(is_corrected) {
         Phase::Correction
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
         Phase::Prediction
@@ -431,13 +446,13 @@ fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
                 width: pair.width,
                 height: pair.height,
                 channels: 1,
-                want: of_plane(&pair.want, plane),
-                got: of_plane(&pair.got, plane),
+                expected: of_plane(&pair.expected, plane),
+                received: of_plane(&pair.received, plane),
                 view: pair.view,
             })
         };
         match (0..wrong.len()).filter(plain).all(is_moved) {
-            true => Phase::Places,
+            true => Phase::Rearranged,
             false => Phase::Stream,
         }
     } else {
@@ -445,12 +460,18 @@ fn step_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the wrong samples of `w`, or may crash there.
-pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member: Id) -> bool {
+/// Returns true if the mistake `member` more than halves the number of wrong samples of `w`, or may crash on this
+/// file.
+pub(in crate::diagnose) fn reduces_wrong_samples(
+    search: &Search,
+    w: usize,
+    set: &[Id],
+    member: Id,
+) -> bool {
     let witness = &search.witnesses[w];
     let (with, without) = (
-        search.answer_of(w, set),
-        search.answer_of(w, &without_id(set, member)),
+        search.best_answer(w, set),
+        search.best_answer(w, &without_id(set, member)),
     );
     let (Answer::Decoded(with), Answer::Decoded(without)) = (&*with, &*without) else {
         return false;
@@ -458,11 +479,11 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
     if with == without {
         return false;
     }
-    if let Some(shown) = witness.shown() {
-        let wrong = |made: &Frame| Some(ImagePair::new(made, shown)?.wrong().len());
+    if let Some(shown) = witness.wrong_image() {
+        let wrong = |made: &Frame| Some(ImagePair::new(made, shown)?.wrong_samples().len());
         return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
-    // A decoder that reads outside its data may crash in one file and show wrong values in another.
+    // A decoder that reads out of bounds may crash on one file and output wrong values for another.
     let clause = search.mistakes[member].misreading.clause;
     let mut sections = ["2.5", "2.6", "2.8", "2.9"].iter();
     let is_crash = matches!(
@@ -472,36 +493,42 @@ pub(in crate::diagnose) fn is_near(search: &Search, w: usize, set: &[Id], member
     is_crash && sections.any(|section| clause.starts_with(section))
 }
 
-/// Returns the received image and the image of a decoder with these mistakes, if their shapes are equal.
-pub(in crate::diagnose) fn pair_of(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
-    let shown = search.witnesses[w].shown()?;
-    match &*search.answer_of(w, set) {
+/// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ.
+pub(in crate::diagnose) fn image_pair(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
+    let shown = search.witnesses[w].wrong_image()?;
+    match &*search.best_answer(w, set) {
         Answer::Decoded(wanted) => ImagePair::new(wanted, shown),
         _ => None,
     }
 }
 
-/// Returns the smallest of these files, preferring stored and final values to colors.
-pub(in crate::diagnose) fn smallest(witnesses: &[Witness], of: &[usize]) -> usize {
-    let size = |w: &usize| (witnesses[*w].is_in_colors(), witnesses[*w].built.file.len());
+/// Returns the smallest of these files. Prefers stored and final values to colors.
+pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], of: &[usize]) -> usize {
+    let size = |w: &usize| {
+        (
+            witnesses[*w].requests_colors(),
+            witnesses[*w].built.file.len(),
+        )
+    };
     let smallest = of.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: received and expected, the arithmetic, and the bytes of the expected value.
+/// Describes the first wrong sample of a file: received and expected value, the arithmetic, and the bytes of the
+/// expected value.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
-    example_given(search, &[], w)
+    example_with_mistakes(search, &[], w)
 }
 
-/// Like [`example`], for the first sample that the mistakes of `set` do not explain.
-fn example_given(search: &Search, set: &[Id], w: usize) -> String {
+/// Like [`example`], but for the first sample that the mistakes in `set` do not explain.
+fn example_with_mistakes(search: &Search, set: &[Id], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
-    let first = pair_of(search, &[], w).and_then(|mut pair| {
-        if let Some(exact) = expected(witness, &pair) {
-            pair.want = exact;
+    let first = image_pair(search, &[], w).and_then(|mut pair| {
+        if let Some(exact) = expected_values(witness, &pair) {
+            pair.expected = exact;
         }
-        let open = pair_of(search, set, w).map(|pair| pair.wrong());
+        let open = image_pair(search, set, w).map(|pair| pair.wrong_samples());
         let first = first_wrong(&pair, witness, &open.unwrap_or_default())?;
         Some((pair, first))
     });
@@ -510,15 +537,18 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
-    let [got, want] = format_distinct(pair.got[i], pair.want[i], 4);
+    let [got, want] = format_distinct(pair.received[i], pair.expected[i], 4);
     let mut text = format!(
         "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
         channel_name(pair.channels, channel),
     );
-    let is_limited = pair.view == ViewKind::Rgb && (pair.want[i] <= 0.0 || pair.want[i] >= 255.0);
+    let is_limited =
+        pair.view == ViewKind::Rgb && (pair.expected[i] <= 0.0 || pair.expected[i] >= 255.0);
     let limited = is_limited.then_some(", limited to 0…255");
     let limited = limited.unwrap_or_default();
-    text.extend(arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}{limited}")));
+    text.extend(
+        format_arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}{limited}")),
+    );
     if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()
     {
@@ -541,10 +571,10 @@ fn example_given(search: &Search, set: &[Id], w: usize) -> String {
     text
 }
 
-/// Returns the first wrong sample. In a compressed file, it is the first stored one of the first plane that is not predicted from
-/// a wrong plane.
+/// Returns the first wrong sample. In a compressed file, this is the first stored sample of the first plane that is
+/// not predicted from a wrong plane.
 fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<usize> {
-    let mut wrong = pair.wrong();
+    let mut wrong = pair.wrong_samples();
     let is_open = |i: &usize| open.binary_search(i).is_ok();
     if wrong.iter().any(is_open) {
         wrong.retain(is_open);
@@ -570,9 +600,9 @@ fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<us
     wrong.into_iter().min_by_key(stored)
 }
 
-/// Returns the expected values, not rounded.
-fn expected(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
+/// Returns the expected values before rounding.
+fn expected_values(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
     let expected = Expected::new(&witness.built.values, &witness.observation.view)?;
-    let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.want.len();
+    let is_pair = expected.view != ViewKind::Raw && expected.values.len() == pair.expected.len();
     is_pair.then_some(expected.values)
 }
