@@ -69,6 +69,10 @@ impl FileScope {
                 edge,
             } => {
                 let words = QUANTITIES[*quantity].words;
+                let [nearest, edge] = [*nearest, *edge].map(|bound| match bound.abs() < 1e15 {
+                    true => bound.to_string(),
+                    false => format!("{bound:e}"),
+                });
                 let [side, rest] = if *is_more {
                     ["more", "less"]
                 } else {
