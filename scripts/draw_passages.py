@@ -34,12 +34,13 @@ def paragraphs():
 
 
 def messages():
-    """Returns string literals of at least four words, and the texts of misreadings, rulings, cases, probe and lint codes."""
-    for path in files("src/**/*.rs"):
-        code = text_of(path).split("#[cfg(test)]")[0]
-        for literal in re.findall(r'"((?:[^"\\]|\\.)*)"', code):
-            if len(re.findall(r"[a-z]{2,}", literal)) >= 4 and " " in literal:
-                yield f"{path.relative_to(root)}: {literal}"
+    """Returns the messages of the program, and the texts of misreadings, rulings, cases, probe and lint codes."""
+    source = ""
+    for line in text_of(root / "tests/it/repository/messages.txt").splitlines():
+        if line.startswith("# "):
+            source = line[2:]
+        elif line:
+            yield f"src/{source}: {line}"
     for path in files("spec-cases/*.yaml", "spec-cases/cases/*.yaml", "spec-cases/texture/**/*.yaml"):
         for key, value in re.findall(r"^ *-? ?(effect|fix|because|says|next|reason|decision): (.{20,})$", text_of(path), flags=re.M):
             yield f"{path.relative_to(root)}: {key}: {value}"
