@@ -66,7 +66,7 @@ pub fn run(args: &ExportArgs) -> CommandResult {
             format!("{channels} stored planes below each other"),
         ),
     };
-    files::write_whole(&args.output, bytes)?;
+    files::write_atomically(&args.output, bytes)?;
     let (output, size) = (args.output.display(), ptm.header.size);
     output::note(&format!("{output}: {what}, {size} texels\n"));
     Ok(0)

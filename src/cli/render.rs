@@ -43,7 +43,7 @@ pub struct RenderArgs {
     output: PathBuf,
 }
 
-/// Maximum side of a map that is hard to see.
+/// Maximum side length in texels of an image for which `--zoom` is suggested.
 const MAX_SMALL_SIDE: u32 = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
@@ -74,14 +74,14 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         zoom => enlarged(&image, zoom.into())?,
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
-    files::write_whole(&args.output, to_file(image, format)?)?;
+    files::write_atomically(&args.output, to_file(image, format)?)?;
     output::note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)
 }
 
-/// Parses a direction within the hemisphere.
+/// Parses a light direction within the hemisphere.
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
     match parse_pair(text) {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),

@@ -232,7 +232,7 @@ impl Decoder {
 
     /// Returns the same decoder with the same limits, called by a template.
     #[must_use]
-    pub(crate) fn called_by(&self, template: Template) -> Decoder {
+    pub(crate) fn program_from_template(&self, template: Template) -> Decoder {
         Decoder {
             template: Some(template),
             ..self.clone()

@@ -45,7 +45,7 @@ impl Decoder {
         let command = [self.command(), &words].concat();
         match self.template {
             Some(_) => self.clone(),
-            None => self.called_by(Template::of_words(&command)),
+            None => self.program_from_template(Template::of_words(&command)),
         }
     }
 

@@ -257,8 +257,8 @@ impl Inspection {
             ""
         );
         let mut fault = self.error.as_ref();
-        let in_one_line = |a: &FilePart, b: &FilePart| !a.list.is_empty() && a.list == b.list;
-        for line in self.fields.chunk_by(in_one_line) {
+        let is_same_list = |a: &FilePart, b: &FilePart| !a.list.is_empty() && a.list == b.list;
+        for line in self.fields.chunk_by(is_same_list) {
             let first = &line[0];
             if first.length == 0 && matches!(first.role, Role::Side(_)) {
                 continue;

@@ -61,7 +61,9 @@ impl Calls<'_> {
         };
         match template {
             None => self.decoder.ask(&request, self.scratch),
-            Some(template) => (self.decoder.called_by(template)).ask(&request, self.scratch),
+            Some(template) => {
+                (self.decoder.program_from_template(template)).ask(&request, self.scratch)
+            }
         }
     }
 

@@ -43,7 +43,7 @@ pub struct FitCase {
 /// The source of the photographs of a case.
 #[derive(Clone, Debug)]
 enum PictureSource {
-    Made(&'static SetPlan),
+    Synthetic(&'static SetPlan),
     Given(PictureSet),
 }
 
@@ -59,11 +59,11 @@ impl Suite<FitCase> {
     /// Makes the suite of the embedded photographs, and optionally the user's.
     #[must_use]
     pub fn of_photographs(own: Option<&PictureSet>) -> Suite<FitCase> {
-        let made = SETS.iter().map(PictureSource::Made);
+        let made = SETS.iter().map(PictureSource::Synthetic);
         let sources = made.chain(own.cloned().map(PictureSource::Given));
         let cases = sources.flat_map(|source| {
             let (name, because, clause) = match &source {
-                PictureSource::Made(plan) => (plan.name, plan.because, plan.clause),
+                PictureSource::Synthetic(plan) => (plan.name, plan.because, plan.clause),
                 PictureSource::Given(_) => ("own", "The images that --lp names.", "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
@@ -85,7 +85,7 @@ impl FitCase {
     #[must_use]
     pub fn photographs(&self) -> PictureSet {
         match &self.source {
-            PictureSource::Made(plan) => plan.make(self.format),
+            PictureSource::Synthetic(plan) => plan.make(self.format),
             PictureSource::Given(set) => set.clone(),
         }
     }
@@ -123,7 +123,7 @@ impl TestCase for FitCase {
     }
 
     fn is_first(&self) -> bool {
-        matches!(self.source, PictureSource::Made(plan) if plan.name == SETS[0].name)
+        matches!(self.source, PictureSource::Synthetic(plan) if plan.name == SETS[0].name)
     }
 
     fn views(&self) -> &[WriteView] {

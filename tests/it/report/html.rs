@@ -43,7 +43,7 @@ fn mistaken(slug: &str) -> (Suite, Run, Report) {
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
     let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
-    let report = Report::new(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
+    let report = Report::new(&suite, &run, &command, Vec::new()).with_diagnoses(&suite, &diagnoses);
     (suite, run, report)
 }
 
@@ -365,7 +365,7 @@ fn github_output_contains_no_commands() {
     assert!(annotations.starts_with(&format!("::error title=not a decoder::{escaped}")));
     let is_known = |line: &str| line.starts_with("::error ") || line.starts_with("::notice ");
     assert!(annotations.lines().all(is_known));
-    let text = github::without_commands("fine\n  ::add-mask::x\n##[error]y\nends");
+    let text = github::quote_commands("fine\n  ::add-mask::x\n##[error]y\nends");
     assert_eq!(text, "fine\n>   ::add-mask::x\n> ##[error]y\nends");
     let summary = github::summary(&report, suite.cases.len());
     keep("summary.md", &summary);

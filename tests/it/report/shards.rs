@@ -8,9 +8,11 @@ use ptm_conform::protocol::frame::Answer;
 use ptm_conform::report::Report;
 use ptm_conform::report::conclude::conclude;
 use ptm_conform::report::document::Tool;
-use ptm_conform::report::merge::KeptAnswers;
+use ptm_conform::report::merge::RecordedAnswers;
 use ptm_conform::report::reported::Reported as _;
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
+use ptm_conform::report::shards::{
+    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::asking::Ask;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -34,7 +36,7 @@ fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
     let mut plan = RunPlan::new(suite, 2);
     plan.repeat = Repeat::Failures;
     for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
-        *selected = part.is_none_or(|part| part.holds(&case.id));
+        *selected = part.is_none_or(|part| part.contains_case(&case.id));
     }
     plan
 }
@@ -49,13 +51,13 @@ fn remarks() -> OtherRemarks {
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
 /// A run as `check` makes it.
-fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>) -> Run {
+fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&AnswerRecorder<Case>>) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
         if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
-            keeper.observed(case, observation);
+            keeper.record_observation(case, observation);
         }
     });
     session.verdicts(contact, observations, &|_, _| ())
@@ -79,10 +81,10 @@ fn run_part(
     directory: &Path,
 ) -> PathBuf {
     let report = directory.join(format!("part-{}.yaml", part.number));
-    let keeper = Keeper::new(&answers_path(&report)).expect("a file");
+    let keeper = AnswerRecorder::new(&answers_path(&report)).expect("a file");
     let ask = |request: &Request<'_>, _: usize| {
         let reply = Reply::from(decoder(request));
-        keeper.answered(request, &reply);
+        keeper.record_answer(request, &reply);
         reply
     };
     let plan = plan(suite, Some(part));
@@ -116,7 +118,7 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     };
     // In any order.
     let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
-    let answers = KeptAnswers::read(suite, &parts).expect("all parts are there");
+    let answers = RecordedAnswers::read(suite, &parts).expect("all parts are there");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
     let (_, merged) = merged.expect("every answer is there");
     assert_eq!(merged.to_yaml(), whole.to_yaml());
@@ -172,7 +174,11 @@ fn incomplete_or_foreign_shards_are_refused() {
         let part = Shard { number, of };
         run_part(&suite, part, &right, &tool, scratch.path())
     };
-    let refused = |parts: &[PathBuf]| KeptAnswers::read(&suite, parts).err().expect("a refusal");
+    let refused = |parts: &[PathBuf]| {
+        RecordedAnswers::read(&suite, parts)
+            .err()
+            .expect("a refusal")
+    };
 
     let (first, second) = (run(1, 2), run(2, 2));
     assert_eq!(refused(std::slice::from_ref(&first)), "part 2/2 is missing");

@@ -212,9 +212,9 @@ fn known_failures_are_not_reported_as_new() {
 
     // The new list loses the passing case and keeps the unselected one with its reason.
     here.exits(4, &wrong("--baseline more.yaml --write-baseline more.yaml"));
-    let renewed = here.text("more.yaml");
-    assert!(!renewed.contains("header-plain-lrgb"), "{renewed}");
-    assert_says(&renewed, later);
+    let updated = here.text("more.yaml");
+    assert!(!updated.contains("header-plain-lrgb"), "{updated}");
+    assert_says(&updated, later);
     here.exits(0, &wrong("--baseline more.yaml"));
 
     // Nothing fails: an empty list, which can be read.
