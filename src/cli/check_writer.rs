@@ -20,7 +20,7 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::writers::asking::{self, VALUES, WritingCase};
-use ptm_conform::writers::fitting::pictures::PictureSet;
+use ptm_conform::writers::fitting::pictures::ImageSet;
 use ptm_conform::writers::test_case::WriteView;
 
 /// Check a program that writes PTM files: name the clauses that it gets wrong.
@@ -80,8 +80,8 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
     processes::prepare_for(MAX_FILE_SIZE);
     args.written.check(&args.run.report)?;
     if args.fitter {
-        let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
-        check(args, &Suite::of_photographs(own.as_ref()), &stop)
+        let own = args.lp.as_deref().map(ImageSet::read).transpose()?;
+        check(args, &Suite::load_fitter_requests(own.as_ref()), &stop)
     } else {
         check(args, &Suite::load_writer_requests()?, &stop)
     }

@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::{CommandResult, files, output};
 use ptm_conform::tools::export;
-use ptm_conform::tools::render::to_file;
+use ptm_conform::tools::render::encode_image;
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
 ///
@@ -59,7 +59,7 @@ pub fn run(args: &ExportArgs) -> CommandResult {
             "stored bytes".to_owned(),
         ),
         _ => (
-            to_file(
+            encode_image(
                 export::stacked_planes(samples, size, channels),
                 ImageFormat::Png,
             )?,

@@ -172,7 +172,7 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
         Some(path) => yaml::from_yaml(&yaml::text_of(path)?).map_err(with_path(path))?,
         None => Settings::default(),
     };
-    let settings = file.and(Settings {
+    let settings = file.merge(Settings {
         allow: args.allow.clone(),
         only: args.only.clone(),
         severity: args.severity.iter().cloned().collect(),
@@ -241,7 +241,7 @@ impl Judge<'_> {
         };
         let failed = judged.is_err();
         let lint = judged.unwrap_or_else(|error| unread(&path, &without_code(&error)));
-        let lint = self.settings.select(lint);
+        let lint = self.settings.apply(lint);
         Row { path, lint, failed }
     }
 

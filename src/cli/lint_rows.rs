@@ -127,7 +127,7 @@ fn print_text(lint: &Lint) -> io::Result<()> {
         true if lint.reason.is_none() => (Severity::Error, String::new()),
         _ => (Severity::Info, lint.summary()),
     };
-    let text = add_links(&(lint.to_text(least) + &summary + &lint.shown()));
+    let text = add_links(&(lint.to_text(least) + &summary + &lint.predictions_text()));
     write_at_once(anstream::stdout().lock(), &text)
 }
 

@@ -8,7 +8,7 @@ use ptm_conform::error::Class;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::reference::{self, NotWritten};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
@@ -88,7 +88,7 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
         let status = EXIT_UNSUPPORTED as u8;
         return Err(CommandError::refused(path, status, "fits are LRGB or RGB"));
     }
-    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
+    let set = ImageSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
     write_request(path, out, &WriteRequest::from_ptm(&optimum(&set, format)))
 }
 

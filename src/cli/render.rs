@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::render::{enlarged, lit, normals, sheet, to_file};
+use ptm_conform::tools::render::{encode_image, lit, normals, sheet, upscale};
 
 /// Render a map: under one light, under many lights, or its normals.
 ///
@@ -71,10 +71,10 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     };
     let image = match args.zoom {
         1 => image,
-        zoom => enlarged(&image, zoom.into())?,
+        zoom => upscale(&image, zoom.into())?,
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
-    files::write_atomically(&args.output, to_file(image, format)?)?;
+    files::write_atomically(&args.output, encode_image(image, format)?)?;
     output::note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));

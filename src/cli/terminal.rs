@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn lines_are_colored_by_their_meaning() {
-        let colored = |line: &str| {
+        let multiply_by_color = |line: &str| {
             let (end, style) = styled_prefix(line)?;
             Some((line[..end].to_owned(), style))
         };
@@ -129,9 +129,13 @@ mod tests {
             ),
             ("clause 2.5/2: x", "clause 2.5/2:", HEADING_STYLE),
         ] {
-            assert_eq!(colored(line), Some((marked.to_owned(), style)), "{line}");
+            assert_eq!(
+                multiply_by_color(line),
+                Some((marked.to_owned(), style)),
+                "{line}"
+            );
         }
-        assert_eq!(colored("3 of the failures: x"), None);
-        assert_eq!(colored("  case of need"), None);
+        assert_eq!(multiply_by_color("3 of the failures: x"), None);
+        assert_eq!(multiply_by_color("  case of need"), None);
     }
 }

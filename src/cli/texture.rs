@@ -16,7 +16,7 @@ use ptm_conform::suite::texture::cases::cases_of;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
-use ptm_conform::tools::render::{rgb, to_file};
+use ptm_conform::tools::render::{encode_image, rgb};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -204,6 +204,6 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
         .map_err(|error| format!("these coordinates cannot be drawn: {error}"))?;
     let (width, height) = (args.size, args.size);
     let image = rgb(Size { width, height }, drawn);
-    write_atomically(&args.output, to_file(image, image::ImageFormat::Png)?)?;
+    write_atomically(&args.output, encode_image(image, image::ImageFormat::Png)?)?;
     Ok(0)
 }

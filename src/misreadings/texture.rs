@@ -382,7 +382,7 @@ const CHANGES: &[(&str, Change)] = &[
     ("specular-textured", |r| {
         r.add_specular = |shade, specular| {
             let textured = [0, 1, 2].map(|c| shade.color[c] + specular[c] * shade.color[c]);
-            colored(shade, textured)
+            multiply_by_color(shade, textured)
         };
     }),
     ("specular-lost", |r| r.add_specular = |shade, _| shade),
@@ -403,7 +403,7 @@ const CHANGES: &[(&str, Change)] = &[
             }
             let [white, specular] = [lit.white, lit.specular];
             let twice = |c: usize| (shade.color[c] - specular[c]) * white[c] + specular[c];
-            colored(shade, [0, 1, 2].map(twice))
+            multiply_by_color(shade, [0, 1, 2].map(twice))
         };
     }),
     ("direct-form-unlit", |r| {
@@ -432,7 +432,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.replace = |x| with_alpha((SPEC.replace)(x), x.input.alpha * x.alpha.unwrap_or(1.0));
     }),
     ("replace-unlit", |r| {
-        r.replace = |x| colored((SPEC.replace)(x), x.color);
+        r.replace = |x| multiply_by_color((SPEC.replace)(x), x.color);
     }),
     ("modulate-keeps-alpha", |r| {
         r.modulate = |x| with_alpha((SPEC.modulate)(x), x.input.alpha);
@@ -446,7 +446,7 @@ const CHANGES: &[(&str, Change)] = &[
     ("modulate-adds", |r| {
         r.modulate = |x| {
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.color[c]);
-            colored((SPEC.modulate)(x), sum)
+            multiply_by_color((SPEC.modulate)(x), sum)
         };
     }),
     ("modulate-lit-twice", |r| {
@@ -460,7 +460,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.blend_env_color = |x| {
             let environment = times(x.white, x.entry.env_color);
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
-            colored((SPEC.blend_env_color)(x), sum)
+            multiply_by_color((SPEC.blend_env_color)(x), sum)
         };
     }),
     ("blend-with-the-texel", |r| {
@@ -538,13 +538,13 @@ const CHANGES: &[(&str, Change)] = &[
     ("environment-for-background", |r| {
         r.decal_background = |x| {
             let over = mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]);
-            colored(x.input, times(x.white, over))
+            multiply_by_color(x.input, times(x.white, over))
         };
     }),
     ("background-unlit", |r| {
         r.decal_background = |x| {
             let [lit, share] = [times(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
-            colored(x.input, mix(x.entry.background_color, lit, share))
+            multiply_by_color(x.input, mix(x.entry.background_color, lit, share))
         };
     }),
     ("background-replaces-alpha", |r| {
@@ -554,14 +554,14 @@ const CHANGES: &[(&str, Change)] = &[
     ("background-without-alpha", |r| {
         r.decal_background = |x| match x.alpha {
             Some(_) => (SPEC.decal_background)(x),
-            None => colored(x.input, times(x.white, x.entry.background_color)),
+            None => multiply_by_color(x.input, times(x.white, x.entry.background_color)),
         };
     }),
     ("background-the-other-way", |r| {
         r.decal_background = |x| match x.alpha {
             Some(alpha) => {
                 let under = mix(x.color, x.entry.background_color, [alpha; 3]);
-                colored(x.input, times(x.white, under))
+                multiply_by_color(x.input, times(x.white, under))
             }
             None => (SPEC.decal_background)(x),
         };
@@ -785,7 +785,7 @@ fn fallback(change: fn(&mut Entry)) -> Entry {
 }
 
 /// Returns `shade` with another color.
-fn colored(shade: Shade, color: Color) -> Shade {
+fn multiply_by_color(shade: Shade, color: Color) -> Shade {
     Shade { color, ..shade }
 }
 
@@ -796,7 +796,7 @@ fn with_alpha(shade: Shade, alpha: f64) -> Shade {
 
 /// Blends the primitive with `color` in place of the lit environment color (R-CMP-34).
 fn blended(x: &Terms, color: Color) -> Shade {
-    colored(
+    multiply_by_color(
         (SPEC.blend_env_color)(x),
         mix(x.input.color, color, x.gamma),
     )
@@ -804,7 +804,7 @@ fn blended(x: &Terms, color: Color) -> Shade {
 
 /// Covers `share` of the primitive with `color`, as a decal does (R-CMP-37).
 fn covered(x: &Terms, color: Color, share: Color) -> Shade {
-    colored(x.input, mix(x.input.color, color, share))
+    multiply_by_color(x.input, mix(x.input.color, color, share))
 }
 
 /// Returns the same maps with another rendering control.
@@ -819,7 +819,7 @@ fn all_at(maps: &[(Entry, Fetched)], control: RenderingControl) -> Vec<(Entry, F
 /// Applies the maps to the lit color, as if the light on a white surface were white.
 fn unlit(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
     let diffuse = Lit {
-        surface: colored(lit.surface, times(lit.white, lit.surface.color)),
+        surface: multiply_by_color(lit.surface, times(lit.white, lit.surface.color)),
         white: [1.0; 3],
         ..*lit
     };

@@ -62,14 +62,14 @@ pub(super) fn figure(
         pair.spans = (0..channels).map(|channel| pair.span(channel)).collect();
     }
     Some(match expected.view {
-        ViewKind::Rgb if channels == 3 => pair.colored(),
+        ViewKind::Rgb if channels == 3 => pair.multiply_by_color(),
         _ => pair.planes(),
     })
 }
 
 impl ImageComparison<'_> {
     /// Renders the images in color.
-    fn colored(&self) -> Markup {
+    fn multiply_by_color(&self) -> Markup {
         let positions = || {
             self.rows
                 .clone()

@@ -151,7 +151,7 @@ fn non_programs_are_named_by_kind() {
 fn pipes_get_no_color_by_default() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
-    for [line, colored] in rows(
+    for [line, multiply_by_color] in rows(
         "
 explain lut-count | false
 --color always explain lut-count | true
@@ -160,7 +160,11 @@ inspect --color always first-lrgb.ptm | true
 --color never inspect first-lrgb.ptm | false",
     ) {
         let text = here.succeeds(&line);
-        assert_eq!(text.contains('\x1b').to_string(), colored, "{line}");
+        assert_eq!(
+            text.contains('\x1b').to_string(),
+            multiply_by_color,
+            "{line}"
+        );
     }
 }
 

@@ -95,7 +95,7 @@ fn highlighted_bytes_decide_the_example() {
 fn holds(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
     let executed = execute(clause, None, &annotated.files).expect("it holds");
     let example = &clause.examples[i];
-    match (&executed[i].found, example.find_in(file)) {
+    match (&executed[i].found, example.evaluate(file)) {
         (Found::Refused(clause, _), Ok(Found::Refused(now, _))) => *clause == now,
         (expected, Ok(found)) => *expected == found,
         (_, Err(_)) => false,

@@ -81,11 +81,11 @@ fn luminance_map() -> impl Strategy<Value = TextureMap> {
         size[dimensions..].fill(1);
         let count = size.iter().product::<usize>();
         let values = proptest::collection::vec(unit(), count);
-        values.prop_map(move |values| map_of(dimensions, size, &values))
+        values.prop_map(move |values| new_map(dimensions, size, &values))
     })
 }
 
-fn map_of(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
+fn new_map(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
     let texel = |&value: &f64| Texel::new(TexelKind::L, &[value]).expect("one component");
     let texels = values.iter().map(texel).collect();
     TextureMap::new(dimensions, vec![Level { size, texels }]).expect("a map")
@@ -134,7 +134,7 @@ fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
         .rev()
         .flat_map(|y| (0..width).map(move |x| (x, y)));
     let values: Vec<f64> = places.map(|(x, y)| at(x, y)).collect();
-    map_of(2, [width, height, 1], &values)
+    new_map(2, [width, height, 1], &values)
 }
 
 /// A texel's 18 coefficients under a light, from 0 to 1.
@@ -242,7 +242,7 @@ proptest! {
         value in unit(), size in [1..5_usize, 1..5], t in [coordinate(), coordinate()], depth in -2.0..5.0, method in method(),
         boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
-        let map = map_of(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
+        let map = new_map(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
         let entry = bounded([boundary; 3], method);
         prop_assert!(close(&sampled(&entry, &map, [t[0], t[1], 0.0], depth), &[value]));
     }
@@ -267,8 +267,8 @@ proptest! {
         let clamped = Entry { clamp_method: ClampMethod::Color, clamp_color: other, ..entry.clone() };
         prop_assert_eq!(sampled(&entry, &map, t, 0.0), sampled(&clamped, &map, t, 0.0));
         let explicit = Entry { boundary: [Boundary::ClampExplicit; 3], ..entry.clone() };
-        let colored = Entry { clamp_color: other, ..explicit.clone() };
-        prop_assert_eq!(sampled(&explicit, &map, t, 0.0), sampled(&colored, &map, t, 0.0));
+        let multiply_by_color = Entry { clamp_color: other, ..explicit.clone() };
+        prop_assert_eq!(sampled(&explicit, &map, t, 0.0), sampled(&multiply_by_color, &map, t, 0.0));
         // Notes a and b, and hints
         let mut point = Point { fp_data: vec![0.25; 12], reflection: Some(t), ..Point::default() };
         point.wc.position = Some(t);

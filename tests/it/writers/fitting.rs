@@ -7,7 +7,7 @@ use ptm_conform::decode;
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::judge::judge;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
 use ptm_conform::writers::reference::written;
@@ -78,9 +78,9 @@ fn image_sets_round_trip_through_files() {
     }
     let lp = folder.path().join("lights.lp");
     fs::write(&lp, set.lp()).expect("a file");
-    assert_eq!(PictureSet::read(&lp), Ok(set));
+    assert_eq!(ImageSet::read(&lp), Ok(set));
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
-    let error = PictureSet::read(&lp).expect_err("one is missing");
+    let error = ImageSet::read(&lp).expect_err("one is missing");
     assert!(
         error.ends_with("its first line announces 2 images, but it lists 1"),
         "{error}"
@@ -115,7 +115,7 @@ fn requests_conform_to_their_schema_and_round_trip() {
 #[test]
 fn hp_fitter_is_as_good_as_its_images_allow() {
     let Some(lp) = real() else { return };
-    let set = PictureSet::read(Path::new(&lp)).expect("the set");
+    let set = ImageSet::read(Path::new(&lp)).expect("the set");
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
     assert_eq!(judge(&set, Format::Lrgb, &file), Ok(()));
     let mean = |map: &ptm_conform::ptm::Ptm| {

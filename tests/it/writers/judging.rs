@@ -60,7 +60,7 @@ fn requests_conform_to_their_schema_and_round_trip() {
             "writer-request",
         );
         let header = RequestHeader::read(json.as_bytes()).expect("a request");
-        assert_eq!(header.with_planes(&request.array()).as_ref(), Ok(&request));
+        assert_eq!(header.with_planes(&request.to_npy()).as_ref(), Ok(&request));
     }
 }
 
