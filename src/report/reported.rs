@@ -33,7 +33,7 @@ pub trait Reported: TestCase {
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = clauses::rulings;
 
     /// Type of the point in a decoder at which a misreading of this suite takes effect.
-    type Place: 'static;
+    type MisreadingPoint: 'static;
 
     /// Returns the embedded suite.
     ///
@@ -73,7 +73,7 @@ pub trait Reported: TestCase {
         run: &Run<Self>,
         slugs: &[String],
         jobs: usize,
-    ) -> Causes<Self::Place>;
+    ) -> Causes<Self::MisreadingPoint>;
 }
 
 /// Looks up misreadings by slug.
@@ -90,7 +90,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 impl Reported for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
 
-    type Place = At;
+    type MisreadingPoint = At;
 
     fn suite() -> Result<Suite, String> {
         Suite::load()
@@ -156,7 +156,7 @@ impl Reported for TextureCase {
     const CLAUSES: fn() -> Result<Vec<Clause>, String> = texture::cases::clauses;
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = texture::cases::rulings;
 
-    type Place = Change;
+    type MisreadingPoint = Change;
 
     fn suite() -> Result<Suite<TextureCase>, String> {
         Suite::load_texture()

@@ -21,7 +21,7 @@ const MAX_DISPLAYED_BYTES: usize = 512;
 impl Reported for WriterCase {
     const SUITE: SuiteName = SuiteName::Writers;
 
-    type Place = &'static Misreading;
+    type MisreadingPoint = &'static Misreading;
 
     fn suite() -> Result<Suite<WriterCase>, String> {
         Suite::load_writer_requests()

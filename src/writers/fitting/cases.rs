@@ -212,7 +212,7 @@ impl WritingCase for FitCase {
 impl Reported for FitCase {
     const SUITE: SuiteName = SuiteName::Fitters;
 
-    type Place = &'static Misreading;
+    type MisreadingPoint = &'static Misreading;
 
     fn suite() -> Result<Suite<FitCase>, String> {
         Ok(Suite::load_fitter_requests(None))

@@ -7,9 +7,9 @@ use ptm_conform::evaluate::Coefficients;
 use ptm_conform::ptm::{Shape, Size};
 use ptm_conform::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Fetched, Frequency,
-    Interpolation, Level, Lit, Matrix, Parameterization, Point, RenderingControl, Rounding, Rules,
-    SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch, interpolate, orient,
-    parameterize, stage,
+    Interpolation, Level, LitPrimitive, Matrix, Parameterization, Point, RenderingControl,
+    Rounding, Rules, SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch,
+    interpolate, orient, parameterize, stage,
 };
 
 const RULES: &Rules = &Rules::SPEC;
@@ -155,7 +155,7 @@ proptest! {
                 (if post { entry } else { pre_light(entry) }, Fetched::Texel(texel))
             })
             .collect();
-        let lit = Lit { surface: Shade { color: surface, alpha }, white, specular };
+        let lit = LitPrimitive { surface: Shade { color: surface, alpha }, white, specular };
         let split = stage(&maps, &lit, Interpolation::Color, Frequency::Pixel, RULES);
         let direct = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, RULES);
         prop_assert!(close(&split.color, &direct.color), "{split:?} {direct:?}");
