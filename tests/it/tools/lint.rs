@@ -1,4 +1,4 @@
-//! The findings of lint in the files of the suite.
+//! Tests of lint findings for the files of the suite.
 
 use std::collections::BTreeSet;
 
