@@ -1,4 +1,4 @@
-//! KnownFailure failures: a list of cases that are expected to fail, so that only new failures are errors.
+//! Known failures: a list of cases that are expected to fail, so that only new failures are errors.
 //!
 //! ```yaml
 //! - id: table-of-257-entries-ptm-lut
@@ -20,7 +20,7 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// KnownFailure failures: case id and optional reason.
+/// Known failures: case id and optional reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline(BTreeMap<String, Option<String>>);
 

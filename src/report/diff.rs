@@ -123,7 +123,7 @@ const HEADER_PARTS: [(&str, fn(&Report) -> String); 10] = [
     ("known failures", |report| yaml(&report.baseline)),
 ];
 
-/// Returns the grouping group_key of a changed case: the kind of change, and the cause or the section.
+/// Returns the grouping key of a changed case: the kind of change, and the cause or the section.
 fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> String {
     if before == after {
         return after.outcome.to_string();

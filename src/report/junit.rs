@@ -50,7 +50,7 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
     tests
 }
 
-/// Renders a report as JUnit XML.
+/// Renders a report as `JUnit` XML.
 #[must_use]
 pub fn junit(report: &Report) -> String {
     let tests = tests(report);

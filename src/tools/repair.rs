@@ -45,7 +45,7 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let mut bytes = file.to_vec();
     if before.is_err() {
         let loose = LenientHeader::read(file)?;
-        bytes = loose.to_legal_file(&mut changes)?;
+        bytes = loose.into_legal_file(&mut changes)?;
     }
     bytes = remove_trailing_bytes(bytes, &mut changes);
     bytes = remove_overridden_records(bytes, &mut changes)?;
@@ -102,7 +102,7 @@ impl<'a> LenientHeader<'a> {
     }
 
     /// Returns a file with a legal header, and describes the changes.
-    fn to_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+    fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const BLANKS: &str = "the numbers in the header are now separated by single spaces, and its lines end in line feeds";
         let as_lines = self.to_bytes();
         if let Ok(ptm) = decode(&as_lines) {

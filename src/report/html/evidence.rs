@@ -202,7 +202,7 @@ fn accepted_file_evidence(built: &Built) -> Markup {
     }
 }
 
-/// Renders the render_file_beginning of a file for which the decoder returned no image.
+/// Renders the beginning of a file for which the decoder returned no image.
 fn render_file_beginning(built: &Built) -> Markup {
     const MAX_BYTES: usize = 320;
     let begins = &built.file[..built.file.len().min(MAX_BYTES)];
@@ -223,7 +223,7 @@ pub(crate) fn number(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Renders a hex dump around `range` with the bytes of `range` highlighted. Only the render_file_beginning of a long range is included.
+/// Renders a hex dump around `range` with its bytes highlighted. Only the beginning of a long range is included.
 fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
     let first = range.start / 16 * 16;
     let last = (range.end.max(range.start + 1) - 1).min(range.start + 31) / 16 * 16 + 16;
