@@ -16,7 +16,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 )]
 struct Cli {
     #[command(flatten)]
-    global: cli::output::Global,
+    global: cli::output::GlobalArgs,
     #[command(subcommand)]
     command: Command,
 }
@@ -39,7 +39,7 @@ enum Command {
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
     #[command(name = "minimize", alias = "minimise")]
-    Minimise(cli::minimise::MinimiseArgs),
+    Minimise(cli::minimise::MinimizeArgs),
     Inspect(cli::inspect::InspectArgs),
     Lint(cli::lint::LintArgs),
     Render(cli::render::RenderArgs),
@@ -68,7 +68,7 @@ enum Command {
 
 fn main() -> ExitCode {
     #[cfg(unix)]
-    cli::guard::take_signals();
+    cli::guard::reset_signals();
     let cli = Cli::parse();
     cli.global.apply();
     let outcome = match cli.command {
@@ -109,7 +109,7 @@ fn main() -> ExitCode {
     };
     outcome.map_or_else(
         |failed| {
-            cli::output::complain(&failed.says);
+            cli::output::print_error(&failed.says);
             ExitCode::from(failed.status)
         },
         ExitCode::from,

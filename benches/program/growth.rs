@@ -7,7 +7,7 @@ use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Format;
 
 use crate::measure::{memory_of_call, repeated, slope};
-use crate::{common, put, reference, to_file};
+use crate::{common, encode_image, put, reference};
 
 /// Widths and heights; each has twice as many texels as the previous one.
 const SIZES: [(u32, u32); 5] = [
@@ -46,7 +46,7 @@ fn one(format: Format, view: &str, directory: &Path) {
     let spent = |width, height| {
         command(width, height);
         let map = directory.join("map.ptm");
-        let [spent] = repeated(9, &mut [&mut || to_file(reference(view, &map), &out)]);
+        let [spent] = repeated(9, &mut [&mut || encode_image(reference(view, &map), &out)]);
         spent.processor
     };
     let (time, memory) = (spent(1, 1), memory_of_call(&mut command(1, 1)) as f64);

@@ -81,7 +81,7 @@ fn put(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// Runs a program with its standard output in a new file.
-fn to_file(mut command: Command, out: &Path) -> Spent {
+fn encode_image(mut command: Command, out: &Path) -> Spent {
     let spent = time_of(command.stdout(File::create(out).expect("a file")));
     fs::remove_file(out).expect("the file is there");
     spent
@@ -96,7 +96,7 @@ fn against_cp(format: Format, directory: &Path) {
     let [ours, cp, memcpy] = repeated(
         9,
         &mut [
-            &mut || to_file(reference("raw", &file), &out),
+            &mut || encode_image(reference("raw", &file), &out),
             &mut || {
                 let mut cp = Command::new("cp");
                 let spent = time_of(cp.arg(&same_size).arg(&out));
@@ -147,7 +147,7 @@ fn against_others(format: Format, directory: &Path) {
     let [program, codec, crate_decoder, library] = repeated(
         5,
         &mut [
-            &mut || to_file(reference("raw", &file), &out),
+            &mut || encode_image(reference("raw", &file), &out),
             &mut || own_time(|| streams.iter().for_each(|stream| decode(format, stream))),
             &mut || {
                 own_time(|| {

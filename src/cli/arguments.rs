@@ -1,10 +1,10 @@
-//! Parsing of option values: times, sizes, exit statuses, patterns.
+//! Parsers for option values: durations, sizes, exit statuses and patterns.
 
 use std::time::Duration;
 
 use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
 
-/// Parses a timeout in seconds.
+/// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
     Duration::try_from_secs_f64(seconds)
         .ok()
@@ -12,7 +12,7 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
         .ok_or_else(|| "expected a positive number of seconds".to_owned())
 }
 
-/// Parses an exit status that may mean a refusal; 0 and 69 have other meanings.
+/// Parses an exit status that may mean a refusal. Rejects 0 and 69, which have other meanings.
 pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = text.parse().ok();
     let status = status.filter(|n| (1..=255).contains(n) && *n != EXIT_UNSUPPORTED);
@@ -23,7 +23,7 @@ pub fn parse_refusal(text: &str) -> Result<i32, String> {
     })
 }
 
-/// Parses a number of bytes, optionally with K, M or G.
+/// Parses a number of bytes with an optional suffix K, M or G.
 pub fn parse_size(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(['K', 'M', 'G']);
     let shift = match &text[digits.len()..] {
@@ -44,7 +44,7 @@ pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Returns a function that is true for the ids of cases that a pattern matches, or for all if there are no patterns.
+/// Returns a predicate that is true for case ids that match any of the patterns. Without patterns, it is true for all ids.
 pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, String> {
     let parse =
         |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
@@ -52,8 +52,8 @@ pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, S
     Ok(move |id: &str| globs.is_empty() || globs.iter().any(|glob| glob.matches(id)))
 }
 
-/// Returns true if a clause is the one that was asked for, or below it: 2.4/8 is below 2.4.
-pub fn is_at_or_below(clause: &str, asked: &str) -> bool {
-    let rest = clause.strip_prefix(asked);
+/// Returns true if `clause` equals `requested` or is contained in it. For example, 2.4 contains 2.4/8.
+pub fn is_at_or_below(clause: &str, requested: &str) -> bool {
+    let rest = clause.strip_prefix(requested);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.', '-']))
 }

@@ -1,4 +1,4 @@
-//! Options for calls of other programs: limits, and the number of calls in parallel.
+//! Options for running other programs: limits and the number of parallel calls.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use super::arguments::{parse_refusal, parse_size, positive_seconds};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 
-/// Options of the run of a suite.
+/// Options for running a suite.
 #[derive(Args)]
 #[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit of a call; the first call gets three times as much")))]
 pub struct RunArgs {
@@ -22,7 +22,7 @@ pub struct RunArgs {
     pub calls: LimitArgs,
 }
 
-/// Limits of calls, and their number in parallel.
+/// Limits of calls and the number of parallel calls.
 #[derive(Args)]
 pub struct LimitArgs {
     /// Calls in parallel; by default one per processor.
@@ -37,16 +37,20 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// Applies the limits to a program, which stops when `stop` is set.
-    pub fn limit(&self, program: &mut Decoder, stop: &Arc<AtomicBool>) -> Result<(), String> {
+    /// Applies the limits to a program, and makes it stop when `stop` is set.
+    pub fn apply_limits(
+        &self,
+        program: &mut Decoder,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<(), String> {
         program.timeout = positive_seconds(self.timeout)?;
         program.memory = self.memory;
         program.stop = Arc::clone(stop);
         Ok(())
     }
 
-    /// Returns the limits in force, in words.
-    pub fn limits_to_text(&self) -> Vec<String> {
+    /// Describes the limits in force.
+    pub fn describe_limits(&self) -> Vec<String> {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_inspect_processes() {
             true => {
@@ -73,18 +77,18 @@ pub struct CallArgs {
 }
 
 impl CallArgs {
-    /// Returns the decoder that `command` starts; it stops when `stop` is set.
+    /// Creates the decoder for `command`. Its calls end when `stop` is set.
     pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
-        self.limits.limit(&mut decoder, stop)?;
+        self.limits.apply_limits(&mut decoder, stop)?;
         decoder.reject_exit = self.reject_exit;
         Ok(decoder)
     }
 }
 
-/// Returns a command quoted for a shell.
-pub fn in_one_line(command: &[OsString]) -> String {
+/// Quotes a command for a shell.
+pub fn quote_command(command: &[OsString]) -> String {
     let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
     shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }

@@ -4,14 +4,14 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::calls::in_one_line;
+use super::calls::quote_command;
 use super::check_args::CheckArgs;
 use super::driver::{Check, ProgramRun};
-use super::ending::Ending;
-use super::guard::{Guarded, check_trouble, stop_on_signals};
+use super::ending::ReportWriter;
+use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
-use super::probe::keep_files;
+use super::probe::save_files;
 use super::subject::{Answers, Subject, program};
 use super::terminal::show;
 use super::{CommandResult, own_files};
@@ -34,7 +34,7 @@ use ptm_conform::suite::cases::Suite;
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
-    args.refuse_bare_hyphens()?;
+    args.reject_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
     args.written.check(&args.run.report)?;
@@ -57,21 +57,21 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     Ok(status)
 }
 
-/// Checks a program that reads PTM files.
+/// Checks a PTM decoder.
 fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
     let among = match args.smoke {
         true => smoke::selection(&suite)?,
         false => vec![true; suite.cases.len()],
     };
-    let selected = args.selection(&suite, &among)?;
+    let selected = args.select_cases(&suite, &among)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
         find_misreadings(std::slice::from_ref(slug))
             .map_err(|error| error + &did_you_mean(slug, slugs))?;
     }
     let mut subject = Subject::new(args, &suite, stop)?;
-    let guarded = Guarded::new()?;
+    let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
     let capabilities = capabilities(&mut subject, args, scratch);
     if let (Some(directory), Some(decoder)) = (&args.files, subject.program()) {
@@ -89,7 +89,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
             (Answers::Program(_), Some(servers)) => servers.ask(request, job),
             (Answers::Program(decoder), None) => decoder.ask(request, scratch),
         };
-        subject.understand(&suite, request, reply)
+        subject.interpret_reply(&suite, request, reply)
     };
     let circumstances = Circumstances {
         command: subject.words.clone(),
@@ -99,7 +99,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         limits: args.limits(serves),
     };
 
-    let ending = Ending::new(&suite, &args.run.report, &args.written)?;
+    let ending = ReportWriter::new(&suite, &args.run.report, &args.written)?;
     let mut check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.faster = SERVE_MODE_IS_FASTER;
@@ -111,8 +111,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         };
         // A template has its own arguments; without a decoder, the reference is checked.
         let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
-        tell(contact, &found);
-        if let (Some(why), Some(command)) = (&mut contact.not_a_decoder, args.reordered()) {
+        report_wrapper_faults(contact, &found);
+        if let (Some(why), Some(command)) = (&mut contact.not_a_decoder, args.reordered_command()) {
             *why = format!("{why}\n→ options come before the decoder: {command}");
         }
         let _ = faults.set(found);
@@ -137,8 +137,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Adds the faults of the wrapper to the report; no more requests are sent then.
-fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
+/// Adds the faults of the wrapper to the report and ends the run at first contact if there are any.
+fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
             Some(next) => format!("{}\n→ {next}", fault.says),
@@ -152,15 +152,15 @@ fn tell(contact: &mut Contact, faults: &[ProbeStep]) {
     }
 }
 
-/// Prints commands that reproduce the faults of the wrapper.
+/// Prints the commands that reproduce the faults of the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     if args.cmd.is_some() {
         return;
     }
     let directory = args.run.report.with_file_name("ptm-conform-probe");
-    let command = in_one_line(&args.decoder);
+    let command = quote_command(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
-        if let Some(command) = keep_files(repeat, &command, &directory) {
+        if let Some(command) = save_files(repeat, &command, &directory) {
             show(&format!("see it again:\n  $ {command}\n"));
         }
     }
@@ -168,12 +168,12 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
 
 /// Checks a texture stage (`check --suite texture`).
 fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
-    refuse_options_of_files(args)?;
+    reject_file_options(args)?;
     let suite = Suite::load_texture()?;
-    let selected = args.selection(&suite, &vec![true; suite.cases.len()])?;
+    let selected = args.select_cases(&suite, &vec![true; suite.cases.len()])?;
     let (mut decoder, words) = program(&args.decoder)?;
-    args.run.calls.limit(&mut decoder, stop)?;
-    let guarded = Guarded::new()?;
+    args.run.calls.apply_limits(&mut decoder, stop)?;
+    let guarded = ScratchGuard::new()?;
     let run = ProgramRun {
         program: &decoder,
         words: &words,
@@ -190,8 +190,8 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     )
 }
 
-/// Rejects options that do not apply to texture questions.
-fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
+/// Returns an error if an option is given that does not apply to texture questions.
+fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
     let options = [
         ("--smoke", args.smoke),
         ("--view", !args.views.is_empty()),
@@ -207,7 +207,7 @@ fn refuse_options_of_files(args: &CheckArgs) -> Result<(), String> {
     }
 }
 
-/// Requests the capabilities of a program; most do not declare any.
+/// Requests the capabilities of a program. Most programs do not declare any.
 fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
     let Answers::Program(decoder) = &mut subject.answers else {
         return Capabilities::default();
@@ -242,7 +242,8 @@ fn plan(
     })
 }
 
-/// Returns the difference in a locale with a decimal comma, if the system has one.
+/// Returns a remark if the answers differ in a locale with a decimal comma. Returns `None` if the system has no such
+/// locale.
 fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
     let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
     let locale = locale::comma_locale().filter(|_| whole)?;
@@ -250,10 +251,10 @@ fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch)
     differs.map(Remark::failure)
 }
 
-/// The reason why no case is requested from a decoder with a faulty wrapper.
+/// Reason why no case is requested from a decoder with a faulty wrapper.
 const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would make most cases fail";
 
-/// Remark on a decoder whose serving processes never answered.
+/// Remark on a decoder whose serve mode never answered.
 const SERVE_MODE_FAILED: &str =
     "serve mode failed: the first requests were not answered; fell back to one process per request";
 

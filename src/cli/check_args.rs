@@ -1,4 +1,4 @@
-//! The arguments of `check`, and values derived from them.
+//! Arguments of `check` and values derived from them.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{id_filter, is_at_or_below, parse_refusal};
-use super::calls::{RunArgs, in_one_line};
+use super::calls::{RunArgs, quote_command};
 use super::ending::OutputArgs;
 use super::names::did_you_mean;
-use super::{EXIT_NOTHING_SELECTED, Failed};
+use super::{CommandError, EXIT_NOTHING_SELECTED};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
@@ -96,8 +96,8 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// Refuses `--` without a decoder, a possible result of an empty variable.
-    pub fn refuse_bare_hyphens(&self) -> Result<(), String> {
+    /// Returns an error for `--` without a decoder, which may result from an empty shell variable.
+    pub fn reject_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
         if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {
             let says = "check: expected a decoder after --, for example: ptm-conform check -- python3 decode.py (without --, check runs the built-in reference)";
@@ -106,8 +106,8 @@ impl CheckArgs {
         Ok(())
     }
 
-    /// Returns the command line with options of `check` before the decoder, if some follow it.
-    pub fn reordered(&self) -> Option<String> {
+    /// Returns a corrected command line if options of `check` follow the decoder.
+    pub fn reordered_command(&self) -> Option<String> {
         let options = CheckArgs::augment_args(clap::Command::new("check"));
         let is_option = |word: &&OsString| {
             let word = word.to_string_lossy();
@@ -118,16 +118,16 @@ impl CheckArgs {
         let first = self.decoder.iter().position(|word| is_option(&word))?;
         let (decoder, misplaced) = self.decoder.split_at(first);
         let words = [misplaced, &["--".into()], decoder].concat();
-        Some(format!("ptm-conform check {}", in_one_line(&words)))
+        Some(format!("ptm-conform check {}", quote_command(&words)))
     }
 
-    /// Returns the cases that match the patterns, the clauses and the shard, of those that `also` marks; an error if there are
-    /// none.
-    pub fn selection<C: TestCase>(
+    /// Returns one flag per case: true if `also` is true for the case and it matches the patterns, the clauses and the
+    /// shard. Returns an error if no case is selected.
+    pub fn select_cases<C: TestCase>(
         &self,
         suite: &Suite<C>,
         also: &[bool],
-    ) -> Result<Vec<bool>, Failed> {
+    ) -> Result<Vec<bool>, CommandError> {
         let is_named = id_filter(&self.cases)?;
         let is_about = |clause: &String| {
             self.clauses
@@ -137,7 +137,9 @@ impl CheckArgs {
         let matches = |case: &C| {
             is_named(case.id())
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
-                && self.shard.is_none_or(|shard| shard.holds(case.id()))
+                && self
+                    .shard
+                    .is_none_or(|shard| shard.contains_case(case.id()))
         };
         let cases = suite.cases.iter().zip(also);
         let selected: Vec<bool> = cases.map(|(case, &also)| also && matches(case)).collect();
@@ -150,10 +152,10 @@ impl CheckArgs {
             "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists clauses and cases",
             meant.collect::<String>()
         );
-        Err(Failed::new(EXIT_NOTHING_SELECTED, &says))
+        Err(CommandError::new(EXIT_NOTHING_SELECTED, &says))
     }
 
-    /// Returns the limits in force, in words.
+    /// Describes the limits in force.
     pub fn limits(&self, serves: bool) -> Vec<String> {
         if self.outputs.is_some() {
             return vec!["none: the outputs were made elsewhere".to_owned()];
@@ -165,7 +167,7 @@ impl CheckArgs {
             true => ", and what has left it, are",
             false => " is",
         };
-        let mut limits = self.run.calls.limits_to_text();
+        let mut limits = self.run.calls.describe_limits();
         limits.extend([
             "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),

@@ -11,16 +11,16 @@ use super::arguments::id_filter;
 use super::calls::RunArgs;
 use super::driver::ProgramRun;
 use super::ending::OutputArgs;
-use super::guard::{Guarded, stop_on_signals};
-use super::subject::{called_by, program};
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
+use super::guard::{ScratchGuard, stop_on_signals};
+use super::subject::{program, program_from_template};
+use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::writers::asking::{self, VALUES, WritingCase};
-use ptm_conform::writers::fitting::pictures::PictureSet;
+use ptm_conform::writers::fitting::pictures::ImageSet;
 use ptm_conform::writers::test_case::WriteView;
 
 /// Check a program that writes PTM files: name the clauses that it gets wrong.
@@ -71,7 +71,7 @@ pub struct CheckWriterArgs {
     writer: Vec<OsString>,
 }
 
-/// Maximum size of a file that a writer may write; all requests need far less.
+/// Maximum size in bytes of a file that a writer may write. All requests need far less.
 pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
@@ -80,14 +80,14 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
     processes::prepare_for(MAX_FILE_SIZE);
     args.written.check(&args.run.report)?;
     if args.fitter {
-        let own = args.lp.as_deref().map(PictureSet::read).transpose()?;
-        check(args, &Suite::of_photographs(own.as_ref()), &stop)
+        let own = args.lp.as_deref().map(ImageSet::read).transpose()?;
+        check(args, &Suite::load_fitter_requests(own.as_ref()), &stop)
     } else {
         check(args, &Suite::load_writer_requests()?, &stop)
     }
 }
 
-/// Checks the writer with the selected cases of a suite.
+/// Runs the selected cases of a suite with the writer.
 fn check<C: WritingCase>(
     args: &CheckWriterArgs,
     suite: &Suite<C>,
@@ -102,10 +102,10 @@ fn check<C: WritingCase>(
     let selected: Vec<bool> = suite.cases.iter().map(matches).collect();
     if !selected.contains(&true) {
         let says = "no request matches --case, --ptm-format and --smoke";
-        return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
+        return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
     }
     let (writer, words) = args.writer(C::VERB, stop)?;
-    let guarded = Guarded::new()?;
+    let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("a case of this suite");
         asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
@@ -122,19 +122,19 @@ fn check<C: WritingCase>(
 }
 
 impl CheckWriterArgs {
-    /// Returns the writer with its limits, and its command for the report.
+    /// Returns the writer with its limits applied, and its command line for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
-            called_by(text, Template::parse_for_writer(text, &VALUES))?
+            program_from_template(text, Template::parse_for_writer(text, &VALUES))?
         } else {
             let (program, words) = program(&self.writer)?;
             (program.as_writer(verb), words)
         };
-        self.run.calls.limit(&mut writer, stop)?;
+        self.run.calls.apply_limits(&mut writer, stop)?;
         Ok((writer, words))
     }
 
-    /// Returns the limits in force, in words.
+    /// Describes the limits in force.
     fn limits(&self) -> Vec<String> {
         let others = [
             "the file: twice the bytes of its planes and 64 KiB; larger ones are not read",
@@ -142,7 +142,7 @@ impl CheckWriterArgs {
             "input: the request and its files are compared with their original bytes after the call",
         ];
         [
-            self.run.calls.limits_to_text(),
+            self.run.calls.describe_limits(),
             others.map(str::to_owned).into(),
         ]
         .concat()

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CommandResult, Failed, files, output, readers};
+use super::{CommandError, CommandResult, files, output, readers};
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::convert::{Converted, Target, convert};
 use ptm_conform::tools::convert_for::convert_for;
@@ -49,7 +49,7 @@ pub struct ConvertArgs {
 
 pub fn run(args: &ConvertArgs) -> CommandResult {
     if args.repair {
-        return repaired(args);
+        return repair_file(args);
     }
     let target = args.to.map(|format| Target {
         format,
@@ -59,8 +59,8 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     target
         .map_or(Ok(()), Target::check)
         .map_err(|why| format!("--{why}"))?;
-    let profiles = readers::known(None)?;
-    let readers = readers::selected(&profiles, &args.readers)?;
+    let profiles = readers::load_profiles(None)?;
+    let readers = readers::select_profiles(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::parse(&file);
     let ptm = files::map(&args.file, &dissection)?;
@@ -70,32 +70,36 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         }
         None => convert_for(&dissection, ptm, &readers),
     };
-    let (format, converted) = converted.map_err(|why| Failed::new(1, &why))?;
-    files::write_whole(&args.output, &converted.bytes)?;
+    let (format, converted) = converted.map_err(|why| CommandError::new(1, &why))?;
+    files::write_atomically(&args.output, &converted.bytes)?;
     let (output, source) = (args.output.display(), ptm.header.format);
-    let (before, after, losses) = (file.len(), converted.bytes.len(), losses(&converted));
+    let (before, after, losses) = (
+        file.len(),
+        converted.bytes.len(),
+        describe_losses(&converted),
+    );
     output::note(&format!(
         "{output}: {source} -> {format}, {before} -> {after} bytes, {losses}\n"
     ));
     Ok(0)
 }
 
-/// Writes a repaired file, never replacing an existing one.
-fn repaired(args: &ConvertArgs) -> CommandResult {
+/// Writes a repaired file. Never replaces an existing file.
+fn repair_file(args: &ConvertArgs) -> CommandResult {
     let output = args.output.display();
     if args.output.symlink_metadata().is_ok() {
         return Err(format!("{output} already exists; --repair never overwrites a file").into());
     }
-    let unrepaired = |why: String| Failed::new(1, &files::with_path(&args.file)(why));
+    let unrepaired = |why: String| CommandError::new(1, &files::with_path(&args.file)(why));
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
-    files::write_whole(&args.output, &repaired.bytes)?;
+    files::write_atomically(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {
         output::note(&format!("{output}: {change}\n"));
     }
     Ok(0)
 }
 
-fn losses(converted: &Converted) -> String {
+fn describe_losses(converted: &Converted) -> String {
     let loss = match converted.largest {
         0 => "without loss".to_owned(),
         most => format!("stored values differ by at most {most}"),

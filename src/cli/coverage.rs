@@ -1,4 +1,4 @@
-//! `coverage`: the strength of the suite.
+//! `ptm-conform coverage`: measures the strength of the suite.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
 
 use super::CommandResult;
-use super::files::write_whole;
+use super::files::write_atomically;
 use super::output::{jobs, print, with_progress};
 
 /// Measure the suite: covered clauses, misreadings that it catches and tells apart, parameter pairs, redundant cases. Takes
@@ -30,7 +30,7 @@ pub struct CoverageArgs {
     jobs: Option<usize>,
 }
 
-/// Runs every misreading, and prints which cases catch it.
+/// Runs the suite against every misreading and prints which cases catch it.
 pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.prepared();
     let jobs = jobs(args.jobs)?;
@@ -43,7 +43,7 @@ pub fn run(args: &CoverageArgs) -> CommandResult {
     });
     if let Some(path) = &args.write_smoke {
         let chosen = smoke::choose_cases(&suite, &rows);
-        write_whole(path, smoke::to_yaml(&suite, &chosen))?;
+        write_atomically(path, smoke::to_yaml(&suite, &chosen))?;
         if !args.yaml {
             print(&format!("{} cases in {}\n", chosen.len(), path.display()));
         }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{self, Machine};
+use super::output::{self, MachineFormatArgs};
 use super::terminal::show;
 use super::{CommandResult, files};
 use ptm_conform::tools::diff::diff;
@@ -26,7 +26,7 @@ pub struct DiffArgs {
     /// Another PTM file.
     b: PathBuf,
     #[command(flatten)]
-    machine: Machine,
+    machine: MachineFormatArgs,
 }
 
 pub fn run(args: &DiffArgs) -> CommandResult {
@@ -38,7 +38,7 @@ pub fn run(args: &DiffArgs) -> CommandResult {
     ];
     let [Ok(a), Ok(b)] = maps else {
         for failed in maps.into_iter().filter_map(Result::err) {
-            output::complain(&failed.says);
+            output::print_error(&failed.says);
         }
         return Ok(2);
     };

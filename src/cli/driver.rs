@@ -1,4 +1,4 @@
-//! The driver of a run, shared by all suites: first contact, cases, verdicts, report, causes.
+//! Driver of a run, shared by all suites: first contact, cases, verdicts, report, causes.
 
 use std::fs;
 use std::io::Write;
@@ -10,15 +10,17 @@ use std::time::{Duration, Instant};
 
 use super::CommandResult;
 use super::calls::RunArgs;
-use super::ending::{Ending, OutputArgs};
+use super::ending::{OutputArgs, ReportWriter};
 use super::files::with_path;
 use super::guard::check_trouble;
 use super::output::jobs;
 use super::progress::{self, ProgressLine};
 use ptm_conform::diagnose::MAX_WORK;
-use ptm_conform::report::conclude::{causes, first_causes, verdicts};
+use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reported;
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
+use ptm_conform::report::shards::{
+    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+};
 use ptm_conform::report::text::first_causes_to_text;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::session::asking::Ask;
@@ -28,42 +30,43 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases after the smoke subset for an intermediate message.
+/// Minimum number of cases after the smoke subset at which first causes are reported.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time for the search for first causes, which may take a tenth of the run.
-const MIN_PATIENCE: Duration = Duration::from_secs(2);
+/// Minimum time limit of the search for first causes, which may take a tenth of the run.
+const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
-/// Minimum duration of a run that is announced beforehand.
+/// Minimum estimated duration of a run that is announced beforehand.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
-/// A run of a suite, and the destination of its report.
+/// Run of a suite and the destination of its report.
 pub struct Check<'a, C: Reported> {
     suite: &'a Suite<C>,
     plan: &'a RunPlan,
     circumstances: Circumstances,
-    ending: Ending<'a>,
-    /// The results so far, in a file next to the report: a list in YAML, valid after every case.
+    ending: ReportWriter<'a>,
+    /// File next to the report with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
-    /// A hint for faster answers; empty if there is none.
+    /// Hint how to get answers faster; empty if there is none.
     pub faster: &'static str,
-    /// Records the answers if this is a part of a run.
-    keeper: Option<(Shard, Keeper<C>)>,
+    /// Recorder of the answers if this is a partial run.
+    recorder: Option<(Shard, AnswerRecorder<C>)>,
 }
 
 impl<'a, C: Reported> Check<'a, C> {
-    /// Creates the files of a run.
+    /// Creates a run and the files that it writes.
     pub fn new(
         suite: &'a Suite<C>,
         plan: &'a RunPlan,
         circumstances: Circumstances,
-        ending: Ending<'a>,
+        ending: ReportWriter<'a>,
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
         let path = answers_path(ending.path);
-        let keeper = shard.map(|shard| Keeper::new(&path).map(|keeper| (shard, keeper)));
-        let keeper = keeper.transpose().map_err(with_path(&path))?;
+        let recorder =
+            shard.map(|shard| AnswerRecorder::new(&path).map(|recorder| (shard, recorder)));
+        let recorder = recorder.transpose().map_err(with_path(&path))?;
         let mut partial = ending.path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
@@ -76,17 +79,18 @@ impl<'a, C: Reported> Check<'a, C> {
             ending,
             progress: ProgressLine::new("first contact"),
             faster: "",
-            keeper,
+            recorder,
         })
     }
 
-    /// Runs first contact and cases, and returns verdicts.
+    /// Runs first contact and all cases, and returns the judged run. `look` may inspect and change the result of first
+    /// contact.
     pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
-        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
+        let recorder = self.recorder.as_ref().map(|(_, recorder)| recorder);
         let recording = |request: &Request<'_, C::View>, job: usize| {
             let reply = ask(request, job);
-            if let Some(keeper) = keeper {
-                keeper.answered(request, &reply);
+            if let Some(recorder) = recorder {
+                recorder.record_answer(request, &reply);
             }
             reply
         };
@@ -97,58 +101,59 @@ impl<'a, C: Reported> Check<'a, C> {
             .elapsed()
             .div_f64(session.requests_sent().max(1) as f64);
         look(&mut contact);
-        // Assumed mistakes are already reported.
+        // Assumed misreadings have already been reported.
         if contact.is_ready() && self.circumstances.assumed.is_empty() {
             C::undo_common_transforms(self.suite, &mut session, &mut contact);
         }
-        let observations = self.ask_soonest_first(&session, &contact, pace);
+        let observations = self.run_smoke_subset_first(&session, &contact, pace);
         self.progress.begin("asking again");
-        let again = |done, all| self.progress.show(done, all);
+        let again = |done, all| self.progress.update(done, all);
         let run = session.verdicts(contact, observations, &again);
-        // The first signal ends the calls, the next one the search for causes.
+        // The first signal ends the calls. The next one ends the search for causes.
         self.plan.stop.store(false, Ordering::Relaxed);
         run
     }
 
-    /// Runs the smoke subset, reports likely causes, and runs the rest. A request takes about as long as `pace`.
-    fn ask_soonest_first(
+    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request is expected to take about
+    /// `pace`.
+    fn run_smoke_subset_first(
         &self,
         session: &Session<C>,
         contact: &Contact<C>,
         pace: Duration,
     ) -> Vec<Option<Observation<C>>> {
-        let keeper = self.keeper.as_ref().map(|(_, keeper)| keeper);
+        let recorder = self.recorder.as_ref().map(|(_, recorder)| recorder);
         let (soonest, others) = session.agenda(contact);
         let all = soonest.len() + others.len();
         let done = AtomicUsize::new(0);
         let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
             let (id, view, answer) = (case.id(), &observation.view, observation.response.name());
             let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
-            // One write per line; results that cannot be written are still in the report.
+            // One write per line. Results that cannot be written here are still in the report.
             let _ = (&self.partial.1).write_all(line.as_bytes());
-            // Answers that are changed before comparison stay recorded as received.
-            if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
-                keeper.observed(case, observation);
+            // If transforms are undone before comparison, the answer as received must stay recorded.
+            if let Some(recorder) = recorder.filter(|_| session.undo.is_empty()) {
+                recorder.record_observation(case, observation);
             }
             if observation.is_wrong_for(case) {
-                self.progress.one_wrong();
+                self.progress.count_wrong_answer();
             }
             self.progress
-                .show(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+                .update(done.fetch_add(1, Ordering::Relaxed) + 1, all);
         };
         let mut observations = vec![None; self.suite.cases.len()];
-        // A short run would end before its first causes were read.
+        // A short run would end before the user has read the first causes.
         let is_short = soonest.is_empty() || others.len() < MIN_OTHER_CASES;
         let others = if is_short {
             [soonest, others].concat()
         } else {
-            self.foretell(pace, soonest.len(), all);
+            self.announce_duration(pace, soonest.len(), all);
             self.progress.begin("asking the smoke subset:");
             session.ask_some(contact, &soonest, &mut observations, &progress);
             if !session.is_over() {
                 let run = session.so_far(contact, &soonest, &observations);
-                let patience = pace.mul_f64(all as f64 / 10.0).max(MIN_PATIENCE);
-                self.tell_first_causes(run, patience);
+                let time_limit = pace.mul_f64(all as f64 / 10.0).max(MIN_SEARCH_TIME);
+                self.report_first_causes(run, time_limit);
             }
             others
         };
@@ -157,27 +162,28 @@ impl<'a, C: Reported> Check<'a, C> {
         observations
     }
 
-    /// Announces how long a slow decoder will take.
-    fn foretell(&self, pace: Duration, soonest: usize, all: usize) {
+    /// Announces the estimated duration of a long run.
+    fn announce_duration(&self, pace: Duration, soonest: usize, all: usize) {
         if pace.mul_f64(all as f64) < MIN_ANNOUNCED_TIME {
             return;
         }
         let [long, short] =
-            [all, soonest].map(|count| progress::in_words(pace.mul_f64(count as f64)));
+            [all, soonest].map(|count| progress::format_duration(pace.mul_f64(count as f64)));
         let faster = self.faster;
-        self.progress.say(&format!(
+        self.progress.print_message(&format!(
             "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
         ));
     }
 
-    /// Reports the causes in the smoke subset, if they are found in time: an incomplete search may name refutable causes.
-    fn tell_first_causes(&self, mut run: Run<C>, patience: Duration) {
+    /// Reports the causes of failures in the smoke subset. Reports nothing if the search does not finish in time, because
+    /// an incomplete search may name causes that other cases refute.
+    fn report_first_causes(&self, mut run: Run<C>, time_limit: Duration) {
         let assumed = &self.circumstances.assumed;
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let what = "searching for first causes";
         self.progress.begin_counted(what, &run.searched, MAX_WORK);
-        let causes = run_within(patience, &stop, &self.plan.stop, || {
+        let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
             first_causes(self.suite, &run, |run| {
                 C::diagnose(self.suite, run, assumed, self.plan.jobs)
             })
@@ -186,19 +192,19 @@ impl<'a, C: Reported> Check<'a, C> {
             return;
         }
         if let Some(text) = first_causes_to_text(&run, &causes) {
-            self.progress.say(&text);
+            self.progress.print_message(&text);
         }
     }
 
-    /// Writes the report, then searches for causes.
+    /// Writes the report with all verdicts, then searches for causes and writes it again.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
         let (suite, plan) = (self.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();
         self.progress.begin("writing the report");
         let mut report = verdicts(suite, plan, &mut run, &self.circumstances, &others)?;
-        // The verdicts do not wait for the search for causes, which may take long or fail.
+        // Write the verdicts before the search for causes, which may take long or fail.
         self.ending.write(suite, &run, &mut report)?;
-        if let Some((part, keeper)) = self.keeper {
+        if let Some((part, recorder)) = self.recorder {
             let end = End {
                 version: report.tool.version.clone(),
                 corpus: report.tool.corpus.clone(),
@@ -209,17 +215,17 @@ impl<'a, C: Reported> Check<'a, C> {
                 ended_early: run.ended_early.map(str::to_owned),
             };
             let path = answers_path(self.ending.path);
-            keeper.finish(&end).map_err(with_path(&path))?;
+            recorder.finish(&end).map_err(with_path(&path))?;
         }
         self.progress
             .begin_counted("searching for causes", &run.searched, MAX_WORK);
-        let report = causes(suite, &run, report, |run| {
+        let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
                 && !found.diagnoses.is_empty()
             {
                 let (answers, seconds) = (found.answered, time.as_secs_f64());
-                self.progress.say(&format!(
+                self.progress.print_message(&format!(
                     "searched for causes: {answers} answers compared in {seconds:.1} s of CPU time"
                 ));
             }
@@ -232,24 +238,24 @@ impl<'a, C: Reported> Check<'a, C> {
     }
 }
 
-/// The run of a suite whose answers all come from one program, without serve mode.
+/// Run of a suite whose answers all come from one program, without serve mode.
 pub struct ProgramRun<'a> {
-    /// The program.
+    /// Program under test.
     pub program: &'a Decoder,
-    /// Its command, for the report.
+    /// Command line for the report.
     pub words: &'a [String],
-    /// The limits in force, in words.
+    /// Descriptions of the limits in force.
     pub limits: Vec<String>,
-    /// The report, and the number of calls in parallel.
+    /// Path of the report, and options for calls.
     pub args: &'a RunArgs,
-    /// Other forms of the report.
+    /// Other output formats of the report.
     pub written: &'a OutputArgs,
-    /// The part of the suite, if it is not the whole.
+    /// Part of the suite, or `None` for the whole suite.
     pub shard: Option<Shard>,
 }
 
 impl ProgramRun<'_> {
-    /// Runs the selected cases, and returns the exit status. `reword` is applied to the verdicts.
+    /// Runs the selected cases and returns the exit status. `reword` may change the wording of the verdicts.
     pub fn check<C: Reported>(
         self,
         suite: &Suite<C>,
@@ -263,7 +269,7 @@ impl ProgramRun<'_> {
             stop: Arc::clone(&self.program.stop),
             ..RunPlan::new(suite, jobs(self.args.calls.jobs)?)
         };
-        let ending = Ending::new(suite, &self.args.report, self.written)?;
+        let ending = ReportWriter::new(suite, &self.args.report, self.written)?;
         let circumstances = Circumstances {
             command: self.words.to_vec(),
             limits: self.limits,
@@ -277,9 +283,9 @@ impl ProgramRun<'_> {
     }
 }
 
-/// Does the work, and sets `stop` after this time, or when the user sets `end`.
-fn run_within<T>(
-    patience: Duration,
+/// Runs `work`. Sets `stop` when the time limit expires or when `end` is set.
+fn run_with_time_limit<T>(
+    time_limit: Duration,
     stop: &AtomicBool,
     end: &AtomicBool,
     work: impl FnOnce() -> T,
@@ -289,7 +295,7 @@ fn run_within<T>(
     std::thread::scope(|scope| {
         scope.spawn(move || {
             while ended.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
-                if began.elapsed() > patience || end.load(Ordering::Relaxed) {
+                if began.elapsed() > time_limit || end.load(Ordering::Relaxed) {
                     return stop.store(true, Ordering::Relaxed);
                 }
             }

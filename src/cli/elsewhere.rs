@@ -1,4 +1,4 @@
-//! `ptm-conform check` on systems where it is not available.
+//! Replacement for `ptm-conform check` on systems where it is not available.
 
 use std::ffi::OsString;
 

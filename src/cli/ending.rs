@@ -1,4 +1,4 @@
-//! The end of a run, on one machine or many: the report is written and printed in all its forms, and compared with the
+//! Output at the end of a run or a merge: writes and prints the report in all requested formats and compares it with the
 //! baseline.
 
 use std::fs;
@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::files::{can_be_written, with_path, write_whole};
-use super::output::{complain, print};
+use super::files::{check_writable, with_path, write_atomically};
+use super::output::{print, print_error};
 use super::terminal::show;
 use ptm_conform::report::Report;
-use ptm_conform::report::baseline::{Baseline, BaselineNews};
+use ptm_conform::report::baseline::{Baseline, BaselineComparison};
 use ptm_conform::report::github;
 use ptm_conform::report::html;
 use ptm_conform::report::junit;
@@ -20,7 +20,7 @@ use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
 
-/// Other forms of the report, and lists of known failures.
+/// Options for other output formats and for lists of known failures.
 #[derive(Args)]
 pub struct OutputArgs {
     /// Also write the report as an HTML page with images of the failures.
@@ -59,13 +59,13 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Refuses an output file that cannot be written, or would be written twice, before long work begins.
+    /// Returns an error if an output file cannot be written or is given twice. Called before long work begins.
     pub fn check(&self, report: &Path) -> Result<(), String> {
         let others = [&self.html, &self.junit, &self.json, &self.write_baseline];
         let others = others.into_iter().flatten().map(PathBuf::as_path);
         let outputs: Vec<&Path> = [report].into_iter().chain(others).collect();
         for (i, path) in outputs.iter().enumerate() {
-            can_be_written(path)?;
+            check_writable(path)?;
             if outputs[..i].contains(path) {
                 return Err(format!(
                     "{} is the output file of two options",
@@ -77,27 +77,27 @@ impl OutputArgs {
     }
 }
 
-/// The destinations and forms of a report.
-pub struct Ending<'a> {
-    /// The report.
+/// Writes a report to its destinations.
+pub struct ReportWriter<'a> {
+    /// Path of the YAML report.
     pub path: &'a Path,
     args: &'a OutputArgs,
     known: Option<Baseline>,
 }
 
-impl<'a> Ending<'a> {
-    /// Reads the baseline, if one is given.
+impl<'a> ReportWriter<'a> {
+    /// Creates a writer and reads the baseline, if one is given.
     pub fn new<C: TestCase>(
         suite: &Suite<C>,
         path: &'a Path,
         args: &'a OutputArgs,
-    ) -> Result<Ending<'a>, String> {
+    ) -> Result<ReportWriter<'a>, String> {
         let known = args.baseline.as_ref();
         let known = known.map(|path| Baseline::read(path, suite)).transpose()?;
-        Ok(Ending { path, args, known })
+        Ok(ReportWriter { path, args, known })
     }
 
-    /// Writes the report in its current state, atomically, with known and new failures.
+    /// Compares the report with the baseline and writes it atomically as YAML.
     pub fn write<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -105,15 +105,15 @@ impl<'a> Ending<'a> {
         report: &mut Report,
     ) -> Result<(), String> {
         let known = self.known.as_ref();
-        report.baseline = known.map(|known| known.news(suite, &run.judgement.cases));
+        report.baseline = known.map(|known| known.compare(suite, &run.judgement.cases));
         let text = match self.args.short {
-            true => report.clone().shortened()?.to_yaml(),
+            true => report.clone().without_passing_cases()?.to_yaml(),
             false => report.to_yaml(),
         };
-        write_whole(self.path, text?)
+        write_atomically(self.path, text?)
     }
 
-    /// Writes and prints the report in all its forms; returns the exit status.
+    /// Writes and prints the report in all requested formats. Returns the exit status.
     pub fn finish<C: Reported>(
         &self,
         suite: &Suite<C>,
@@ -122,47 +122,47 @@ impl<'a> Ending<'a> {
     ) -> Result<u8, String> {
         self.write(suite, run, &mut report)?;
         if let Some(why) = run.ended_early {
-            complain(&format!("ptm-conform: {why}"));
+            print_error(&format!("ptm-conform: {why}"));
         }
         let text = report.to_text(suite, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
         show(&match self.args.github {
-            true => github::without_commands(&text),
+            true => github::quote_commands(&text),
             false => text,
         });
         print(&format!("report: {}\n", self.path.display()));
-        self.write_renderings(suite, run, &report)?;
+        self.write_other_formats(suite, run, &report)?;
         self.write_baseline(suite, run)?;
-        let Some(news) = report.baseline else {
+        let Some(comparison) = report.baseline else {
             return Ok(run.exit_status());
         };
-        print(&news_to_text(&news));
-        Ok(news.exit_status(run))
+        print(&comparison_text(&comparison));
+        Ok(comparison.exit_status(run))
     }
 
-    /// Writes the other requested forms of the report.
-    fn write_renderings<C: Reported>(
+    /// Writes the other requested formats of the report.
+    fn write_other_formats<C: Reported>(
         &self,
         suite: &Suite<C>,
         run: &Run<C>,
         report: &Report,
     ) -> Result<(), String> {
         if let Some(path) = &self.args.html {
-            write_whole(path, html::page(suite, report, Some(run))?)?;
+            write_atomically(path, html::page(suite, report, Some(run))?)?;
             print(&format!("page: {}\n", path.display()));
         }
         if let Some(path) = &self.args.junit {
-            write_whole(path, junit::junit(report))?;
+            write_atomically(path, junit::junit(report))?;
         }
         if let Some(path) = &self.args.json {
             let json = serde_json::to_string(report).map_err(|error| error.to_string())?;
-            write_whole(path, json)?;
+            write_atomically(path, json)?;
         }
         if self.args.github {
             print(&github::annotations(report));
             let summary = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty());
             if let Some(path) = summary.as_deref().map(Path::new) {
-                // The steps of a job append to one file.
+                // All steps of a job append to the same file.
                 let file = fs::OpenOptions::new().append(true).create(true).open(path);
                 let text = github::summary(report, suite.cases.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
@@ -172,7 +172,7 @@ impl<'a> Ending<'a> {
         Ok(())
     }
 
-    /// Writes the baseline again if requested.
+    /// Writes an updated baseline if requested.
     fn write_baseline<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> Result<(), String> {
         let Some(path) = &self.args.write_baseline else {
             return Ok(());
@@ -180,23 +180,23 @@ impl<'a> Ending<'a> {
         if run.ended_early.is_some() || run.not_a_decoder.is_some() {
             let path = path.display();
             let says = format!("ptm-conform: the run is incomplete, so {path} is not written");
-            complain(&says);
+            print_error(&says);
             return Ok(());
         }
         let list = self.known.clone().unwrap_or_default();
-        write_whole(path, list.renewed(suite, &run.judgement.cases))?;
+        write_atomically(path, list.to_updated_yaml(suite, &run.judgement.cases))?;
         print(&format!("known failures: {}\n", path.display()));
         Ok(())
     }
 }
 
-/// Describes the failures that are not known, and the known ones that no longer fail.
-fn news_to_text(news: &BaselineNews) -> String {
+/// Lists the new failures and the listed cases that pass.
+fn comparison_text(comparison: &BaselineComparison) -> String {
     let list = |what: &str, ids: &[String]| match ids.len() {
         0 => String::new(),
         count => format!("{what}: {count}\n  {}\n", ids.join("\n  ")),
     };
-    let new = list("new failures, not in the list", &news.new);
-    let stale = list("stale, listed but passing", &news.stale);
-    format!("known failures: {}\n{new}{stale}", news.known.len())
+    let new = list("new failures, not in the list", &comparison.new);
+    let stale = list("stale, listed but passing", &comparison.stale);
+    format!("known failures: {}\n{new}{stale}", comparison.known.len())
 }

@@ -18,7 +18,7 @@ pub struct ExampleArgs {
     language: String,
 }
 
-/// The decoders, by their languages.
+/// Source of the example decoders, by language.
 const DECODERS: [(&str, &str); 5] = [
     ("python", include_str!("../../examples/starters/decoder.py")),
     ("c", include_str!("../../examples/starters/decoder.c")),

@@ -1,4 +1,4 @@
-//! `ptm-conform explain`: information about a case, a clause, a ruling, a misreading or a code; or about all of them.
+//! `ptm-conform explain`: describes a case, clause, ruling, misreading or lint code, or lists all ids.
 
 use std::collections::BTreeMap;
 #[cfg(unix)]
@@ -12,7 +12,7 @@ use clap::Args;
 use super::CommandResult;
 use super::arguments::is_at_or_below;
 use super::links::page_line;
-use super::names::nearest;
+use super::names::nearest_names;
 #[cfg(unix)]
 use super::output::{bar, jobs};
 use super::terminal::show;
@@ -41,14 +41,14 @@ pub struct ExplainArgs {
     id: Option<String>,
 }
 
-/// Explains an id, or suggests similar ones.
+/// Explains an id, or suggests similar ids if it is unknown.
 pub fn run(args: &ExplainArgs) -> CommandResult {
     let Some(id) = &args.id else {
-        show(&list(&Suite::load()?)?);
+        show(&list_ids(&Suite::load()?)?);
         return Ok(0);
     };
     let Some(text) = explain(id)? else {
-        return Err(unknown(id, &Suite::load()?)?.into());
+        return Err(unknown_id_message(id, &Suite::load()?)?.into());
     };
     show(&text);
     Ok(0)
@@ -80,8 +80,8 @@ fn section(clause: &str) -> &str {
     clause.split('/').next().unwrap_or_default()
 }
 
-/// Lists all ids except those of cases.
-fn list(suite: &Suite) -> Result<String, String> {
+/// Lists all ids except case ids.
+fn list_ids(suite: &Suite) -> Result<String, String> {
     let clauses = clauses::clauses()?;
     let mut sections: Vec<&str> = clauses.iter().map(|clause| section(&clause.id)).collect();
     sections.dedup();
@@ -117,7 +117,7 @@ fn list(suite: &Suite) -> Result<String, String> {
     Ok(text)
 }
 
-/// Describes an id, if it is known.
+/// Describes everything that has the given id. Returns `None` if the id is unknown.
 fn explain(id: &str) -> Result<Option<String>, String> {
     let (suite, pages) = (Suite::load()?, SuiteName::Ptm);
     let mut text = String::new();
@@ -147,7 +147,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
             );
         }
         #[cfg(unix)]
-        text.push_str(&shown_by(misreading, &suite)?);
+        text.push_str(&describe_failing_cases(misreading, &suite)?);
         text += &page_line(Some(pages.misreading_page(id)));
     }
     if let Ok(format) = id.parse() {
@@ -187,7 +187,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
     Ok(text)
 }
 
-/// Lists the sections with cases in a format.
+/// Lists the sections that have cases in the given format.
 fn explain_format(suite: &Suite, format: Format) -> String {
     let mut sections: BTreeMap<&str, usize> = BTreeMap::new();
     for case in suite.cases.iter().filter(|case| case.format() == format) {
@@ -203,7 +203,7 @@ fn explain_format(suite: &Suite, format: Format) -> String {
     )
 }
 
-/// Describes the clauses at or below an id, and the ruling with this id.
+/// Describes the clauses that equal `id` or are contained in it, and the ruling with this id.
 fn explain_rules<C: TestCase>(
     suite: &Suite<C>,
     pages: SuiteName,
@@ -232,7 +232,7 @@ fn explain_rules<C: TestCase>(
         let about = about.filter(|case| case.clauses().contains(&clause.id));
         let ids: Vec<&str> = about.map(TestCase::id).collect();
         let _ = match is_ptm {
-            true => writeln!(text, "\n  {}", abbreviated(&ids, "cases")),
+            true => writeln!(text, "\n  {}", abbreviate_ids(&ids, "cases")),
             false => writeln!(text, "\n  cases: {}", ids.join(", ")),
         };
         text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
@@ -264,9 +264,9 @@ fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
     )
 }
 
-/// Lists the cases that a decoder with this mistake fails, and its response to the smallest file among them.
+/// Lists the cases that a decoder with this misreading fails, and describes its response to the smallest failing file.
 #[cfg(unix)]
-fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
+fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let bar = bar(None, "{spinner} reading every case with this mistake");
     bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = run_with_mistakes(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
@@ -289,7 +289,7 @@ fn shown_by(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
     let view = run.observations[place].as_ref();
     Ok(format!(
         "  It fails {}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {}\n    {}: {}\n    {}\n",
-        abbreviated(&ids, "cases"),
+        abbreviate_ids(&ids, "cases"),
         case.id,
         view.map_or_else(String::new, |observation| observation.view.to_string()),
         judged.map_or("", |judged| &judged.says),
@@ -334,8 +334,8 @@ fn explain_case(case: &Case) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Returns the message for an unknown id, with similar ids.
-fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
+/// Returns the error message for an unknown id, with suggestions.
+fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let cases = suite.cases.iter().map(|case| case.id.as_str());
     let known = cases
@@ -343,7 +343,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
         .chain(rulings.iter().map(|ruling| ruling.id.as_str()))
         .chain(misreadings::all().map(|misreading| misreading.slug))
         .chain(codes::ALL.iter().map(|code| code.id));
-    let near = nearest(id, known);
+    let near = nearest_names(id, known);
     let hint = match near.is_empty() {
         true => "ptm-conform explain lists all sections, misreadings, rulings and codes".to_owned(),
         false => format!("did you mean {}?", near.join(" or ")),
@@ -351,7 +351,7 @@ fn unknown(id: &str, suite: &Suite) -> Result<String, String> {
     Ok(format!("unknown id {id:?}; {hint}"))
 }
 
-/// Describes a lint code, and the cases that provoke it.
+/// Describes a lint code and lists the cases that provoke it.
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
@@ -359,7 +359,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     };
     let cases = suite.cases.iter().filter(provokes);
     let cases: Vec<&str> = cases.map(|case| &*case.id).collect();
-    let cases = abbreviated(&cases, "cases provoke it");
+    let cases = abbreviate_ids(&cases, "cases provoke it");
     let fix = match code.fix {
         "" => String::new(),
         fix => format!("  Fix: {fix}\n"),
@@ -369,8 +369,8 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     format!("code {id} ({severity}, clause {clause}): {says}\n{fix}  {cases}\n")
 }
 
-/// Returns the number of cases, and the first six.
-fn abbreviated(ids: &[&str], what: &str) -> String {
+/// Returns the number of ids and the first six of them.
+fn abbreviate_ids(ids: &[&str], what: &str) -> String {
     let more = if ids.len() > 6 { ", …" } else { "" };
     let first = ids[..ids.len().min(6)].join(", ");
     match ids.len() {

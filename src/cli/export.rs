@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::{CommandResult, files, output};
 use ptm_conform::tools::export;
-use ptm_conform::tools::render::to_file;
+use ptm_conform::tools::render::encode_image;
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
 ///
@@ -59,14 +59,14 @@ pub fn run(args: &ExportArgs) -> CommandResult {
             "stored bytes".to_owned(),
         ),
         _ => (
-            to_file(
+            encode_image(
                 export::stacked_planes(samples, size, channels),
                 ImageFormat::Png,
             )?,
             format!("{channels} stored planes below each other"),
         ),
     };
-    files::write_whole(&args.output, bytes)?;
+    files::write_atomically(&args.output, bytes)?;
     let (output, size) = (args.output.display(), ptm.header.size);
     output::note(&format!("{output}: {what}, {size} texels\n"));
     Ok(0)

@@ -1,26 +1,26 @@
-//! Reading maps and writing results.
+//! Functions for reading maps and writing results.
 
 use std::fmt::Display;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use super::Failed;
+use super::CommandError;
 use ptm_conform::error::Class;
 use ptm_conform::kit::strip_os_error_code;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_conform::ptm::Ptm;
 use ptm_conform::tools::dissection::Dissection;
 
-/// Maximum number of bytes read from something other than a regular file, which may be endless: a pipe, a device.
+/// Maximum number of bytes read from a pipe or a device, which may be endless.
 const MAX_STREAM_BYTES: u64 = 1 << 28;
 
-/// Returns a function that names the file of an error.
+/// Returns a function that prefixes an error with the path of the file.
 pub fn with_path<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
     move |error| format!("{}: {}", path.display(), strip_os_error_code(&error))
 }
 
-/// Converts a path, which may have any bytes on Unix systems.
+/// Converts bytes to a path. On Unix systems, a path may contain any bytes.
 pub fn path_of(bytes: Vec<u8>) -> PathBuf {
     #[cfg(unix)]
     let path = <std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);
@@ -31,7 +31,7 @@ pub fn path_of(bytes: Vec<u8>) -> PathBuf {
     path.into()
 }
 
-/// Reads a file; the error is a sentence.
+/// Reads a file. The error message names the file.
 pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     #[cfg(unix)]
     if is_named_pipe(path) {
@@ -51,8 +51,8 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Checks before long work whether a result can be written there.
-pub fn can_be_written(path: &Path) -> Result<(), String> {
+/// Returns an error if a result cannot be written to `path`. Called before long work begins.
+pub fn check_writable(path: &Path) -> Result<(), String> {
     if path.is_dir() {
         return Err(format!("{} is a directory", path.display()));
     }
@@ -60,7 +60,7 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
         return Ok(());
     }
     let path = &follow_links(path).map_err(with_path(path))?;
-    let directory = directory_of(path);
+    let directory = parent_directory(path);
     match directory.is_dir() {
         true => Ok(()),
         false => Err(with_path(path)(format!(
@@ -70,36 +70,37 @@ pub fn can_be_written(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Returns true for a named pipe, which may never have a writer. A shell passes the output of a command as a link to a pipe.
+/// Returns true if `path` is a named pipe, which may never have a writer. Links to pipes are allowed, because shells use
+/// them for process substitution.
 #[cfg(unix)]
 pub fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;
     fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_fifo())
 }
 
-/// Returns the directory of a file.
-fn directory_of(path: &Path) -> &Path {
+/// Returns the directory that contains a file.
+fn parent_directory(path: &Path) -> &Path {
     path.parent()
         .filter(|parent| !parent.as_os_str().is_empty())
         .unwrap_or(Path::new("."))
 }
 
-/// Returns the map in a file, or the reason why there is none with a suggestion.
-pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, Failed> {
+/// Returns the decoded map of a file, or an error with suggestions for what to do next.
+pub fn map<'a>(path: &Path, dissection: &'a Dissection) -> Result<&'a Ptm, CommandError> {
     dissection.outcome.as_ref().map_err(|error| {
         let name = path.to_string_lossy();
         let path = shlex::try_quote(&name).unwrap_or(std::borrow::Cow::Borrowed(&name));
         let next = format!("`ptm-conform inspect {path}` shows the file up to that byte; `ptm-conform lint {path}` says what to fix");
-        Failed::new(status(error), &format!("{path}: {error}\n  {next}"))
+        CommandError::new(status(error), &format!("{path}: {error}\n  {next}"))
     })
 }
 
-/// Returns the map in the file at this path.
-pub fn read_map(path: &Path) -> Result<Ptm, Failed> {
+/// Reads and decodes the map at `path`.
+pub fn read_map(path: &Path) -> Result<Ptm, CommandError> {
     map(path, &Dissection::parse(&read(path)?)).cloned()
 }
 
-/// Returns the exit status for the class of an error.
+/// Returns the exit status for a decoding error.
 pub fn status(error: &ptm_conform::error::Error) -> u8 {
     let status = match error.class() {
         Class::Malformed => EXIT_MALFORMED,
@@ -108,38 +109,38 @@ pub fn status(error: &ptm_conform::error::Error) -> u8 {
     status as u8
 }
 
-/// Writes a file next to its place and moves it there, so that it is never seen incomplete. If there is a symbolic link, its
-/// target is written, and the link stays.
-pub fn write_whole(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
-    can_be_written(path)?;
+/// Writes a temporary file and renames it to `path`, so that other programs never see an incomplete file. If `path` is a
+/// symbolic link, its target is replaced and the link is preserved.
+pub fn write_atomically(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), String> {
+    check_writable(path)?;
     if path.exists() && !path.is_file() {
         return fs::write(path, bytes).map_err(with_path(path));
     }
-    let place = follow_links(path).map_err(with_path(path))?;
+    let target_path = follow_links(path).map_err(with_path(path))?;
     #[cfg_attr(not(unix), allow(unused_mut))]
     let mut temporary = tempfile::Builder::new();
-    // The usual permissions of new files.
+    // Use the usual permissions of new files.
     #[cfg(unix)]
     temporary.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o644));
-    let file = temporary.tempfile_in(directory_of(&place));
+    let file = temporary.tempfile_in(parent_directory(&target_path));
     let mut file = file.map_err(with_path(path))?;
     file.write_all(bytes.as_ref()).map_err(with_path(path))?;
-    file.persist(&place)
+    file.persist(&target_path)
         .map_err(|error| with_path(path)(error.error))?;
     Ok(())
 }
 
-/// Maximum number of links that are followed in sequence.
+/// Maximum number of links in a chain.
 const MAX_LINKS: usize = 40;
 
-/// Returns the path after following every link, even if the target does not exist yet.
+/// Resolves all links in a chain, even if the final target does not exist yet.
 fn follow_links(path: &Path) -> io::Result<PathBuf> {
-    let mut place = path.to_owned();
+    let mut target_path = path.to_owned();
     for _ in 0..MAX_LINKS {
-        match fs::read_link(&place) {
-            Ok(target) => place = directory_of(&place).join(target),
-            // Not a link.
-            Err(_) => return Ok(place),
+        match fs::read_link(&target_path) {
+            Ok(target) => target_path = parent_directory(&target_path).join(target),
+            // The path is not a link.
+            Err(_) => return Ok(target_path),
         }
     }
     Err(io::Error::other("too many symbolic links"))

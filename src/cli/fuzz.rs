@@ -10,9 +10,9 @@ use clap::Args;
 
 use super::arguments::positive_seconds;
 use super::calls::CallArgs;
-use super::guard::{Guarded, check_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
-use super::{CommandResult, Failed};
+use super::{CommandError, CommandResult};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
@@ -22,7 +22,7 @@ use ptm_conform::runner::run::Request;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-/// The template of a bar that counts calls.
+/// Template of a progress bar that counts calls.
 pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
@@ -65,13 +65,13 @@ pub struct FuzzArgs {
     decoder: Vec<OsString>,
 }
 
-/// Runs the fuzzer, and writes what it finds.
+/// Runs the fuzzer and writes the mistakes that it finds.
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
     let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
-    // When the time is over, no more files are drawn, but calls in progress are finished.
+    // When the time is over, no more files are generated, but calls in progress are finished.
     let stop = stop_on_signals()?;
-    let guarded = Guarded::new()?;
+    let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
     let declared = decoder.capabilities(scratch).unwrap_or_default();
     let serves = declared.serves && !args.one_shot;
@@ -110,7 +110,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     bar.finish_and_clear();
     check_trouble(&decoder)?;
     if let Some(why) = result.not_a_decoder {
-        return Err(Failed::new(3, &format!("not a decoder: {why}")));
+        return Err(CommandError::new(3, &format!("not a decoder: {why}")));
     }
     let end = match result.ended_early {
         _ if decoder.stop.load(Ordering::Relaxed) => "; interrupted",
@@ -123,7 +123,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
 }
 
 impl FuzzArgs {
-    /// Writes a find to its files, and prints a description.
+    /// Writes the files of a find and prints a description.
     fn write(&self, find: &Find) {
         let written = match write(find, TableSpelling::default(), &self.out) {
             Ok(name) => self.out.join(name).display().to_string(),
@@ -133,7 +133,7 @@ impl FuzzArgs {
     }
 }
 
-/// Returns the number of calls and of finds.
+/// Summarizes the number of files, calls and finds.
 fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.finds.len());
     let plural = if count == 1 { "" } else { "s" };

@@ -1,4 +1,4 @@
-//! `ptm-conform generate`: the corpus, requests for programs that cannot be called, corpora for other projects.
+//! `ptm-conform generate`: writes the corpus, requests for programs that cannot be called, and corpora for other projects.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -92,7 +92,7 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Writes the files of the cases that match.
+/// Writes the files of the cases whose ids match `glob`.
 fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
     let is_named = id_filter(&[glob.to_owned()])?;
     let cases = suite.cases.iter().filter(|case| is_named(&case.id));
@@ -114,7 +114,7 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
             (directory, _) => directory.unwrap_or(Path::new("")).join(format!("{id}.ptm")),
         };
         let file = &case.build(TableSpelling::default()).file;
-        files::write_whole(&path, file)?;
+        files::write_atomically(&path, file)?;
         let (path, size, expected) = (path.display(), file.len(), case.expect.name());
         note(&format!(
             "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"

@@ -1,4 +1,4 @@
-//! The environment of a run: its directories, its signals, and a watcher that cleans up if it is killed.
+//! Environment of a run: scratch directories, signals, and a watcher that cleans up if the run is killed.
 
 use std::io;
 use std::os::unix::process::CommandExt;
@@ -15,16 +15,16 @@ use ptm_conform::runner::processes::{self, Descendants};
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::scratch::{Scratch, remove};
 
-/// The directories of a run, and a process that cleans up if this one is killed.
-pub struct Guarded {
-    /// The directories.
+/// Scratch directories of a run, and a watcher process that cleans up if this process is killed.
+pub struct ScratchGuard {
+    /// Scratch directories.
     pub scratch: Scratch,
     watcher: Option<Child>,
 }
 
-impl Guarded {
-    /// Makes new directories, and starts a watcher over them.
-    pub fn new() -> Result<Guarded, String> {
+impl ScratchGuard {
+    /// Creates the directories and starts the watcher.
+    pub fn new() -> Result<ScratchGuard, String> {
         let scratch = Scratch::new().map_err(|error| format!("no scratch directory: {error}"))?;
         // Without a watcher, a decoder that runs when this process is killed would be orphaned.
         let watcher = std::env::current_exe().and_then(|program| {
@@ -39,14 +39,14 @@ impl Guarded {
                 .process_group(0);
             processes::start(&mut command)
         });
-        Ok(Guarded {
+        Ok(ScratchGuard {
             scratch,
             watcher: watcher.ok(),
         })
     }
 }
 
-impl Drop for Guarded {
+impl Drop for ScratchGuard {
     fn drop(&mut self) {
         processes::kill_all(self.scratch.work_directory());
         if let Some(watcher) = &mut self.watcher {
@@ -56,16 +56,16 @@ impl Drop for Guarded {
     }
 }
 
-/// The interval at which the watcher looks for orphaned processes.
+/// Interval at which the watcher looks for orphaned processes.
 const POLL_INTERVAL: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,
 };
 
-/// Runs the watcher: waits until its standard input ends, when the run is over or dead, and cleans up.
+/// Runs the watcher. Waits until standard input ends, because the run has finished or was killed, and then cleans up.
 ///
-/// Processes that work in the directories are found there. A process that hides its directory is known only as a child of the
-/// run, which inherits it; so the watcher examines these children until the end.
+/// Processes are found by their working directories. A process with a hidden working directory is known only as a
+/// descendant of the run, so the watcher tracks these descendants until the run ends.
 pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     let stdin = io::stdin();
     let mut children = Descendants::default();
@@ -85,7 +85,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     0
 }
 
-/// Checks that this program could do its part of a run. The error says why the run was stopped, without a verdict.
+/// Returns an error if a problem of this program, not of the decoder, ended the run without a verdict.
 pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     match decoder.trouble() {
         None => Ok(()),
@@ -95,16 +95,17 @@ pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     }
 }
 
-/// Resets two signals that may be inherited. A program that is started with SIGCHLD ignored cannot wait for its children; one
-/// that reaches a limit on file sizes is killed silently. Child processes get the default behavior for both.
-pub fn take_signals() {
+/// Installs handlers for two signals whose inherited dispositions cause problems. A process that ignores SIGCHLD cannot
+/// wait for its children, and a process that exceeds a file size limit is killed silently by SIGXFSZ. Child processes get
+/// the default disposition of both.
+pub fn reset_signals() {
     for signal in [SIGCHLD, SIGXFSZ] {
-        // If a signal handler cannot be installed, the signal stays as it was.
+        // If a signal handler cannot be installed, the disposition stays unchanged.
         let _ = signal_hook::flag::register(signal, Arc::default());
     }
 }
 
-/// Returns a flag that is set when the user ends the run.
+/// Returns a flag that is set when the user interrupts the run.
 pub fn stop_on_signals() -> Result<Arc<AtomicBool>, String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {

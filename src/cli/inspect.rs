@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{self, Machine};
+use super::output::{self, MachineFormatArgs};
 use super::{CommandResult, files};
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::inspect::inspect;
@@ -26,7 +26,7 @@ pub struct InspectArgs {
     #[arg(long)]
     all: bool,
     #[command(flatten)]
-    machine: Machine,
+    machine: MachineFormatArgs,
 }
 
 pub fn run(args: &InspectArgs) -> CommandResult {

@@ -1,4 +1,4 @@
-//! Pages of the site: named in a line, or as hyperlinks (OSC 8) if the terminal supports them.
+//! Links to pages of the site, as text or as hyperlinks (OSC 8) if the terminal supports them.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -13,26 +13,26 @@ use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes;
 
-/// Returns a line with the page about something.
+/// Returns a line with the URL of a page, or an empty string without a page.
 pub fn page_line(page: Option<String>) -> String {
     let line = page.map(|page| format!("  page: {}\n", published_url(&page)));
     line.unwrap_or_default()
 }
 
-/// Returns text with links, if standard output is a terminal that is known to support them; never for a pipe or a file.
-pub fn linked(text: &str) -> String {
+/// Adds hyperlinks to text if standard output is a terminal that supports them. Never adds links for a pipe or a file.
+pub fn add_links(text: &str) -> String {
     let wanted = std::io::stdout().is_terminal()
         && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
         && supports_hyperlinks::supports_hyperlinks();
     match wanted {
-        true => with_links(text, &|word| {
+        true => insert_links(text, &|word| {
             PAGES.get(word).map(|page| published_url(page))
         }),
         false => text.to_owned(),
     }
 }
 
-/// Pages of ids that differ from ordinary words: cases, clauses, misreadings and codes.
+/// Pages of cases, clauses, misreadings and codes whose ids cannot be confused with ordinary words.
 static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let mut pages = HashMap::new();
@@ -40,7 +40,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
         let page = page.filter(|_| id.contains(['-', '/']));
         pages.extend(page.map(|page| (id.to_owned(), page)));
     };
-    // Errors in a file of the suite are reported elsewhere.
+    // Errors in the files of the suite are reported elsewhere.
     for case in Suite::load().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, ptm.case_page(&case.id));
     }
@@ -61,8 +61,8 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     pages
 });
 
-/// Adds links to every word that has an address, and to addresses themselves. Escape sequences are kept.
-fn with_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
+/// Turns URLs of the site and words that `address` maps to a URL into hyperlinks. Escape sequences are preserved.
+fn insert_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '/' | '.' | ':' | '#');
     let mut out = String::new();
     let mut rest = text;
@@ -100,7 +100,7 @@ mod tests {
     fn only_words_with_a_page_become_links() {
         let page = |word: &str| PAGES.get(word).map(|page| published_url(page));
         let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
-        let linked = with_links(text, &page);
+        let linked = insert_links(text, &page);
         assert_eq!(linked.matches("\x1b]8;;https://").count(), 4, "{linked:?}");
         for (name, place) in [
             ("2.4/8", "format/2.4.html#c-2.4-8"),
@@ -124,7 +124,7 @@ mod tests {
             line,
             format!("  page: {}format/2.9.8.html#c-2.9.8-2\n", address::SITE)
         );
-        let linked = with_links(&line, &|_| None);
+        let linked = insert_links(&line, &|_| None);
         assert_eq!(linked.matches("2.9.8.html").count(), 2, "{linked:?}");
     }
 }

@@ -10,10 +10,10 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use super::arguments::parse_size;
-use super::collection::{FileSource, Met, Room, memory_for, paths, walk};
+use super::collection::{FileSource, MemoryPool, WalkItem, estimate_memory, paths, walk};
 use super::files::with_path;
 use super::lint_rows::{RowFormat, Rows};
-use super::output::{self, Machine};
+use super::output::{self, MachineFormatArgs};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::kit::parallel::process_in_order;
@@ -89,13 +89,13 @@ pub struct LintArgs {
     #[arg(long)]
     codes: bool,
     #[command(flatten)]
-    machine: Machine,
+    machine: MachineFormatArgs,
 }
 
-/// Number of bytes that are read from the beginning of every file.
+/// Number of bytes that are initially read from every file.
 const HEAD_BYTES: u64 = 4096;
 
-/// The result of a worker for a file.
+/// Result of a worker for a file.
 struct Row {
     path: PathBuf,
     lint: Lint,
@@ -115,13 +115,13 @@ pub fn run(args: &LintArgs) -> CommandResult {
         (None, _, true) => RowFormat::Json,
         (None, ..) => RowFormat::Text,
     };
-    let profiles = readers::known(args.profiles.as_deref())?;
-    let readers = readers::selected(&profiles, &args.readers)?;
+    let profiles = readers::load_profiles(args.profiles.as_deref())?;
+    let readers = readers::select_profiles(&profiles, &args.readers)?;
     let rows = Rows::new(format, &readers, settings.max);
     let mut rows = rows.map_err(|error| error.to_string())?;
     let judge = Judge {
         limit: args.limit,
-        room: Room::new(args.limit.saturating_mul(2)),
+        room: MemoryPool::new(args.limit.saturating_mul(2)),
         readers: &readers,
         settings: &settings,
     };
@@ -129,13 +129,13 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut worst = 0;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
-    process_in_order(walk, jobs, &|met| judge.look(met), |row| {
+    process_in_order(walk, jobs, &|met| judge.lint_item(met), |row| {
         let status = status(&row, &settings);
         worst = std::cmp::min_by_key(worst, status, |status| {
             STATUSES_WORST_FIRST.iter().position(|one| one == status)
         });
         let shown = bar.suspend(|| rows.show(&row.path, row.lint, row.failed));
-        // The reader of standard output has closed it.
+        // Stop if standard output was closed.
         closed.fetch_or(shown.is_err(), Relaxed);
         bar.inc(1);
     });
@@ -147,13 +147,13 @@ pub fn run(args: &LintArgs) -> CommandResult {
             true => "",
             false => "; -r includes subfolders",
         };
-        output::complain(&format!("ptm-conform: no file to check{hint}"));
+        output::print_error(&format!("ptm-conform: no file to check{hint}"));
         return Ok(EXIT_NOTHING_SELECTED);
     }
     Ok(worst)
 }
 
-/// Exit statuses: cannot be read, errors, not a PTM, not judged, sound.
+/// Exit statuses from worst to best: cannot be read, errors, not a PTM, not judged, sound.
 const STATUSES_WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
 
 fn status(row: &Row, settings: &Settings) -> u8 {
@@ -172,7 +172,7 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
         Some(path) => yaml::from_yaml(&yaml::read_text(path)?).map_err(with_path(path))?,
         None => Settings::default(),
     };
-    let settings = file.and(Settings {
+    let settings = file.merge(Settings {
         allow: args.allow.clone(),
         only: args.only.clone(),
         severity: args.severity.iter().cloned().collect(),
@@ -183,13 +183,13 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
     Ok(settings)
 }
 
-/// Returns all named paths, from the command line or the list.
+/// Returns all paths from the command line and the list.
 fn named_sources(args: &LintArgs) -> impl Iterator<Item = FileSource> + Send {
     let end = if args.null { 0 } else { b'\n' };
     let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = FileSource> + Send> {
         match is_list(path) {
             true => Box::new(paths(BufReader::new(io::stdin()), end).map(FileSource::Listed)),
-            false => Box::new(std::iter::once(FileSource::Directly(path.clone()))),
+            false => Box::new(std::iter::once(FileSource::CommandLine(path.clone()))),
         }
     };
     args.files.iter().flat_map(of_path)
@@ -199,7 +199,7 @@ fn is_list(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Returns a progress bar; a separate walk counts the files, so that the remaining time can be estimated.
+/// Creates a progress bar. A separate thread counts the files, so that the remaining time can be estimated.
 fn progress(args: &LintArgs) -> ProgressBar {
     let bar = output::bar(None, "{pos}/{len} files, {per_sec}, {eta} left");
     // A list can be read only once.
@@ -208,24 +208,24 @@ fn progress(args: &LintArgs) -> ProgressBar {
     }
     let (files, recursive, counted) = (args.files.clone(), args.recursive, bar.clone());
     std::thread::spawn(move || {
-        let walk = walk(files.into_iter().map(FileSource::Directly), recursive);
+        let walk = walk(files.into_iter().map(FileSource::CommandLine), recursive);
         let files = walk.take_while(|_| !counted.is_finished()).count();
         counted.set_length(files as u64);
     });
     bar
 }
 
-/// The criteria for every file.
+/// Settings that apply to every file.
 struct Judge<'a> {
     limit: u64,
-    room: Room,
+    room: MemoryPool,
     readers: &'a [&'a ReaderProfile],
     settings: &'a Settings,
 }
 
 impl Judge<'_> {
-    /// Reads and checks a file. An internal error affects only this file.
-    fn look(&self, met: Met) -> Row {
+    /// Reads and checks a file. A panic affects only the result for this file.
+    fn lint_item(&self, met: WalkItem) -> Row {
         let unread = |path: &Path, reason: &str| {
             Lint::unread(
                 &escape_controls(path.as_os_str()),
@@ -234,22 +234,22 @@ impl Judge<'_> {
             )
         };
         let (path, judged) = match met {
-            Met::File(path) => {
+            WalkItem::File(path) => {
                 let judged = catch_unwind(AssertUnwindSafe(|| self.judge(&path)));
                 let own = |_| Err(io::Error::other("internal error in ptm-conform"));
                 let judged = judged.unwrap_or_else(own);
                 (path, judged)
             }
-            Met::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
-            Met::Unreadable(path, error) => (path, Err(error)),
+            WalkItem::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
+            WalkItem::Unreadable(path, error) => (path, Err(error)),
         };
         let failed = judged.is_err();
         let lint = judged.unwrap_or_else(|error| unread(&path, &strip_os_error_code(&error)));
-        let lint = self.settings.select(lint);
+        let lint = self.settings.apply(lint);
         Row { path, lint, failed }
     }
 
-    /// Checks a file, a PTM as soon as there is room for it and its planes.
+    /// Checks a file. Waits until there is enough memory for a PTM and its planes.
     fn judge(&self, path: &Path) -> io::Result<Lint> {
         let (name, limit) = (escape_controls(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
@@ -261,7 +261,7 @@ impl Judge<'_> {
         let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
         file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
         if !bytes.starts_with(MAGIC) {
-            // The length of something other than a regular file is unknown before its end.
+            // The reported length of a pipe or device is not its real length.
             let length = length.max(bytes.len() as u64);
             return Ok(Lint {
                 bytes: Some(length),
@@ -271,19 +271,20 @@ impl Judge<'_> {
         if length > limit {
             return Ok(too_long(Some(length)));
         }
-        self.room.run_with(memory_for(&bytes, length), || {
-            // A shorter file ended within its beginning.
-            if bytes.len() as u64 == HEAD_BYTES {
-                let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
-                file.take(rest).read_to_end(&mut bytes)?;
-            }
-            if bytes.len() as u64 > limit {
-                return Ok(too_long(None));
-            }
-            let mut lint = Lint::new(&name, &bytes);
-            lint.readers = readers::predictions(&bytes, self.readers);
-            Ok(lint)
-        })
+        self.room
+            .run_when_free(estimate_memory(&bytes, length), || {
+                // A shorter file has already been read completely.
+                if bytes.len() as u64 == HEAD_BYTES {
+                    let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
+                    file.take(rest).read_to_end(&mut bytes)?;
+                }
+                if bytes.len() as u64 > limit {
+                    return Ok(too_long(None));
+                }
+                let mut lint = Lint::new(&name, &bytes);
+                lint.readers = readers::predict_readers(&bytes, self.readers);
+                Ok(lint)
+            })
     }
 }
 

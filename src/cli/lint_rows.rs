@@ -1,4 +1,4 @@
-//! The output of `lint` for each file, printed in order, in every format; and the totals at the end.
+//! Output of `lint` in every format: a row for each file, in order, and the totals at the end.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,10 +11,10 @@ use ptm_conform::tools::lint::status::Status;
 use ptm_conform::tools::lint::totals::Totals;
 use ptm_conform::tools::lint::{Lint, csv, sarif};
 
-use super::links::linked;
+use super::links::add_links;
 use super::output;
 
-/// A form of the results.
+/// Output format of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RowFormat {
     /// For people
@@ -29,25 +29,25 @@ pub enum RowFormat {
     Sarif,
 }
 
-/// Prints rows; a run that is killed has printed whole rows only.
+/// Prints rows. A run that is killed leaves only complete rows.
 pub struct Rows {
     format: RowFormat,
-    /// Maximum number of findings that are printed for a file.
-    most: usize,
+    /// Maximum number of findings that are printed per file.
+    max_findings: usize,
     /// Number of requested readers.
     readers: usize,
-    /// True if a row, or a result, has been printed.
+    /// True if a row or a result has been printed.
     begun: bool,
-    /// Counts of everything, printed or not.
+    /// Counts of all findings, including those that are not printed.
     totals: Totals,
 }
 
 impl Rows {
-    /// Prints the head of this format.
+    /// Creates a printer and prints the beginning of the document.
     pub fn new(
         format: RowFormat,
         readers: &[&ReaderProfile],
-        most: Option<usize>,
+        max_findings: Option<usize>,
     ) -> io::Result<Rows> {
         match format {
             RowFormat::Text | RowFormat::Yaml => {}
@@ -57,35 +57,37 @@ impl Rows {
         }
         Ok(Rows {
             format,
-            most: most.unwrap_or(usize::MAX),
+            max_findings: max_findings.unwrap_or(usize::MAX),
             readers: readers.len(),
             begun: false,
             totals: Totals::default(),
         })
     }
 
-    /// Prints and counts a file; `failed` is true if it could not be read.
+    /// Prints and counts the result for a file. `failed` is true if the file could not be read.
     pub fn show(&mut self, path: &Path, mut lint: Lint, failed: bool) -> io::Result<()> {
         self.totals.add(&lint);
-        // A row per file has every code; in other formats findings are lines.
+        // A CSV row contains every code. In other formats, each finding is a separate line.
         if self.format != RowFormat::Csv {
-            lint.findings.truncate(self.most);
+            lint.findings.truncate(self.max_findings);
         }
         match self.format {
-            // Most files of a collection may be of other kinds, so a line is enough.
+            // Many files of a collection may not be PTMs, so print only one line for each.
             RowFormat::Text if lint.status == Status::NotAPtm => {
                 let found = lint.findings.first().map(|finding| finding.found.as_str());
                 let found = found.map_or(String::new(), |found| format!(": {found}"));
                 emit(&format!("{}: {}{found}\n", lint.file, lint.status.words()))
             }
-            RowFormat::Text => text(&lint),
+            RowFormat::Text => print_text(&lint),
             RowFormat::Json => {
                 let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
-                self.separated(&[record])
+                self.print_list_items(&[record])
             }
             RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
             RowFormat::Csv => emit(&csv::row(&lint, self.readers)),
-            RowFormat::Sarif => self.separated(&sarif::results(path.as_os_str(), &lint, failed)),
+            RowFormat::Sarif => {
+                self.print_list_items(&sarif::results(path.as_os_str(), &lint, failed))
+            }
         }
     }
 
@@ -101,14 +103,14 @@ impl Rows {
             let totals = self.totals.to_text();
             match self.format {
                 RowFormat::Text => emit(&totals)?,
-                // Standard output has only the document.
-                _ => output::complain(totals.trim_end()),
+                // Standard output contains only the document.
+                _ => output::print_error(totals.trim_end()),
             }
         }
         Ok(())
     }
 
-    fn separated(&mut self, records: &[String]) -> io::Result<()> {
+    fn print_list_items(&mut self, records: &[String]) -> io::Result<()> {
         let mut out = String::new();
         for record in records {
             out += if self.begun { ",\n" } else { "" };
@@ -119,22 +121,22 @@ impl Rows {
     }
 }
 
-fn text(lint: &Lint) -> io::Result<()> {
+fn print_text(lint: &Lint) -> io::Result<()> {
     let (least, summary) = match output::quiet() {
         // Without a finding, the summary is the only line about the file.
         true if lint.reason.is_none() => (Severity::Error, String::new()),
         _ => (Severity::Info, lint.summary()),
     };
-    let text = linked(&(lint.to_text(least) + &summary + &lint.shown()));
-    whole(anstream::stdout().lock(), &text)
+    let text = add_links(&(lint.to_text(least) + &summary + &lint.predictions_text()));
+    write_at_once(anstream::stdout().lock(), &text)
 }
 
 fn emit(text: &str) -> io::Result<()> {
-    whole(io::stdout().lock(), text)
+    write_at_once(io::stdout().lock(), text)
 }
 
-/// Prints text in one write, so that a run that is killed leaves whole rows.
-fn whole(mut out: impl Write, text: &str) -> io::Result<()> {
+/// Prints text in a single write, so that a run that is killed leaves only complete rows.
+fn write_at_once(mut out: impl Write, text: &str) -> io::Result<()> {
     out.write_all(text.as_bytes())?;
     out.flush()
 }

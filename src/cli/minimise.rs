@@ -9,7 +9,7 @@ use super::CommandResult;
 use super::calls::CallArgs;
 use super::files;
 use super::fuzz::CALLS_TEMPLATE;
-use super::guard::{Guarded, check_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::output::{bar, print};
 
 use ptm_conform::diagnose::equal_up_to_rounding;
@@ -30,7 +30,7 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 #[command(
     after_help = "Example:\n  ptm-conform minimize --view raw -o small.ptm large.ptm -- ./my-decoder"
 )]
-pub struct MinimiseArgs {
+pub struct MinimizeArgs {
     /// raw, coef or rgb:LU,LV
     #[arg(long, default_value = "raw")]
     view: View,
@@ -48,7 +48,7 @@ pub struct MinimiseArgs {
 }
 
 /// Writes the smallest file on which the decoder still fails in the same way.
-pub fn run(args: &MinimiseArgs) -> CommandResult {
+pub fn run(args: &MinimizeArgs) -> CommandResult {
     let file = match Suite::load()?.case(&args.file) {
         Some(case) => case.build(TableSpelling::default()).file.clone(),
         None => files::read(Path::new(&args.file))
@@ -56,7 +56,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     };
     let stop = stop_on_signals()?;
     let decoder = args.call.decoder(&args.decoder, &stop)?;
-    let guarded = Guarded::new()?;
+    let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
     let ask = |file: &[u8]| {
         let request = Request {
@@ -101,7 +101,7 @@ pub fn run(args: &MinimiseArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Names the misreadings that give all answers.
+/// Prints the misreadings that reproduce all answers, unless there are too many.
 fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     let explains = |misreading: &&Misreading| {
         answers.iter().all(|(file, answer)| {
@@ -126,10 +126,10 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     }
 }
 
-/// Maximum number of misreadings that are named as possible causes: one file shows many alike.
+/// Maximum number of misreadings that are printed as possible causes. A single file often cannot distinguish them.
 const MAX_CAUSES: usize = 3;
 
-/// Describes how an answer differs from the reference's; returns `None` if it does not.
+/// Describes how an answer differs from the reference. Returns `None` if it does not differ.
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {

@@ -1,6 +1,6 @@
-//! The subcommands: their arguments, output and exit status; a file for each.
+//! Subcommands with their arguments, output and exit status, one file each.
 //!
-//! Commands that start other programs need a Unix system; all others run everywhere.
+//! Commands that start other programs need a Unix system. All others run everywhere.
 
 #![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
 
@@ -64,37 +64,37 @@ mod terminal;
 #[cfg(unix)]
 pub mod texture;
 
-/// The exit status of a subcommand, or its failure.
-pub type CommandResult = Result<u8, Failed>;
+/// Exit status of a subcommand, or the error that ended it.
+pub type CommandResult = Result<u8, CommandError>;
 
-/// The failure of a subcommand.
-pub struct Failed {
-    /// The message for standard error.
+/// Error that ends a subcommand.
+pub struct CommandError {
+    /// Message for standard error.
     pub says: String,
-    /// Its exit status.
+    /// Exit status of the process.
     pub status: u8,
 }
 
-impl Failed {
-    /// Creates a failure with a sentence and an exit status.
-    pub fn new(status: u8, says: &str) -> Failed {
+impl CommandError {
+    /// Creates an error with an exit status and a message.
+    pub fn new(status: u8, says: &str) -> CommandError {
         let says = format!("ptm-conform: {says}");
-        Failed { says, status }
+        CommandError { says, status }
     }
 
-    /// Creates the failure of a file that is refused.
-    pub fn refused(path: &Path, status: u8, says: &str) -> Failed {
+    /// Creates an error for a file that is refused.
+    pub fn refused(path: &Path, status: u8, says: &str) -> CommandError {
         let says = format!("{}: {says}", path.display());
-        Failed { says, status }
+        CommandError { says, status }
     }
 }
 
-/// Converts a message about wrong arguments, or a file that cannot be read or written.
-impl From<String> for Failed {
-    fn from(says: String) -> Failed {
-        Failed::new(2, &says)
+/// Converts a message about a usage error or a file that cannot be read or written.
+impl From<String> for CommandError {
+    fn from(says: String) -> CommandError {
+        CommandError::new(2, &says)
     }
 }
 
-/// Exit status if nothing was selected, so nothing was checked.
+/// Exit status if no case or file was selected.
 pub const EXIT_NOTHING_SELECTED: u8 = 5;

@@ -1,20 +1,20 @@
 //! Suggestions for misspelled names.
 
-/// Returns "; did you mean …?", or nothing.
+/// Returns "; did you mean …?" with similar names, or an empty string if there are none.
 pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    match nearest(name, known) {
+    match nearest_names(name, known) {
         near if near.is_empty() => String::new(),
         near => format!("; did you mean {}?", near.join(" or ")),
     }
 }
 
-/// Returns at most three names that are similar to `id`, or begin with it, the nearest first.
-pub fn nearest<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let asked = id.to_lowercase();
+/// Returns at most three names that are similar to `id` or contain it, most similar first.
+pub fn nearest_names<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let wanted = id.to_lowercase();
     let mut near: Vec<(f64, &str)> = known
         .map(|name| {
-            let likeness = strsim::jaro_winkler(&asked, &name.to_lowercase());
-            let within = asked.len() >= 4 && name.to_lowercase().contains(&asked);
+            let likeness = strsim::jaro_winkler(&wanted, &name.to_lowercase());
+            let within = wanted.len() >= 4 && name.to_lowercase().contains(&wanted);
             (if within { likeness.max(0.9) } else { likeness }, name)
         })
         .filter(|(likeness, _)| *likeness >= 0.88)

@@ -1,4 +1,4 @@
-//! Output: text, in color if requested; YAML or JSON for other programs; the progress of long work.
+//! Output functions: colored text, YAML or JSON for other programs, and progress bars.
 
 use std::borrow::Cow;
 use std::io::Write;
@@ -14,7 +14,7 @@ use ptm_conform::kit::yaml::to_yaml;
 
 /// Options of every command.
 #[derive(Args)]
-pub struct Global {
+pub struct GlobalArgs {
     /// Color: auto (on a terminal, unless NO_COLOR is set), always or never.
     #[arg(
         long,
@@ -30,9 +30,9 @@ pub struct Global {
     quiet: bool,
 }
 
-/// For programs instead of people.
+/// Options for machine-readable output.
 #[derive(Args)]
-pub struct Machine {
+pub struct MachineFormatArgs {
     /// Print YAML.
     #[arg(long, conflicts_with = "json")]
     pub yaml: bool,
@@ -43,7 +43,7 @@ pub struct Machine {
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-impl Global {
+impl GlobalArgs {
     /// Applies the options to the rest of the run.
     pub fn apply(&self) {
         QUIET.store(self.quiet, Relaxed);
@@ -56,33 +56,33 @@ impl Global {
     }
 }
 
-/// Returns true if only results and errors are to be printed.
+/// Returns true if only results and errors should be printed.
 pub fn quiet() -> bool {
     QUIET.load(Relaxed)
 }
 
-/// Prints to standard output, in color if requested; a closed pipe is not an error.
+/// Prints text to standard output, in color if requested. A closed pipe is not an error.
 pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
 }
 
-/// Prints an error to standard error, wrapped to the terminal; a closed pipe is not an error.
-pub fn complain(text: &str) {
+/// Prints a message to standard error, wrapped to the width of the terminal. A closed pipe is not an error.
+pub fn print_error(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stderr()));
-    let lines = text.lines().flat_map(|line| wrapped(line, width));
+    let lines = text.lines().flat_map(|line| wrap_line(line, width));
     let lines: String = lines.map(|line| format!("{line}\n")).collect();
     let _ = std::io::stderr().write_all(lines.as_bytes());
 }
 
-/// Prints a note, unless only results are to be printed.
+/// Prints a note unless `--quiet` is given.
 pub fn note(text: &str) {
     if !quiet() {
         print(text);
     }
 }
 
-impl Machine {
-    /// Prints `value` as YAML or JSON if either is requested; returns true if it did.
+impl MachineFormatArgs {
+    /// Prints `value` as YAML or JSON if either is requested. Returns true if it was printed.
     pub fn print(&self, value: &impl Serialize) -> Result<bool, String> {
         if self.yaml {
             print(&to_yaml(value)?);
@@ -94,16 +94,16 @@ impl Machine {
     }
 }
 
-/// Returns the number of workers: by default the number of parallel threads of the machine.
-pub fn jobs(asked: Option<usize>) -> Result<usize, String> {
-    match asked {
+/// Returns the requested number of workers. The default is the available parallelism of the machine.
+pub fn jobs(requested: Option<usize>) -> Result<usize, String> {
+    match requested {
         Some(0) => Err("--jobs needs at least 1".to_owned()),
         Some(jobs) => Ok(jobs),
         None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
     }
 }
 
-/// Returns a progress bar on standard error; it is hidden if that is not a terminal or progress is off.
+/// Creates a progress bar on standard error. The bar is hidden if standard error is not a terminal or `--quiet` is given.
 pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     let bar = match (quiet(), length) {
         (true, _) => ProgressBar::hidden(),
@@ -114,7 +114,7 @@ pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
     bar.with_style(style)
 }
 
-/// Does `work`, which reports the number of finished and of all items, and shows a progress bar for it.
+/// Runs `work` with a progress bar. `work` reports the number of finished items and the total.
 pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
     let bar = bar(Some(0), "{bar:40} {pos}/{len} {elapsed}");
     let result = work(&|done, all| {
@@ -128,13 +128,13 @@ pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) 
 /// Minimum width for wrapped text.
 const MIN_COLUMNS: usize = 40;
 
-/// Returns the number of columns of a terminal for wrapping; None without a terminal.
+/// Returns the width in columns at which to wrap text, or `None` without a terminal.
 pub fn columns(size: Option<(Width, Height)>) -> Option<usize> {
     size.map(|(width, _)| usize::from(width.0).max(MIN_COLUMNS))
 }
 
-/// Wraps a line at `width`, with more indentation for all parts but the first.
-pub fn wrapped(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
+/// Wraps a line at `width` and indents the continuation lines.
+pub fn wrap_line(line: &str, width: Option<usize>) -> Vec<Cow<'_, str>> {
     let indent = line.len() - line.trim_start_matches(' ').len();
     // A command is not wrapped, so that it can be copied.
     let Some(width) = width.filter(|_| !line[indent..].starts_with("$ ")) else {

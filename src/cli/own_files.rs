@@ -1,4 +1,4 @@
-//! `check --files`: the user's files.
+//! `ptm-conform check --files`: checks the user's own files.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -10,27 +10,28 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FileResult, FilesReport, check_file};
 
-use super::files::{read, with_path, write_whole};
+use super::files::{read, with_path, write_atomically};
 use super::guard::check_trouble;
 use super::output::{print, with_progress};
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
+use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
-/// Checks the PTM files of `directory` in the views `asked`, or in all, and writes the `report`.
+/// Checks the PTM files of `directory` and writes `report`. Requests only the views in `requested`, or all views if it is
+/// empty.
 pub fn check(
     directory: &Path,
-    asked: &[String],
+    requested: &[String],
     report: &Path,
     decoder: &Decoder,
     scratch: &Scratch,
 ) -> CommandResult {
-    let paths = maps_in(directory)?;
+    let paths = list_ptm_files(directory)?;
     if paths.is_empty() {
         let says = format!("no .ptm file in {}", directory.display());
-        return Err(Failed::new(EXIT_NOTHING_SELECTED, &says));
+        return Err(CommandError::new(EXIT_NOTHING_SELECTED, &says));
     }
     let views = ["raw", "coef", View::ORDINARY_LIGHT].map(|view| view.parse().expect("a view"));
     let mut views: Vec<View> = views.into();
-    views.retain(|view| asked.is_empty() || asked.iter().any(|asked| asked == view.name()));
+    views.retain(|view| requested.is_empty() || requested.iter().any(|name| name == view.name()));
     let ask = |request: &Request<'_>| decoder.ask(request, scratch);
     let results: Result<Vec<_>, String> = with_progress(|progress| {
         let results = paths.iter().enumerate().map(|(i, path)| {
@@ -46,14 +47,14 @@ pub fn check(
         results.collect()
     });
     let results = FilesReport::new(results?);
-    write_whole(report, to_yaml(&results)?)?;
+    write_atomically(report, to_yaml(&results)?)?;
     print(&results.to_text());
     print(&format!("report: {}\n", report.display()));
     Ok(results.exit_status())
 }
 
-/// Returns the PTM files of a directory, by name.
-fn maps_in(directory: &Path) -> Result<Vec<PathBuf>, String> {
+/// Returns the paths of the PTM files in a directory, sorted by name.
+fn list_ptm_files(directory: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(directory).map_err(with_path(directory))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
     let mut paths: Vec<PathBuf> = paths

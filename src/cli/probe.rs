@@ -1,4 +1,4 @@
-//! `probe`: the checklist of a decoder's author.
+//! `ptm-conform probe`: a checklist for authors of decoders and writers.
 
 use std::ffi::OsString;
 use std::fs;
@@ -8,8 +8,8 @@ use clap::Args;
 
 use super::CommandResult;
 use super::arguments::positive_seconds;
-use super::calls::in_one_line;
-use super::guard::{Guarded, check_trouble};
+use super::calls::quote_command;
+use super::guard::{ScratchGuard, check_trouble};
 use super::terminal::show;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
@@ -44,7 +44,7 @@ pub struct ProbeArgs {
     decoder: Vec<OsString>,
 }
 
-/// Runs the steps of a probe, and prints the checklist.
+/// Runs the steps of a probe and prints the checklist.
 pub fn run(args: &ProbeArgs) -> CommandResult {
     match args.writer {
         true => processes::prepare_for(super::check_writer::MAX_FILE_SIZE),
@@ -55,14 +55,14 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         program = program.as_writer("write");
     }
     program.timeout = positive_seconds(args.timeout)?;
-    let guarded = Guarded::new()?;
+    let guarded = ScratchGuard::new()?;
     let list = match args.writer {
         true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
     check_trouble(&program)?;
-    let command = in_one_line(&args.decoder);
-    let repeat = |repeat: &Reproduction| keep_files(repeat, &command, &args.keep);
+    let command = quote_command(&args.decoder);
+    let repeat = |repeat: &Reproduction| save_files(repeat, &command, &args.keep);
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
         (faults, true) => format!("to fix: {faults}; then probe again\n"),
@@ -75,8 +75,9 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     Ok(list.exit_status())
 }
 
-/// Keeps the files of some requests, and returns the command line that repeats them, or `None` if they cannot be kept.
-pub fn keep_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
+/// Saves the files of the requests and returns a command line that repeats them. Returns `None` if a file cannot be
+/// written.
+pub fn save_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     fs::create_dir_all(directory).ok()?;
     for request in &repeat.requests {
         fs::write(directory.join(&request.file_name), &request.file).ok()?;

@@ -1,4 +1,4 @@
-//! The current activity of a run, on standard error: one updated line on a terminal, a new line every half minute elsewhere.
+//! Progress display on standard error: one updated line on a terminal, or a new line every half minute elsewhere.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -10,29 +10,29 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
-use super::output::{bar, complain, quiet};
+use super::output::{bar, print_error, quiet};
 
-/// The interval of updates on a terminal, and of new lines elsewhere.
+/// Interval of updates on a terminal, and interval of new lines elsewhere.
 const UPDATE_INTERVALS: (Duration, Duration) =
     (Duration::from_millis(500), Duration::from_secs(30));
 
 /// Minimum number of finished items for an estimate of the remaining time.
 const MIN_DONE: usize = 10;
 
-/// The current activity of a run.
-struct Doing {
+/// Current activity of a run.
+struct Activity {
     what: &'static str,
     done: Arc<AtomicUsize>,
-    /// The number of items; 0 if unknown.
+    /// Number of items; 0 if unknown.
     all: usize,
-    /// True if `all` is an upper bound on the work, not a number of items; `done` is then not shown.
+    /// True if `all` is an upper bound rather than the number of items. The number of finished items is then not displayed.
     is_limit: bool,
     wrong: usize,
     since: Instant,
 }
 
-impl Doing {
-    fn in_words(&self) -> String {
+impl Activity {
+    fn status_text(&self) -> String {
         let done = self.done.load(Ordering::Relaxed);
         let mut words = self.what.to_owned();
         if self.all > 0 && !self.is_limit {
@@ -43,33 +43,33 @@ impl Doing {
         }
         let elapsed = self.since.elapsed();
         if done < MIN_DONE || done > self.all {
-            return format!("{words}, for {}", in_words(elapsed));
+            return format!("{words}, for {}", format_duration(elapsed));
         }
         let bound = if self.is_limit { "at most" } else { "about" };
         let left = elapsed.mul_f64((self.all - done) as f64 / done as f64);
-        format!("{words}, {bound} {} left", in_words(left))
+        format!("{words}, {bound} {} left", format_duration(left))
     }
 }
 
-/// Formats an approximate time: seconds, or minutes.
-pub fn in_words(time: Duration) -> String {
+/// Formats an approximate duration in seconds or minutes.
+pub fn format_duration(time: Duration) -> String {
     match time.as_secs() {
         seconds @ 0..100 => format!("{seconds} s"),
         seconds => format!("{} min", (seconds + 30) / 60),
     }
 }
 
-/// Shows the current activity of a run until it is dropped.
+/// Displays the current activity of a run until it is dropped.
 pub struct ProgressLine {
     bar: ProgressBar,
-    doing: Arc<Mutex<Doing>>,
+    activity: Arc<Mutex<Activity>>,
     ticker: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl ProgressLine {
-    /// Shows nothing if only results are to be printed.
+    /// Starts the display. Nothing is displayed if `--quiet` is given.
     pub fn new(what: &'static str) -> ProgressLine {
-        let doing = Arc::new(Mutex::new(Doing {
+        let activity = Arc::new(Mutex::new(Activity {
             what,
             done: Arc::default(),
             all: 0,
@@ -79,7 +79,7 @@ impl ProgressLine {
         }));
         let bar = bar(Some(0), "{bar:30} {msg}");
         let ticker = (!quiet()).then(|| {
-            let (bar, doing) = (bar.clone(), Arc::clone(&doing));
+            let (bar, activity) = (bar.clone(), Arc::clone(&activity));
             let (end, ended) = channel();
             let on_terminal = std::io::stderr().is_terminal();
             let tick = if on_terminal {
@@ -87,64 +87,68 @@ impl ProgressLine {
             } else {
                 UPDATE_INTERVALS.1
             };
-            let tell = move || {
+            let print_updates = move || {
                 while ended.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
-                    let words = doing
+                    let words = activity
                         .lock()
                         .expect("no thread panics while it holds the lock")
-                        .in_words();
+                        .status_text();
                     match on_terminal {
                         true => bar.set_message(words),
-                        false => complain(&words),
+                        false => print_error(&words),
                     }
                 }
             };
-            (end, std::thread::spawn(tell))
+            (end, std::thread::spawn(print_updates))
         });
-        ProgressLine { bar, doing, ticker }
+        ProgressLine {
+            bar,
+            activity,
+            ticker,
+        }
     }
 
-    fn doing(&self) -> MutexGuard<'_, Doing> {
-        self.doing
+    fn activity(&self) -> MutexGuard<'_, Activity> {
+        self.activity
             .lock()
             .expect("no thread panics while it holds the lock")
     }
 
-    /// Starts another activity.
+    /// Starts a new activity.
     pub fn begin(&self, what: &'static str) {
-        let mut doing = self.doing();
-        (doing.done, doing.all, doing.is_limit) = (Arc::default(), 0, false);
-        (doing.what, doing.since) = (what, Instant::now());
+        let mut activity = self.activity();
+        (activity.done, activity.all, activity.is_limit) = (Arc::default(), 0, false);
+        (activity.what, activity.since) = (what, Instant::now());
         self.bar.set_message(what);
         self.bar.set_length(0);
         self.bar.set_position(0);
     }
 
-    /// Starts an activity that `counter` counts, up to at most `all`.
+    /// Starts a new activity whose progress is `counter`, with at most `all` steps.
     pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
         self.begin(what);
-        let mut doing = self.doing();
-        (doing.done, doing.all, doing.is_limit) = (Arc::clone(counter), all, true);
+        let mut activity = self.activity();
+        (activity.done, activity.all, activity.is_limit) = (Arc::clone(counter), all, true);
     }
 
-    /// Shows that `done` of `all` are finished. Concurrent callers may be out of order.
-    pub fn show(&self, done: usize, all: usize) {
-        let mut doing = self.doing();
-        let before = doing.done.fetch_max(done, Ordering::Relaxed);
-        doing.all = all;
+    /// Reports that `done` of `all` items are finished. Concurrent calls may arrive out of order.
+    pub fn update(&self, done: usize, all: usize) {
+        let mut activity = self.activity();
+        let before = activity.done.fetch_max(done, Ordering::Relaxed);
+        activity.all = all;
         self.bar.set_length(all as u64);
         self.bar.set_position(before.max(done) as u64);
     }
 
     /// Counts a wrong answer.
-    pub fn one_wrong(&self) {
-        self.doing().wrong += 1;
+    pub fn count_wrong_answer(&self) {
+        self.activity().wrong += 1;
     }
 
-    /// Prints a message between two lines of progress.
-    pub fn say(&self, text: &str) {
+    /// Prints a message without disturbing the progress display.
+    pub fn print_message(&self, text: &str) {
         if !quiet() {
-            self.bar.suspend(|| complain(text));
+            self.bar.suspend(|| print_error(text));
         }
     }
 }
@@ -164,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn progress_line_shows_done_and_remaining_work() {
+    fn progress_line_contains_done_and_remaining_work() {
         let asking = "asking 100 of 300, 7 wrong so far, about 4 min left";
         let searching = "searching, 7 wrong so far, at most 60 s left";
         for (what, done, all, is_limit, expected) in [
@@ -179,7 +183,7 @@ mod tests {
             ("searching", 100, 150, true, searching),
         ] {
             let since = Instant::now().checked_sub(Duration::from_secs(120));
-            let doing = Doing {
+            let activity = Activity {
                 what,
                 done: Arc::new(AtomicUsize::new(done)),
                 all,
@@ -187,7 +191,7 @@ mod tests {
                 wrong: 7,
                 since: since.expect("it is later"),
             };
-            assert_eq!(doing.in_words(), expected);
+            assert_eq!(activity.status_text(), expected);
         }
     }
 }

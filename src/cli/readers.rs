@@ -1,4 +1,4 @@
-//! The readers that `--for` names.
+//! Reader profiles for the option `--for`.
 
 use std::path::Path;
 
@@ -12,25 +12,25 @@ use ptm_conform::tools::dissection::Dissection;
 use super::files::with_path;
 use super::names::did_you_mean;
 
-/// Returns the profiles of a file, or the known ones.
-pub fn known(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
+/// Returns the reader profiles of a file, or the built-in ones if no file is given.
+pub fn load_profiles(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
         Some(path) => profiles_of(&yaml::read_text(path)?).map_err(with_path(path)),
     }
 }
 
-/// Returns the profiles of `known` that are requested by name, or all.
-pub fn selected<'a>(
+/// Selects profiles by name. The name `all` selects every profile.
+pub fn select_profiles<'a>(
     known: &'a [ReaderProfile],
     names: &[String],
 ) -> Result<Vec<&'a ReaderProfile>, String> {
     let mut found: Vec<&ReaderProfile> = Vec::new();
     for name in names {
-        let is_it = |profile: &&ReaderProfile| {
+        let has_name = |profile: &&ReaderProfile| {
             name == "all" || profile.name == *name || profile.reader == *name
         };
-        let these: Vec<&ReaderProfile> = known.iter().filter(is_it).collect();
+        let these: Vec<&ReaderProfile> = known.iter().filter(has_name).collect();
         if these.is_empty() {
             let names: Vec<&str> = known.iter().map(|profile| &*profile.name).collect();
             let meant = did_you_mean(name, names.iter().copied());
@@ -48,8 +48,8 @@ pub fn selected<'a>(
     Ok(found)
 }
 
-/// Predicts the results of the readers for a file, with a fix for its owner.
-pub fn predictions(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPrediction> {
+/// Predicts what each reader displays for a file, and suggests a fix if the result is wrong.
+pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPrediction> {
     if readers.is_empty() {
         return Vec::new();
     }

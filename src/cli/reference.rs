@@ -1,4 +1,5 @@
-//! The reference as a decoder: one-shot, serve mode, and its capabilities. No case and no YAML is read here.
+//! `ptm-conform reference`: the reference decoder in one-shot and serve mode, and its capabilities. No cases and no YAML
+//! are read here.
 
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
@@ -7,11 +8,11 @@ use ptm_conform::error::Class;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::reference::{self, NotWritten};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
-use super::{CommandResult, Failed, files};
+use super::{CommandError, CommandResult, files};
 
 /// Decode FILE with the reference decoder, and print the frame (the decoder protocol).
 ///
@@ -33,7 +34,7 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// Answers the request in `args`, and returns the exit status.
+/// Answers the request in `args` and returns the exit status.
 pub fn run(args: &Args) -> CommandResult {
     let wrong = |what: &str| Err(what.to_owned().into());
     match (args.view.as_str(), &args.file, &args.out) {
@@ -47,7 +48,7 @@ pub fn run(args: &Args) -> CommandResult {
         (_, None, _) => wrong("a view needs a file"),
         #[cfg(unix)]
         ("texture", Some(file), None) => super::texture::answer(file),
-        (view, Some(file), None) => one(&view.parse()?, file),
+        (view, Some(file), None) => print_view(&view.parse()?, file),
     }
 }
 
@@ -59,11 +60,11 @@ fn status(outcome: io::Result<()>) -> CommandResult {
     }
 }
 
-fn one(view: &View, path: &Path) -> CommandResult {
+fn print_view(view: &View, path: &Path) -> CommandResult {
     let file = files::read(path)?;
     let map = ptm_conform::decode::open(&file)
-        .map_err(|error| Failed::refused(path, files::status(&error), &error.to_string()))?;
-    // Buffered in large chunks, because standard output itself is line-buffered.
+        .map_err(|error| CommandError::refused(path, files::status(&error), &error.to_string()))?;
+    // Standard output is line-buffered, so add a larger buffer.
     let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
     let written = write_view(&map, view, &mut out);
     status(written.and_then(|()| out.flush()))
@@ -85,36 +86,36 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
     let (format, request) = request.map_err(malformed(path))?;
     if !FORMATS.contains(&format) {
         let status = EXIT_UNSUPPORTED as u8;
-        return Err(Failed::refused(path, status, "fits are LRGB or RGB"));
+        return Err(CommandError::refused(path, status, "fits are LRGB or RGB"));
     }
-    let set = PictureSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
+    let set = ImageSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
     write_request(path, out, &WriteRequest::from_ptm(&optimum(&set, format)))
 }
 
-fn malformed(path: &Path) -> impl Fn(String) -> Failed + '_ {
-    |error| Failed::refused(path, EXIT_MALFORMED as u8, &error)
+fn malformed(path: &Path) -> impl Fn(String) -> CommandError + '_ {
+    |error| CommandError::refused(path, EXIT_MALFORMED as u8, &error)
 }
 
-/// Writes the requested file, or returns the reason why not.
+/// Writes the requested file, or returns the reason why it cannot be written.
 fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::written(request) {
-        Ok(bytes) => return Ok(files::write_whole(out, bytes).map(|()| 0)?),
+        Ok(bytes) => return Ok(files::write_atomically(out, bytes).map(|()| 0)?),
         Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),
         Err(NotWritten::Unsupported(says)) => (EXIT_UNSUPPORTED, says),
     };
-    Err(Failed::refused(path, status as u8, &says))
+    Err(CommandError::refused(path, status as u8, &says))
 }
 
-/// Answers requests until there are no more.
+/// Answers requests until the input ends.
 fn serve(requests: impl BufRead, mut answers: impl Write) -> io::Result<()> {
     for line in requests.split(b'\n') {
-        answers.write_all(&answer(&line?)?)?;
+        answers.write_all(&answer_line(&line?)?)?;
         answers.flush()?;
     }
     Ok(())
 }
 
-fn answer(line: &[u8]) -> io::Result<Vec<u8>> {
+fn answer_line(line: &[u8]) -> io::Result<Vec<u8>> {
     let words: Vec<&[u8]> = line.splitn(3, |&byte| byte == b' ').collect();
     let [sequence, view, path] = words[..] else {
         let shown = line.escape_ascii();

@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::render::{enlarged, lit, normals, sheet, to_file};
+use ptm_conform::tools::render::{encode_image, lit, normals, sheet, upscale};
 
 /// Render a map: under one light, under many lights, or its normals.
 ///
@@ -43,7 +43,7 @@ pub struct RenderArgs {
     output: PathBuf,
 }
 
-/// Maximum side of a map that is hard to see.
+/// Maximum side length in texels of an image for which `--zoom` is suggested.
 const MAX_SMALL_SIDE: u32 = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
@@ -71,17 +71,17 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     };
     let image = match args.zoom {
         1 => image,
-        zoom => enlarged(&image, zoom.into())?,
+        zoom => upscale(&image, zoom.into())?,
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
-    files::write_whole(&args.output, to_file(image, format)?)?;
+    files::write_atomically(&args.output, encode_image(image, format)?)?;
     output::note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)
 }
 
-/// Parses a direction within the hemisphere.
+/// Parses a light direction within the hemisphere.
 fn parse_light(text: &str) -> Result<(f64, f64), String> {
     match parse_pair(text) {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),

@@ -1,18 +1,18 @@
-//! `report show`, `diff`, `merge`, `html`, `junit`, `badge` and `markdown`: reports read back.
+//! `ptm-conform report`: displays, compares, merges and converts existing reports.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
 use super::arguments::id_filter;
-use super::ending::{Ending, OutputArgs};
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
+use super::ending::{OutputArgs, ReportWriter};
+use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::report::Report;
 use ptm_conform::report::badge;
 use ptm_conform::report::github;
 use ptm_conform::report::html;
 use ptm_conform::report::junit;
-use ptm_conform::report::merge::KeptAnswers;
+use ptm_conform::report::merge::RecordedAnswers;
 use ptm_conform::report::reported::Reported;
 use ptm_conform::suite::cases::Case;
 use ptm_conform::suite::name::SuiteName;
@@ -58,13 +58,13 @@ enum ReportCommand {
     },
     /// Write a report as JUnit XML.
     #[command(after_help = "Example:\n  ptm-conform report junit report.yaml -o junit.xml")]
-    Junit(Made),
+    Junit(OutputFormatArgs),
     /// Write an SVG badge with the three scores.
     #[command(after_help = "Example:\n  ptm-conform report badge report.yaml -o badge.svg")]
-    Badge(Made),
+    Badge(OutputFormatArgs),
     /// Write a summary in Markdown.
     #[command(after_help = "Example:\n  ptm-conform report markdown report.yaml -o summary.md")]
-    Markdown(Made),
+    Markdown(OutputFormatArgs),
     /// Show what changed between two reports.
     ///
     /// Lists the cases that began to fail, were fixed, changed otherwise, were added or removed, and changes in the decoder, its
@@ -107,7 +107,7 @@ struct MergeArgs {
 }
 
 #[derive(Args)]
-struct Made {
+struct OutputFormatArgs {
     /// The report.
     file: PathBuf,
     /// The output file; standard output by default.
@@ -115,10 +115,10 @@ struct Made {
     output: Option<PathBuf>,
 }
 
-impl Made {
+impl OutputFormatArgs {
     fn write(&self, text: &str) -> CommandResult {
         match &self.output {
-            Some(path) => super::files::write_whole(path, text)?,
+            Some(path) => super::files::write_atomically(path, text)?,
             None => super::output::print(text),
         }
         Ok(0)
@@ -129,16 +129,16 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     match &args.command {
         ReportCommand::Show { file, cases, show } => {
             let report = Report::read(file)?;
-            let text = (forms(report.suite).text)(&report, cases, *show)?;
+            let text = (suite_functions(report.suite).text)(&report, cases, *show)?;
             if text.is_empty() {
                 let says = "no case of the report matches";
-                return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
+                return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
             }
-            super::terminal::show(&escape_controls(&text));
+            super::terminal::show(&escape_control_characters(&text));
             Ok(0)
         }
         ReportCommand::Merge(args) => {
-            // Parts of one run have the same suite, so the first determines it.
+            // All parts of a run have the same suite, so the first part determines it.
             match Report::read(&args.parts[0]).map(|report| report.suite) {
                 Ok(SuiteName::Texture) => merge::<TextureCase>(args),
                 _ => merge::<Case>(args),
@@ -147,46 +147,46 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         ReportCommand::Html { files, output } => {
             let reports = files.iter().map(|file| Report::read(file));
             let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-            let page = (forms(reports[0].suite).page)(&reports)?;
-            super::files::write_whole(output, page)?;
+            let page = (suite_functions(reports[0].suite).page)(&reports)?;
+            super::files::write_atomically(output, page)?;
             Ok(0)
         }
         ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)),
         ReportCommand::Badge(made) => made.write(&badge::badge(&Report::read(&made.file)?)),
         ReportCommand::Markdown(made) => {
             let report = Report::read(&made.file)?;
-            let all = (forms(report.suite).count)()?;
+            let all = (suite_functions(report.suite).count)()?;
             made.write(&github::summary(&report, all))
         }
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
-            super::terminal::show(&escape_controls(&changes));
+            super::terminal::show(&escape_control_characters(&changes));
             Ok(u8::from(!changes.is_empty()))
         }
     }
 }
 
-/// The functions that depend on the suite of a report.
-struct Forms {
-    /// Returns the report, or the cases that match, as text.
+/// Functions that depend on the suite of a report.
+struct SuiteFunctions {
+    /// Formats the report, or the cases that match, as text.
     text: fn(&Report, &[String], usize) -> Result<String, String>,
-    /// Returns an HTML page of one report or several.
+    /// Renders an HTML page of one or more reports.
     page: fn(&[Report]) -> Result<String, String>,
-    /// Returns the number of cases.
+    /// Returns the number of cases in the suite.
     count: fn() -> Result<usize, String>,
 }
 
-fn forms(suite: SuiteName) -> Forms {
+fn suite_functions(suite: SuiteName) -> SuiteFunctions {
     match suite {
-        SuiteName::Ptm => forms_of::<Case>(),
-        SuiteName::Texture => forms_of::<TextureCase>(),
-        SuiteName::Writers => forms_of::<WriterCase>(),
-        SuiteName::Fitters => forms_of::<FitCase>(),
+        SuiteName::Ptm => suite_functions_for::<Case>(),
+        SuiteName::Texture => suite_functions_for::<TextureCase>(),
+        SuiteName::Writers => suite_functions_for::<WriterCase>(),
+        SuiteName::Fitters => suite_functions_for::<FitCase>(),
     }
 }
 
-fn forms_of<C: Reported>() -> Forms {
-    Forms {
+fn suite_functions_for<C: Reported>() -> SuiteFunctions {
+    SuiteFunctions {
         text: |report, cases, show| match cases {
             [] => Ok(report.to_text(&C::suite()?, show)),
             cases => Ok(report.cases_to_text(&C::suite()?, id_filter(cases)?)),
@@ -201,8 +201,8 @@ fn forms_of<C: Reported>() -> Forms {
 
 fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let ending = Ending::new(&suite, &args.report, &args.outputs)?;
-    let answers = KeptAnswers::read(&suite, &args.parts)?;
+    let ending = ReportWriter::new(&suite, &args.report, &args.outputs)?;
+    let answers = RecordedAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
@@ -210,8 +210,8 @@ fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     Ok(ending.finish(&suite, &run, report)?)
 }
 
-/// Makes text of untrusted reports safe for a terminal: escapes control characters other than line feeds and tabs.
-fn escape_controls(text: &str) -> String {
+/// Escapes control characters other than line feeds and tabs, so that text from untrusted reports is safe to print.
+fn escape_control_characters(text: &str) -> String {
     let shown = |c: char| match c {
         '\n' | '\t' => c.to_string(),
         c if c.is_control() => c.escape_default().to_string(),

@@ -1,4 +1,4 @@
-//! `site`: the format, the suite and its readers as pages.
+//! `ptm-conform site`: writes pages about the format, the suite and its readers.
 
 use std::path::PathBuf;
 
@@ -29,9 +29,9 @@ pub struct SiteArgs {
     jobs: Option<usize>,
 }
 
-/// Builds the site and writes it.
+/// Builds and writes the site.
 pub fn run(args: &SiteArgs) -> CommandResult {
-    let module = args.module.clone().or_else(released_module);
+    let module = args.module.clone().or_else(find_released_module);
     let module = module.as_deref().map(read).transpose()?;
     let files = build(None, module.as_deref(), jobs(args.jobs)?)?;
     let mut bytes = 0;
@@ -52,8 +52,8 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Returns the path of the module next to this program, if there is one.
-fn released_module() -> Option<PathBuf> {
+/// Returns the path of the WebAssembly module next to this program, if there is one.
+fn find_released_module() -> Option<PathBuf> {
     let path = std::env::current_exe().ok()?;
     let path = path.with_file_name("ptm_conform_wasm.wasm");
     path.is_file().then_some(path)

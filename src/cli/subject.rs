@@ -1,4 +1,4 @@
-//! The subject of a check: a decoder, this program, a program that a template calls, or precomputed answers.
+//! Subject of a check: a decoder, this program, a program called through a template, or precomputed answers.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -16,25 +16,25 @@ use ptm_conform::suite::cases::{Case, Expect, Suite};
 use super::check_args::CheckArgs;
 use super::files::with_path;
 
-/// The subject of a check, and the part of the suite that applies to it.
+/// Subject of a check, and the part of the suite that applies to it.
 pub struct Subject {
-    /// The source of answers.
+    /// Source of answers.
     pub answers: Answers,
-    /// Its command, for the report.
+    /// Command line for the report.
     pub words: Vec<String>,
-    /// The requested views; all that it offers if empty.
+    /// Requested views; empty for all views that the subject supports.
     pub views: Vec<String>,
-    /// The reasons why cases are not requested, an entry for each case; empty if all are requested.
+    /// Reasons why cases are not requested, one entry per case; empty if all cases are requested.
     pub withheld: Vec<Option<String>>,
 }
 
-/// A source of answers.
+/// Source of answers.
 pub enum Answers {
-    /// A program.
+    /// Program that is called for each request.
     Program(Decoder),
-    /// Precomputed answers in files.
+    /// Precomputed answers, stored in files.
     Precomputed(Outputs),
-    /// A function of the parent process.
+    /// Functions of the parent process.
     Caller(Caller),
 }
 
@@ -47,9 +47,9 @@ impl Subject {
         }
     }
 
-    /// Interprets a reply: if a refusal looks like a crash, a crash may be a refusal, because no decoder has to support every
-    /// spelling of a table.
-    pub fn understand(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
+    /// Reinterprets a crash on a table spelling as a refusal if refusals cannot be distinguished from crashes. No decoder
+    /// has to support every spelling of a table.
+    pub fn interpret_reply(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
         let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()
             && matches!(reply.answer, Answer::Crashed(_))
@@ -60,14 +60,14 @@ impl Subject {
         reply
     }
 
-    /// Returns the subject that the command line names, under the limits that it gives.
+    /// Creates the subject and applies the limits that the command line specifies.
     pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
-        let is_asked = |view: &String| args.views.contains(view);
+        let is_requested = |view: &String| args.views.contains(view);
         let subject = |answers: Answers, words: Vec<String>| Subject {
             answers,
             words,
             views: (ViewKind::NAMES.map(str::to_owned).into_iter())
-                .filter(is_asked)
+                .filter(is_requested)
                 .collect(),
             withheld: Vec::new(),
         };
@@ -77,7 +77,7 @@ impl Subject {
             return Ok(subject(Answers::Caller(caller), words));
         }
         if let Some(directory) = &args.outputs {
-            let outputs = outputs(directory, suite)?;
+            let outputs = open_outputs(directory, suite)?;
             let directory = directory.to_string_lossy().into_owned();
             let words = vec!["--outputs".to_owned(), directory];
             return Ok(Subject {
@@ -87,10 +87,10 @@ impl Subject {
             });
         }
         let (mut decoder, words) = match &args.cmd {
-            Some(text) => called_by(text, Template::parse(text))?,
+            Some(text) => program_from_template(text, Template::parse(text))?,
             None => program(&args.decoder)?,
         };
-        args.run.calls.limit(&mut decoder, stop)?;
+        args.run.calls.apply_limits(&mut decoder, stop)?;
         let mut subject = subject(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
             subject.restrict_to(&Template::parse(text)?, args, suite)?;
@@ -98,7 +98,8 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Restricts a program that a template calls to requests that the template can express and answers that it can show.
+    /// Restricts a program called through a template to requests that the template can express and answers that can be
+    /// recognized.
     fn restrict_to(
         &mut self,
         template: &Template,
@@ -131,8 +132,8 @@ impl Subject {
     }
 }
 
-/// Reads answers that were made elsewhere, and reports files that are not answers.
-fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
+/// Opens a directory of precomputed outputs, and prints a warning about files that belong to no request.
+fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let matches = |pattern: &str, id: &str| {
         let pattern = glob::Pattern::new(pattern).map_err(|error| error.to_string())?;
         Ok(pattern.matches(id))
@@ -140,7 +141,7 @@ fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let outputs = Outputs::open(directory, suite, matches)?;
     let strangers = &outputs.strangers;
     if !strangers.is_empty() {
-        super::output::complain(&format!(
+        super::output::print_error(&format!(
             "ptm-conform: files in the outputs that belong to no request: {}: {}",
             strangers.len(),
             strangers[..strangers.len().min(5)].join(", ")
@@ -149,8 +150,8 @@ fn outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     Ok(outputs)
 }
 
-/// Returns a program that a template calls, and the words of the template for the report.
-pub fn called_by(
+/// Creates a program that is called through a template. Also returns the words of the template for the report.
+pub fn program_from_template(
     text: &str,
     template: Result<Template, String>,
 ) -> Result<(Decoder, Vec<String>), String> {
@@ -159,7 +160,8 @@ pub fn called_by(
     Ok((decoder, shlex::split(text).unwrap_or_default()))
 }
 
-/// Returns the program that a command starts, and its words for the report; this program if the command is empty.
+/// Creates the program for a command, or the built-in reference if the command is empty. Also returns the words of the
+/// command for the report.
 pub fn program(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
     let mut command = command.to_vec();
     if command.is_empty() {

@@ -1,14 +1,14 @@
-//! Text for people: in color, and wrapped to the terminal.
+//! Text for human readers: colored, and wrapped to the width of the terminal.
 //!
-//! The first word of a line determines its kind and its color. Without a terminal the text is unchanged;
+//! The first word of a line determines its color. Without a terminal, the text is unchanged;
 //! [`print`](super::output::print) respects `NO_COLOR` and `--color`.
 
 use std::fmt::Write;
 
 use anstyle::{AnsiColor, Style};
 
-use super::links::linked;
-use super::output::{columns, print, wrapped};
+use super::links::add_links;
+use super::output::{columns, print, wrap_line};
 
 const HEADING_STYLE: Style = Style::new().bold();
 const ERROR_STYLE: Style = AnsiColor::Red.on_default().bold();
@@ -17,8 +17,8 @@ const HINT_STYLE: Style = AnsiColor::Cyan.on_default();
 const REMARK_STYLE: Style = AnsiColor::Yellow.on_default();
 const DIMMED_STYLE: Style = Style::new().dimmed();
 
-/// Beginnings of lines, and their styles.
-const BEGINNINGS: [(&[&str], Style); 6] = [
+/// Line prefixes and their styles.
+const STYLED_PREFIXES: [(&[&str], Style); 6] = [
     (&["FAIL", "fail:", "✗"], ERROR_STYLE),
     (&["pass:", "✓", "Fix:"], SUCCESS_STYLE),
     (&["→"], HINT_STYLE),
@@ -38,19 +38,19 @@ const BEGINNINGS: [(&[&str], Style); 6] = [
     ),
 ];
 
-/// Prints text for people.
+/// Prints text, colored and wrapped for the terminal.
 pub fn show(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stdout()));
-    print(&linked(&page(text, width)));
+    print(&add_links(&style_text(text, width)));
 }
 
-/// Returns the text in color; lines longer than `width` are wrapped with indentation.
-fn page(text: &str, width: Option<usize>) -> String {
+/// Colors text and wraps lines longer than `width`.
+fn style_text(text: &str, width: Option<usize>) -> String {
     let mut page = String::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start_matches(' ').len();
-        for (i, line) in wrapped(line, width).iter().enumerate() {
-            let marked = if i == 0 { beginning(line) } else { None };
+        for (i, line) in wrap_line(line, width).iter().enumerate() {
+            let marked = if i == 0 { styled_prefix(line) } else { None };
             let _ = match marked {
                 Some((end, style)) => writeln!(
                     page,
@@ -66,8 +66,8 @@ fn page(text: &str, width: Option<usize>) -> String {
     page
 }
 
-/// Returns the length of the first word of a line and its style, if it is a known beginning.
-fn beginning(line: &str) -> Option<(usize, Style)> {
+/// Returns the length and style of the prefix of a line, if the prefix is known.
+fn styled_prefix(line: &str) -> Option<(usize, Style)> {
     let text = line.trim_start_matches(' ');
     let indent = line.len() - text.len();
     // "64 of 64 failures: …"
@@ -79,11 +79,11 @@ fn beginning(line: &str) -> Option<(usize, Style)> {
     {
         return Some((indent + counts.len() + " failures:".len(), HEADING_STYLE));
     }
-    let (start, style) = BEGINNINGS.iter().find_map(|(starts, style)| {
+    let (start, style) = STYLED_PREFIXES.iter().find_map(|(starts, style)| {
         let start = starts.iter().find(|start| text.starts_with(**start))?;
         Some((start, style))
     })?;
-    // A heading is the word and the name after it.
+    // A heading consists of the keyword and the name after it.
     let length = match (start.ends_with(' '), indent) {
         (false, _) => start.len(),
         (true, 0) => text[start.len()..]
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn styling_changes_only_colors_and_never_wraps_commands() {
-        let plain = |width| anstream::adapter::strip_str(&page(TEXT, width)).to_string();
+        let plain = |width| anstream::adapter::strip_str(&style_text(TEXT, width)).to_string();
         assert_eq!(plain(None), TEXT);
         let wrapped = TEXT.replacen("the high byte", "the\n  high byte", 1);
         assert_eq!(plain(Some(40)), wrapped);
@@ -110,8 +110,8 @@ mod tests {
 
     #[test]
     fn lines_are_colored_by_their_meaning() {
-        let colored = |line: &str| {
-            let (end, style) = beginning(line)?;
+        let multiply_by_color = |line: &str| {
+            let (end, style) = styled_prefix(line)?;
             Some((line[..end].to_owned(), style))
         };
         for (line, marked, style) in [
@@ -129,9 +129,13 @@ mod tests {
             ),
             ("clause 2.5/2: x", "clause 2.5/2:", HEADING_STYLE),
         ] {
-            assert_eq!(colored(line), Some((marked.to_owned(), style)), "{line}");
+            assert_eq!(
+                multiply_by_color(line),
+                Some((marked.to_owned(), style)),
+                "{line}"
+            );
         }
-        assert_eq!(colored("3 of the failures: x"), None);
-        assert_eq!(colored("  case of need"), None);
+        assert_eq!(multiply_by_color("3 of the failures: x"), None);
+        assert_eq!(multiply_by_color("  case of need"), None);
     }
 }

@@ -1,4 +1,4 @@
-//! The subcommands for texture mapping.
+//! Subcommands for texture mapping.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::arguments::parse_pair;
-use super::files::{self, with_path, write_whole};
+use super::files::{self, with_path, write_atomically};
 use super::output::print;
-use super::{CommandResult, EXIT_NOTHING_SELECTED, Failed};
+use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::ptm::Size;
@@ -16,7 +16,7 @@ use ptm_conform::suite::texture::cases::cases_of;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
-use ptm_conform::tools::render::{rgb, to_file};
+use ptm_conform::tools::render::{encode_image, rgb};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -158,8 +158,9 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
 pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
     let answer = question.and_then(|question| question.answer(&Rules::SPEC));
-    let answer = answer
-        .map_err(|refusal| Failed::refused(file, refusal.exit_status() as u8, refusal.message()));
+    let answer = answer.map_err(|refusal| {
+        CommandError::refused(file, refusal.exit_status() as u8, refusal.message())
+    });
     print(&format!("{}\n", answer?));
     Ok(0)
 }
@@ -203,6 +204,6 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
         .map_err(|error| format!("these coordinates cannot be drawn: {error}"))?;
     let (width, height) = (args.size, args.size);
     let image = rgb(Size { width, height }, drawn);
-    write_whole(&args.output, to_file(image, image::ImageFormat::Png)?)?;
+    write_atomically(&args.output, encode_image(image, image::ImageFormat::Png)?)?;
     Ok(0)
 }

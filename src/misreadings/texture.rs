@@ -13,8 +13,8 @@ use crate::texture::primitive::Terms;
 use crate::texture::stage::is_split;
 use crate::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Entry, Fetched, Frequency, InteriorStyle,
-    Interpolation, Lit, Parameterization, RenderingControl, Rules, SampleMethod, Selection, Shade,
-    Site, Texel,
+    Interpolation, LitPrimitive, Parameterization, RenderingControl, Rules, SampleMethod,
+    Selection, Shade, Site, Texel,
 };
 
 /// A mistake in the rules of texture mapping.
@@ -835,8 +835,8 @@ fn with_rendering_control(
 }
 
 /// Applies the maps to the lit color, as if the light on a white surface were white.
-fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &Lit, rules: &Rules) -> Shade {
-    let diffuse = Lit {
+fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &LitPrimitive, rules: &Rules) -> Shade {
+    let diffuse = LitPrimitive {
         surface: with_color(lit.surface, times(lit.white, lit.surface.color)),
         white: [1.0; 3],
         ..*lit

@@ -1,4 +1,4 @@
-//! Badges with three scores instead of one percentage.
+//! SVG badges that display three scores instead of one percentage.
 
 use maud::html;
 
@@ -6,13 +6,14 @@ use crate::report::document::Report;
 use crate::session::scores::Fraction;
 use crate::suite::name::SuiteName;
 
-/// The width of a letter in tenths of a pixel; `textLength` enforces it for every font.
+/// Width of a letter in tenths of a pixel. The `textLength` attribute enforces it for every font.
 const LETTER_WIDTH: usize = 59;
-/// The margin left and right of a text.
+/// Margin to the left and right of each label, in pixels.
 const MARGIN: usize = 4;
 
-/// Returns an SVG image, 20 pixels high and at most 140 wide: the verdict and correctness in words, and below them a line for
-/// each of correctness, breadth and robustness, as long as the score. Its title has all of them.
+/// Renders a report as an SVG badge, 20 pixels high and at most 140 wide. The badge contains the verdict and the
+/// correctness score; below them, three bars represent correctness, breadth and robustness. The title of the image lists
+/// all scores.
 #[must_use]
 pub fn badge(report: &Report) -> String {
     let label = match report.suite {
@@ -23,14 +24,14 @@ pub fn badge(report: &Report) -> String {
     };
     let scores = &report.scores;
     let passed = report.verdict == "pass";
-    let says = match (&report.reason, passed) {
+    let score_text = match (&report.reason, passed) {
         (Some(_), _) => report.verdict.clone(),
         (None, true) => format!("✓ {}", scores.correctness),
         (None, false) => format!("✗ {}", scores.correctness),
     };
     let color = if passed { "#1d6b3f" } else { "#a8281c" };
     let width = |text: &str| text.chars().count() * LETTER_WIDTH / 10;
-    let (left, right) = (width(label) + 2 * MARGIN, width(&says) + 2 * MARGIN);
+    let (left, right) = (width(label) + 2 * MARGIN, width(&score_text) + 2 * MARGIN);
     let command = &report.decoder.command;
     let title = format!("{command}: {}; {scores}", report.verdict);
     let third = (right - 2 * MARGIN) as f64 / 3.0;
@@ -54,7 +55,7 @@ pub fn badge(report: &Report) -> String {
             }
             g fill="#fff" font-family="Verdana,DejaVu Sans,sans-serif" font-size="10" {
                 text x=(MARGIN) y="13" textLength=(width(label)) { (label) }
-                text x=(left + MARGIN) y="13" textLength=(width(&says)) { (says) }
+                text x=(left + MARGIN) y="13" textLength=(width(&score_text)) { (score_text) }
             }
         }
     };

@@ -20,32 +20,32 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// A list of known failures, by id.
+/// Known failures: case id and optional reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline(BTreeMap<String, Option<String>>);
 
-/// An entry of the file.
+/// Entry of a baseline file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Known {
+struct KnownFailure {
     id: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
 }
 
-/// The comparison of a run with a baseline: ids, in the order of the suite.
+/// Result of comparing a run with a baseline: case ids in suite order.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct BaselineNews {
-    /// Listed, and failing.
+pub struct BaselineComparison {
+    /// Cases that are listed and fail.
     pub known: Vec<String>,
-    /// Failing, and not listed.
+    /// Cases that fail and are not listed.
     pub new: Vec<String>,
-    /// Listed, and passing.
+    /// Cases that are listed but pass.
     pub stale: Vec<String>,
 }
 
-impl BaselineNews {
-    /// Returns the exit status of `check` if some failures are known: 0, 1, 3 or 4.
+impl BaselineComparison {
+    /// Returns the exit status of `check --baseline`: 0, 1, 3 or 4.
     #[must_use]
     pub fn exit_status<C: TestCase>(&self, run: &Run<C>) -> u8 {
         match run.status(!self.new.is_empty()) {
@@ -56,14 +56,14 @@ impl BaselineNews {
 }
 
 impl Baseline {
-    /// Reads a baseline.
+    /// Reads a baseline file.
     ///
     /// # Errors
-    /// A sentence that names the file and the line at fault; also for an unknown or duplicate id.
+    /// Returns a message that names the file and the line if the file is malformed or contains an unknown or duplicate id.
     pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
         let named = |error: String| format!("{}: {error}", path.display());
         let mut listed = BTreeMap::new();
-        for (number, Known { id, reason }) in records(&read_text(path)?).map_err(named)? {
+        for (number, KnownFailure { id, reason }) in records(&read_text(path)?).map_err(named)? {
             let fault = |what: String| Err(named(format!("line {number}: {what}")));
             if suite.case(&id).is_none() {
                 return fault(format!("unknown case {id:?}"));
@@ -76,27 +76,35 @@ impl Baseline {
         Ok(Baseline(listed))
     }
 
-    /// Compares verdicts, one slot per case of `suite`, with the baseline.
+    /// Compares a run with the baseline. `judged` contains one slot per case of `suite`.
     #[must_use]
-    pub fn news<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> BaselineNews {
-        let mut news = BaselineNews::default();
+    pub fn compare<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        judged: &[Option<Judged>],
+    ) -> BaselineComparison {
+        let mut comparison = BaselineComparison::default();
         for (case, judged) in suite.cases.iter().zip(judged) {
             let Some(judged) = judged else { continue };
             let list = match (judged.outcome, self.0.contains_key(case.id())) {
-                (Outcome::Fail, true) => &mut news.known,
-                (Outcome::Fail, false) => &mut news.new,
-                (Outcome::Pass, true) => &mut news.stale,
+                (Outcome::Fail, true) => &mut comparison.known,
+                (Outcome::Fail, false) => &mut comparison.new,
+                (Outcome::Pass, true) => &mut comparison.stale,
                 _ => continue,
             };
             list.push(case.id().to_owned());
         }
-        news
+        comparison
     }
 
-    /// Returns the baseline in which this run's failures are known, with the reasons of the old one. Old entries that neither
-    /// passed nor failed are kept. In the order of the suite.
+    /// Returns the YAML of an updated baseline that lists the failures of this run in suite order. Reasons are preserved,
+    /// and so are entries of cases that neither passed nor failed.
     #[must_use]
-    pub fn renewed<C: TestCase>(&self, suite: &Suite<C>, judged: &[Option<Judged>]) -> String {
+    pub fn to_updated_yaml<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        judged: &[Option<Judged>],
+    ) -> String {
         let mut known = Vec::new();
         for (case, judged) in suite.cases.iter().zip(judged) {
             let listed = self.0.get(case.id());
@@ -106,7 +114,7 @@ impl Baseline {
                 _ => listed.is_some(),
             };
             if stays {
-                known.push(Known {
+                known.push(KnownFailure {
                     id: case.id().to_owned(),
                     reason: listed.cloned().flatten(),
                 });

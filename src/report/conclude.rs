@@ -1,6 +1,6 @@
-//! The end of a run: the report with all verdicts first, then the same report with causes.
+//! Final steps of a run: first build a report with all verdicts, then add the causes of failures.
 //!
-//! The verdicts do not wait for the search for causes, and are not affected if it fails.
+//! The verdicts do not depend on the search for causes and are not affected if the search fails.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -17,10 +17,10 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// Returns the report of a run: verdicts and causes.
+/// Builds the complete report of a run, with verdicts and causes.
 ///
 /// # Errors
-/// The errors of [`verdicts`].
+/// Returns the errors of [`verdicts`].
 pub fn conclude<C: Reported>(
     suite: &Suite<C>,
     plan: &RunPlan,
@@ -29,15 +29,16 @@ pub fn conclude<C: Reported>(
     others: &OtherRemarks,
 ) -> Result<Report, String> {
     let report = verdicts(suite, plan, run, circumstances, others)?;
-    Ok(causes(suite, run, report, |run| {
+    Ok(add_causes(suite, run, report, |run| {
         C::diagnose(suite, run, &circumstances.assumed, plan.jobs)
     }))
 }
 
-/// Returns the report of a run without causes, with remarks that do not follow from answers, and the declared capabilities.
+/// Builds the report of a run without causes. The report includes the declared capabilities and the remarks in `others`,
+/// which do not follow from answers.
 ///
 /// # Errors
-/// A sentence with the first assumed misreading that is unknown.
+/// Returns a message that names the first unknown misreading in `circumstances.assumed`.
 pub fn verdicts<C: Reported>(
     suite: &Suite<C>,
     plan: &RunPlan,
@@ -56,7 +57,8 @@ pub fn verdicts<C: Reported>(
     Ok(report)
 }
 
-/// Returns likely causes of the failures so far, the one that explains most first; none if the search fails.
+/// Returns the likely causes of the failures so far, sorted by the number of cases that each explains. Returns an empty
+/// list if the search panics.
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -67,10 +69,10 @@ pub fn first_causes<C: TestCase, A: 'static>(
     causes.unwrap_or_default()
 }
 
-/// Adds the causes that `search` finds to a report. If the search panics, or the user ends it, some causes are missing and the
-/// report says so.
+/// Adds the causes that `search` finds to a report. If the search panics or the user interrupts it, adds a remark that
+/// causes may be missing.
 #[must_use]
-pub fn causes<C: TestCase, A: 'static>(
+pub fn add_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
     report: Report,
@@ -81,7 +83,7 @@ pub fn causes<C: TestCase, A: 'static>(
         faults: vec![panic_message(&*panic)],
         ..Causes::from(Vec::new())
     });
-    let mut report = report.explained_by(suite, &causes.diagnoses);
+    let mut report = report.with_diagnoses(suite, &causes.diagnoses);
     if !causes.faults.is_empty() {
         report.remarks.push(Remark::note(format!(
             "the search for causes failed because of a bug in ptm-conform: {}; the verdicts are not affected",
@@ -119,7 +121,7 @@ mod tests {
         let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
         let report = Report::new(&suite, &run, &["decoder".to_owned()], Vec::new());
         let verdicts = report.clone();
-        let report = causes::<_, At>(&suite, &run, report, |_| panic!("index 3 of 2"));
+        let report = add_causes::<_, At>(&suite, &run, report, |_| panic!("index 3 of 2"));
         assert_eq!(report.cases, verdicts.cases);
         assert_eq!(report.verdict, verdicts.verdict);
         assert_eq!(report.diagnoses, []);

@@ -1,7 +1,7 @@
-//! Exact differences between two reports: every change is counted, and the result is empty for equal reports.
+//! Exact differences between two reports. Every change is counted, and equal reports give an empty result.
 //!
-//! A few changed cases are described in full. Many are grouped by kind of change, by cause and by clause, unless every case is
-//! requested.
+//! A few changed cases are described in full. A larger number is grouped by kind of change, cause and clause, unless the
+//! caller requests every case.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
@@ -17,8 +17,8 @@ use crate::session::outcome::Outcome;
 const MAX_FULL_DESCRIPTIONS: usize = 12;
 
 impl Report {
-    /// Describes the changes from this report to `new`; empty if the two are equal. Many changed cases are grouped unless
-    /// `every_case` is true.
+    /// Describes the changes from this report to `new`. Returns an empty string if the reports are equal. Groups a large
+    /// number of changed cases unless `every_case` is true.
     #[must_use]
     pub fn changes_to(&self, new: &Report, every_case: bool) -> String {
         let mut text = String::new();
@@ -27,7 +27,7 @@ impl Report {
     }
 }
 
-/// A case before and after; equal if only one report has it.
+/// Old and new result of a case. The two are equal if only one report contains the case.
 type ChangedCase<'a> = (&'a CaseResult, &'a CaseResult);
 
 /// Kinds of change, in the order in which they are described.
@@ -40,7 +40,7 @@ const KINDS: [&str; 6] = [
     "vanished",
 ];
 
-/// Returns the kind of change of a case of both reports.
+/// Classifies the change of a case that both reports contain. Returns `None` if the results are equal.
 fn kind_of_change(old: &CaseResult, new: &CaseResult) -> Option<&'static str> {
     match (old.outcome, new.outcome) {
         _ if old == new => None,
@@ -51,9 +51,9 @@ fn kind_of_change(old: &CaseResult, new: &CaseResult) -> Option<&'static str> {
     }
 }
 
-/// Returns the cases in which two reports differ, by kind of change.
+/// Groups the cases that differ between two reports by kind of change.
 fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<ChangedCase<'a>>); 6] {
-    // The last one of a duplicate id counts.
+    // If an id is duplicated, the last case with that id is used.
     let [before, after] = [old, new].map(|report| -> HashMap<&str, &CaseResult> {
         (report.cases.iter().map(|case| (&*case.id, case))).collect()
     });
@@ -82,7 +82,7 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std:
     for (name, of) in HEADER_PARTS {
         write_lines(out, "", name, &of(old), &of(new))?;
     }
-    let causes = |report: &Report| causes_in_words(report, in_full);
+    let causes = |report: &Report| describe_causes(report, in_full);
     write_lines(out, "", "diagnoses", &causes(old), &causes(new))?;
     for (kind, pairs) in &groups {
         match pairs.len() {
@@ -92,7 +92,10 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std:
         }
         match in_full {
             true => pairs.iter().try_for_each(|pair| write_change(out, pair))?,
-            false => write_counts(out, pairs.iter().map(|pair| (key(old, new, pair), pair.1)))?,
+            false => write_counts(
+                out,
+                pairs.iter().map(|pair| (group_key(old, new, pair), pair.1)),
+            )?,
         }
     }
     if out.is_empty() && old != new {
@@ -115,19 +118,19 @@ const HEADER_PARTS: [(&str, fn(&Report) -> String); 10] = [
         report.dialect.iter().map(line).collect()
     }),
     ("outside the specification", |report| {
-        (report.lenient.iter().map(|one| one.in_words() + "\n")).collect()
+        (report.lenient.iter().map(|one| one.to_summary() + "\n")).collect()
     }),
     ("known failures", |report| yaml(&report.baseline)),
 ];
 
-/// Returns the kind of change of a case, and its cause or its section.
-fn key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> String {
+/// Returns the grouping key of a changed case: the kind of change, and the cause or the section.
+fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> String {
     if before == after {
         return after.outcome.to_string();
     }
     let how = match before.outcome == after.outcome {
         true => {
-            let fields = differing(before, after).join(", ");
+            let fields = differing_fields(before, after).join(", ");
             format!("{} ({fields})", after.outcome)
         }
         false => format!("{} → {}", before.outcome, after.outcome),
@@ -145,27 +148,27 @@ fn key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> String {
     }
 }
 
-/// Writes the number of cases of each key, and one example; the most frequent first.
+/// Writes the number of cases and one example for each key, most frequent key first.
 fn write_counts<'a>(
     out: &mut String,
     keyed: impl Iterator<Item = (String, &'a CaseResult)>,
 ) -> std::fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
-    for (key, case) in keyed {
-        groups.entry(key).or_default().push(case);
+    for (group_key, case) in keyed {
+        groups.entry(group_key).or_default().push(case);
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));
-    groups.iter().try_for_each(|(key, cases)| {
+    groups.iter().try_for_each(|(group_key, cases)| {
         let example = &cases[0].id;
         match cases.len() {
-            1 => writeln!(out, "  {:>5}  {key}: {example}", 1),
-            count => writeln!(out, "  {count:>5}  {key}, for example {example}"),
+            1 => writeln!(out, "  {:>5}  {group_key}: {example}", 1),
+            count => writeln!(out, "  {count:>5}  {group_key}, for example {example}"),
         }
     })
 }
 
-/// Writes a change in full.
+/// Writes the full description of a change.
 fn write_change(out: &mut String, (old, new): &ChangedCase) -> std::fmt::Result {
     if old.outcome == new.outcome {
         writeln!(out, "  {}: {}", new.id, new.outcome)?;
@@ -175,8 +178,9 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> std::fmt::Result 
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
-/// Describes the causes of a report in a line or two each, with the cases that each explains, or their number.
-fn causes_in_words(report: &Report, in_full: bool) -> String {
+/// Describes each cause of a report in one or two lines, with the cases that it explains or, unless `in_full`, the number
+/// of those cases.
+fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);
         let says = format!("{} (clause {clause}): {effect}; fix: {fix}", cause.name());
@@ -189,7 +193,7 @@ fn causes_in_words(report: &Report, in_full: bool) -> String {
 }
 
 /// Returns the names of the fields in which two results differ.
-fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
+fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     let fields = [
         ("view", old.view != new.view),
         ("expect", old.expect != new.expect),
@@ -202,7 +206,7 @@ fn differing(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     differ.map(|(name, _)| name).collect()
 }
 
-/// Writes the lines in which one text differs from the other.
+/// Writes the lines that differ between two texts.
 fn write_lines(
     out: &mut String,
     indent: &str,
@@ -230,7 +234,7 @@ fn write_lines(
     Ok(())
 }
 
-/// Returns the other fields of a case, a line or more each.
+/// Returns the YAML of all fields of a case except the id and the outcome.
 fn details(case: &CaseResult) -> String {
     let (id, outcome) = (String::new(), Outcome::Pass);
     let text = yaml(&CaseResult {

@@ -1,183 +1,183 @@
-//! The report as plain data, from which all output formats are made.
+//! Reports as plain data. All output formats are generated from these types.
 //!
-//! It contains no time, path or host, so that two equal runs have equal reports.
+//! A report contains no time, path or host name, so equal runs have equal reports.
 
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
 use crate::kit::digest::sha256;
 use crate::kit::yaml::to_yaml;
-use crate::report::baseline::BaselineNews;
+use crate::report::baseline::BaselineComparison;
 use crate::report::leniency::Leniency;
 use crate::session::outcome::Outcome;
 use crate::session::remark::Remark;
 use crate::session::scores::Scores;
 use crate::suite::name::SuiteName;
 
-/// The version of the report schema. A reader refuses all others.
+/// Version of the report schema. Reports with any other version are rejected.
 pub const SCHEMA: u32 = 2;
 
-/// The report on a decoder.
+/// Report on a decoder.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
-    /// The version of the schema.
+    /// Version of the schema.
     pub schema: u32,
-    /// The suite.
+    /// Suite that was run.
     pub suite: SuiteName,
-    /// The program that judged.
+    /// Program that produced the verdicts.
     pub tool: Tool,
-    /// The decoder under test.
+    /// Decoder under test.
     pub decoder: DecoderInfo,
-    /// `pass`, `fail` or `not a decoder`.
+    /// Overall verdict: `pass`, `fail`, `not a decoder` or `not a writer`.
     pub verdict: String,
-    /// The reason, if it is not a decoder.
+    /// Reason why the program is not a decoder, if it is not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Three scores instead of one percentage.
+    /// Scores for correctness, breadth and robustness.
     pub scores: Scores,
     /// Remarks on the run as a whole.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
-    /// Its reading of open questions: ruling and reading.
+    /// Readings of open questions that the decoder follows.
     pub dialect: Vec<FollowedReading>,
-    /// Its behavior for files outside the specification, ruling by ruling.
+    /// Behavior of the decoder for files outside the specification, one entry per ruling.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lenient: Vec<Leniency>,
-    /// The comparison of failures with the baseline, if there is one.
+    /// Comparison of the failures with the baseline, if a baseline was given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub baseline: Option<BaselineNews>,
-    /// Likely causes, the one that explains most first.
+    pub baseline: Option<BaselineComparison>,
+    /// Likely causes, sorted by the number of cases that each explains.
     pub diagnoses: Vec<LikelyCause>,
-    /// The digest of all results, if the passing cases are left out.
+    /// Digest of all results, if the passing cases are omitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub results: Option<String>,
-    /// Every selected case, in the order of the suite.
+    /// Results of the selected cases, in suite order.
     pub cases: Vec<CaseResult>,
 }
 
-/// The program that judged.
+/// Program that produced the verdicts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tool {
-    /// `ptm-conform`
+    /// Name of the program: `ptm-conform`.
     pub name: String,
-    /// Its version.
+    /// Version of the program.
     pub version: String,
-    /// A digest of all files of the suite.
+    /// Digest of all files of the suite.
     pub corpus: String,
-    /// The limits under which the decoder ran.
+    /// Limits under which the decoder ran.
     pub limits: Vec<String>,
 }
 
-/// The decoder under test.
+/// Decoder under test.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DecoderInfo {
-    /// Its command, without directories.
+    /// Command line of the decoder, without directories.
     pub command: String,
-    /// The name that it declares.
+    /// Name that the decoder declares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// The version that it declares.
+    /// Version that the decoder declares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// `one-shot`, or `serve` if its processes answer many requests.
+    /// `one-shot`, or `serve` if one process answers many requests.
     pub mode: String,
-    /// The views it offers.
+    /// Views that the decoder supports.
     pub views: Vec<String>,
-    /// The features that it decodes.
+    /// Features that the decoder decodes.
     pub decodes: Vec<String>,
-    /// Features for which it always exits with 69.
+    /// Features for which the decoder always exits with status 69.
     pub unsupported: Vec<String>,
 }
 
-/// A reading of an open question.
+/// Reading of an open question that a decoder follows.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FollowedReading {
-    /// The ruling.
+    /// Id of the ruling.
     pub ruling: String,
-    /// The reading that the decoder follows.
+    /// Name of the reading.
     pub reading: String,
-    /// The first few cases that show it.
+    /// First few cases that demonstrate the reading.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shown_by: Vec<String>,
 }
 
-/// A likely cause.
+/// Likely cause of failures.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LikelyCause {
-    /// The misreading, if the catalog has it.
+    /// Slug of the misreading, if the cause is in the catalog.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub misreading: Option<String>,
-    /// The kind of failure, if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
+    /// Kind of failure if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<Category>,
-    /// The clause that it misreads.
+    /// Clause that the decoder misreads.
     pub clause: String,
-    /// The behavior of the decoder.
+    /// Behavior of the decoder.
     pub effect: String,
-    /// The suggested fix.
+    /// Suggested fix.
     pub fix: String,
-    /// Misreadings with the same effect on these cases.
+    /// Slugs of misreadings with the same effect on these cases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub or: Vec<String>,
-    /// Other misreadings that show in the same cases.
+    /// Slugs of other misreadings that affect the same cases.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub with: Vec<String>,
-    /// The failing cases that it reproduces exactly.
+    /// Failing cases that this cause reproduces exactly.
     pub explains: Vec<String>,
-    /// The failing cases that it explains in part.
+    /// Failing cases that this cause explains in part.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub partly: Vec<String>,
-    /// Cases that pass although a decoder with this mistake would fail them.
+    /// Passing cases that a decoder with this mistake would fail.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<String>,
-    /// One failure in detail, down to the bytes of the file, if no misreading is named.
+    /// Detailed description of one failure, down to the bytes of the file, if no misreading is named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
 }
 
-/// The result of a case.
+/// Result of a case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CaseResult {
-    /// The case.
+    /// Id of the case.
     pub id: String,
-    /// The verdict.
+    /// Outcome of the case.
     pub outcome: Outcome,
-    /// The view in which it was requested; empty if it was not.
+    /// Requested view; empty if the case was not requested.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub view: String,
-    /// The expected result.
+    /// Expected result.
     pub expect: String,
-    /// The clauses that it tests.
+    /// Clauses that the case tests.
     pub clauses: Vec<String>,
-    /// The reason for the outcome, if it needs words.
+    /// Explanation of the outcome; empty if none is needed.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub says: String,
-    /// True if it was refused by the exit status of `--reject-exit`, which may also mean a crash.
+    /// True if the file was refused with the exit status of `--reject-exit`, which may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,
-    /// The beginning of the decoder's standard error, if the case failed.
+    /// Beginning of the decoder's standard error, if the case failed.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub stderr: String,
 }
 
 impl LikelyCause {
-    /// Returns true if it means that the clause is misread; a crash or a nondeterministic answer does not.
+    /// Returns true if the cause implies that the clause is misread. Crashes and nondeterministic answers do not.
     #[must_use]
-    pub fn blames_its_clause(&self) -> bool {
+    pub fn blames_clause(&self) -> bool {
         !matches!(
             self.kind,
             Some(Category::Violation | Category::Nondeterminism)
         )
     }
 
-    /// Returns its name: the misreading, or else the kind of failure.
+    /// Returns the slug of the misreading, or the kind of failure if no misreading is named.
     #[must_use]
     pub fn name(&self) -> &str {
         let kind = self.kind.map_or("unknown", Category::name);
         self.misreading.as_deref().unwrap_or(kind)
     }
 
-    /// Returns the misreading, or the effect in words.
+    /// Returns the slug of the misreading, or a description of the effect if no misreading is named.
     #[must_use]
     pub fn title(&self) -> &str {
         self.misreading.as_deref().unwrap_or(&self.effect)
@@ -185,30 +185,30 @@ impl LikelyCause {
 }
 
 impl Report {
-    /// Returns the short form: without the passing cases, but with a digest of all results.
+    /// Removes the passing cases and adds a digest of all results.
     ///
     /// # Errors
-    /// No error that depends on the report.
-    pub fn shortened(mut self) -> Result<Report, String> {
+    /// Returns an error if serialization fails, which does not depend on the report.
+    pub fn without_passing_cases(mut self) -> Result<Report, String> {
         self.results = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
         self.cases.retain(|case| case.outcome != Outcome::Pass);
         Ok(self)
     }
 
-    /// Returns the cases with this outcome.
+    /// Returns the cases with the given outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();
         cases.filter(move |case| case.outcome == outcome)
     }
 
-    /// Returns true if this failure was known before (`--baseline`).
+    /// Returns true if the baseline lists this failure (`--baseline`).
     #[must_use]
     pub fn is_known(&self, case: &CaseResult) -> bool {
         let news = self.baseline.as_ref();
         news.is_some_and(|news| news.known.contains(&case.id))
     }
 
-    /// Returns the cause of this failure: one that reproduces it, or else one that explains it in part.
+    /// Returns the first cause that reproduces this failure, or else the first that explains it in part.
     #[must_use]
     pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
         let with = |of: fn(&LikelyCause) -> &[String]| {

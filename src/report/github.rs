@@ -1,7 +1,6 @@
-//! Output for GitHub: annotations, and a summary of the job in Markdown.
+//! Output for GitHub Actions: annotations and a job summary in Markdown.
 //!
-//! A runner treats lines of output that begin with `::` as commands. All output of the decoder is escaped, so that it remains
-//! text.
+//! A runner treats output lines that begin with `::` as commands, so all output of the decoder is escaped.
 
 use std::fmt::Write;
 
@@ -10,32 +9,38 @@ use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
 use crate::suite::name::SuiteName;
 
-/// Maximum number of errors that a runner shows for a step.
+/// Maximum number of errors that a runner displays for a step.
 const MAX_ANNOTATIONS: usize = 10;
 
-/// Maximum number of failures in the summary, which is limited to one mebibyte.
-const MAX_LISTED: usize = 100;
+/// Maximum number of failures in the summary. GitHub limits a summary to one mebibyte.
+const MAX_LISTED_FAILURES: usize = 100;
 
-/// Returns workflow commands, a line each: an error for each likely mistake, then one for each failure without a cause.
+/// Returns workflow commands, one per line: an error for each likely mistake, then an error for each failure without a
+/// cause.
 #[must_use]
 pub fn annotations(report: &Report) -> String {
     let errors = errors(report);
     let left_out = errors.len().saturating_sub(MAX_ANNOTATIONS);
     let mut text = String::new();
     for (title, message) in errors.iter().take(MAX_ANNOTATIONS) {
-        let _ = writeln!(text, "::error title={}::{}", property(title), data(message));
+        let _ = writeln!(
+            text,
+            "::error title={}::{}",
+            escape_property(title),
+            escape_data(message)
+        );
     }
     if left_out > 0 {
         let _ = writeln!(
             text,
             "::notice title={} conformance::see the report for {left_out} more errors",
-            property(report.suite.short())
+            escape_property(report.suite.short())
         );
     }
     text
 }
 
-/// Returns titles and messages of errors.
+/// Returns the title and message of each error.
 fn errors(report: &Report) -> Vec<(String, String)> {
     let name = report.suite.short();
     let mut errors: Vec<(String, String)> = Vec::new();
@@ -48,8 +53,8 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     let failures = report.with_outcome(Outcome::Fail);
     let news: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
     for cause in &report.diagnoses {
-        let stands = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
-        let share = news.iter().filter(stands).count();
+        let has_this_cause = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
+        let share = news.iter().filter(has_this_cause).count();
         if share > 0 {
             let title = format!("{name}, clause {}: {}", cause.clause, cause.name());
             let (all, subject) = (news.len(), report.suite.subject());
@@ -63,7 +68,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     errors
 }
 
-/// Returns the job's summary in Markdown; `all` is the number of cases of the suite.
+/// Returns the job summary in Markdown. `all` is the number of cases in the suite.
 #[must_use]
 pub fn summary(report: &Report, all: usize) -> String {
     let failures: Vec<&CaseResult> = report.with_outcome(Outcome::Fail).collect();
@@ -79,9 +84,9 @@ pub fn summary(report: &Report, all: usize) -> String {
     text
 }
 
-/// Writes verdict, scores and remarks.
+/// Writes the verdict, the scores and the remarks.
 fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
-    let (suite, command) = (report.suite.short(), code(&report.decoder.command));
+    let (suite, command) = (report.suite.short(), inline_code(&report.decoder.command));
     let sign = if report.verdict == "pass" {
         "✅"
     } else {
@@ -90,7 +95,7 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {
         for line in reason.lines() {
-            writeln!(out, "> {}  ", plain(line))?;
+            writeln!(out, "> {}  ", escape_markdown(line))?;
         }
         writeln!(out)?;
     }
@@ -103,12 +108,12 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
         scores.robustness
     )?;
     for remark in &report.remarks {
-        writeln!(out, "> {}\n", plain(&remark.says))?;
+        writeln!(out, "> {}\n", escape_markdown(&remark.says))?;
     }
     Ok(())
 }
 
-/// Writes news, causes, and the number of failures without a cause.
+/// Writes the comparison with the baseline, the causes, and the number of failures without a cause.
 fn write_diagnoses(
     report: &Report,
     failures: &[&CaseResult],
@@ -142,8 +147,11 @@ fn write_cause(
     out: &mut String,
 ) -> std::fmt::Result {
     let (subject, count) = (suite.subject(), cause.explains.len());
-    let (effect, fix) = (plain(&cause.effect), plain(&cause.fix));
-    let clause = linked(&plain(&cause.clause), suite.clause_page(&cause.clause));
+    let (effect, fix) = (escape_markdown(&cause.effect), escape_markdown(&cause.fix));
+    let clause = linked(
+        &escape_markdown(&cause.clause),
+        suite.clause_page(&cause.clause),
+    );
     writeln!(
         out,
         "- **{count} of {all} failures:** the {subject} {effect} (clause {clause}).  "
@@ -153,13 +161,14 @@ fn write_cause(
         Some(slug) => {
             let command = format!("ptm-conform explain {slug}");
             let page = Some(suite.misreading_page(slug));
-            writeln!(out, "  More: {}", linked(&code(&command), page))
+            writeln!(out, "  More: {}", linked(&inline_code(&command), page))
         }
         None => Ok(()),
     }
 }
 
-/// Returns Markdown with a link to a page of the site, if there is one. Names in a report are untrusted, addresses are not.
+/// Wraps Markdown in a link to a page of the site. Returns the Markdown unchanged if there is no page or its name contains
+/// unexpected characters, since names in a report are untrusted.
 fn linked(markdown: &str, page: Option<String>) -> String {
     let is_plain = |page: &String| {
         page.chars()
@@ -179,20 +188,27 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
     let count = failures.len();
     writeln!(out, "\n<details><summary>{count} failing cases</summary>\n")?;
     writeln!(out, "| case | clauses | result |\n|---|---|---|")?;
-    for case in failures.iter().take(MAX_LISTED) {
+    for case in failures.iter().take(MAX_LISTED_FAILURES) {
         let says: String = case.says.chars().take(300).collect();
-        let (id, clauses) = (code(&case.id), plain(&case.clauses.join(", ")));
-        writeln!(out, "| {id} | {clauses} | {} |", plain(&says))?;
+        let (id, clauses) = (
+            inline_code(&case.id),
+            escape_markdown(&case.clauses.join(", ")),
+        );
+        writeln!(out, "| {id} | {clauses} | {} |", escape_markdown(&says))?;
     }
-    if failures.len() > MAX_LISTED {
-        writeln!(out, "\n… and {} more.", failures.len() - MAX_LISTED)?;
+    if failures.len() > MAX_LISTED_FAILURES {
+        writeln!(
+            out,
+            "\n… and {} more.",
+            failures.len() - MAX_LISTED_FAILURES
+        )?;
     }
     writeln!(out, "\n</details>")
 }
 
-/// Returns `text` without anything that a runner treats as a command: lines that begin like one are quoted.
+/// Quotes the lines of `text` that a runner would treat as commands.
 #[must_use]
-pub fn without_commands(text: &str) -> String {
+pub fn quote_commands(text: &str) -> String {
     text.split_inclusive('\n')
         .map(|line| {
             let begins = line.trim_start();
@@ -202,25 +218,25 @@ pub fn without_commands(text: &str) -> String {
         .collect()
 }
 
-/// Escapes the message of a workflow command.
-fn data(text: &str) -> String {
+/// Escapes text for use as the message of a workflow command.
+fn escape_data(text: &str) -> String {
     text.replace('%', "%25")
         .replace('\r', "%0D")
         .replace('\n', "%0A")
 }
 
-/// Escapes a property of a workflow command.
-fn property(text: &str) -> String {
-    data(text).replace(':', "%3A").replace(',', "%2C")
+/// Escapes text for use as a property of a workflow command.
+fn escape_property(text: &str) -> String {
+    escape_data(text).replace(':', "%3A").replace(',', "%2C")
 }
 
-/// Returns words without Markdown or HTML, on one line.
-fn plain(text: &str) -> String {
+/// Escapes Markdown and HTML in `text` and joins its lines.
+fn escape_markdown(text: &str) -> String {
     escaped(text, |c| format!("\\{c}"))
 }
 
-/// Returns words as code, whatever their characters.
-fn code(text: &str) -> String {
+/// Formats `text` as inline code; any characters are allowed.
+fn inline_code(text: &str) -> String {
     let escaped = escaped(text, |c| match c {
         '#' | '!' => c.to_string(),
         _ => format!("&#{};", u32::from(c)),
@@ -228,7 +244,7 @@ fn code(text: &str) -> String {
     format!("<code>{escaped}</code>")
 }
 
-/// Escapes HTML and line feeds, and the characters of Markdown by `markdown`.
+/// Escapes HTML and replaces line breaks by spaces. Markdown characters are escaped with `markdown`.
 fn escaped(text: &str, markdown: impl Fn(char) -> String) -> String {
     let escape = |c: char| match c {
         '<' => "&lt;".to_owned(),

@@ -1,14 +1,14 @@
 //! The report as `JUnit` XML, for tools that read test results.
 //!
-//! A failed case is a failure and a case that was not run is an error. A problem of the whole run is a failure, too. Skipped
-//! cases are those without evidence (unsupported, inconclusive, another dialect, not judged, assumed) and known failures.
+//! A failed case is a failure, and a case that was not run is an error. A problem of the whole run is also a failure. Known
+//! failures and cases without evidence (unsupported, inconclusive, another dialect, not judged, assumed) are skipped.
 
 use maud::{Markup, PreEscaped, html};
 
 use crate::report::document::{CaseResult, Report, section_of};
 use crate::session::outcome::Outcome;
 
-/// Status of a test that did not pass: the name of its element, and what it contains.
+/// XML element of a test that did not pass: its name, attributes and content.
 struct NotPassed {
     element: &'static str,
     message: String,
@@ -16,10 +16,10 @@ struct NotPassed {
     text: String,
 }
 
-/// A test: its class and name, its status unless it passed, and its standard error.
+/// Class, name, status (`None` if the test passed) and standard error of a test.
 type Test<'a> = (String, String, Option<NotPassed>, &'a str);
 
-/// Returns the tests: problems of the whole run, and the cases under the section of their first clause.
+/// Returns the problems of the whole run and all cases as tests. The class of a case is the section of its first clause.
 fn tests(report: &Report) -> Vec<Test<'_>> {
     let whole_run = |element, name: String, message: &str, text: &str| -> Test<'_> {
         let (message, text) = (message.to_owned(), text.to_owned());
@@ -44,13 +44,13 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
         // A dot would separate packages.
         let section = case.clauses.first().map_or("none", |id| section_of(id));
         let class = format!("ptm-conform.section-{}", section.replace('.', "_"));
-        let status = not_passed(report, case);
+        let status = failure_status(report, case);
         (class, case.id.clone(), status, &*case.stderr)
     }));
     tests
 }
 
-/// Returns the XML.
+/// Renders a report as `JUnit` XML.
 #[must_use]
 pub fn junit(report: &Report) -> String {
     let tests = tests(report);
@@ -74,7 +74,7 @@ pub fn junit(report: &Report) -> String {
                 @for (class, name, not_passed, stderr) in &tests {
                     "\n"
                     testcase classname=(class) name=(name) {
-                        @if let Some(status) = not_passed { (element(status)) }
+                        @if let Some(status) = not_passed { (render_status(status)) }
                         @if !stderr.is_empty() { system-err { (stderr) } }
                     }
                 }
@@ -89,8 +89,8 @@ pub fn junit(report: &Report) -> String {
     )
 }
 
-/// Returns the status of a case; `None` if it passed.
-fn not_passed(report: &Report, case: &CaseResult) -> Option<NotPassed> {
+/// Returns the status of a case, or `None` if the case passed.
+fn failure_status(report: &Report, case: &CaseResult) -> Option<NotPassed> {
     let says = match case.says.as_str() {
         "" => case.outcome.name(),
         says => says,
@@ -116,8 +116,8 @@ fn not_passed(report: &Report, case: &CaseResult) -> Option<NotPassed> {
     })
 }
 
-/// Returns the element of a status.
-fn element(
+/// Renders the XML element of a status.
+fn render_status(
     NotPassed {
         element,
         message,

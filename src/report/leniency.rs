@@ -1,4 +1,4 @@
-//! The behavior of a decoder for files outside the specification.
+//! Behavior of a decoder for files outside the specification.
 
 use std::collections::BTreeMap;
 
@@ -10,28 +10,28 @@ use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::test_case::TestCase;
 
-/// Maximum number of cases that are named as evidence.
-const MAX_NAMED: usize = 3;
+/// Maximum number of cases that are listed as evidence.
+const MAX_EVIDENCE_CASES: usize = 3;
 
-/// The results of a decoder for the files of one lenient ruling. Both refusing them and showing the reference's image are
-/// right.
+/// Results of a decoder for the files of one lenient ruling. A decoder may either refuse these files or return the image of
+/// the reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Leniency {
-    /// The ruling.
+    /// Id of the ruling.
     pub ruling: String,
-    /// Files decoded as the reference decodes them.
+    /// Number of files that gave the same image as the reference.
     pub decoded: usize,
-    /// Files refused.
+    /// Number of refused files.
     pub refused: usize,
-    /// Files on which it exited with 69.
+    /// Number of files for which the decoder exited with status 69.
     pub unsupported: usize,
-    /// Files that gave another image or none.
+    /// Number of files that gave another image or no image.
     pub other: usize,
 }
 
 impl Leniency {
-    /// Describes it in words: `lut-huge: 1 refused, 4 other results`.
-    pub(super) fn in_words(&self) -> String {
+    /// Returns a summary such as `lut-huge: 1 refused, 4 other results`.
+    pub(super) fn to_summary(&self) -> String {
         let other = if self.other == 1 {
             "other result"
         } else {
@@ -52,7 +52,7 @@ impl Leniency {
     }
 }
 
-/// Returns the behavior of the decoder outside the specification, ruling by ruling.
+/// Counts the results of the decoder outside the specification, one entry per ruling.
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
@@ -78,7 +78,7 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
     rulings.into_values().collect()
 }
 
-/// Returns the first cases of a kind that passed.
+/// Returns the ids of the first passing cases whose indices satisfy `is`.
 pub(super) fn passing<C: TestCase>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -86,5 +86,5 @@ pub(super) fn passing<C: TestCase>(
 ) -> Vec<String> {
     let passed = run.judgement.with_outcome(Outcome::Pass).filter(|&i| is(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
-    ids.take(MAX_NAMED).collect()
+    ids.take(MAX_EVIDENCE_CASES).collect()
 }

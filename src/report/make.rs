@@ -1,4 +1,4 @@
-//! Conversion of a run and its diagnoses to the report.
+//! Conversion of a run and its diagnoses to a report.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, TestCase};
 
 impl Report {
-    /// Makes the report of `run`, without causes. `command` is shown without directories.
+    /// Creates the report of `run`, without causes. Directories are removed from `command`.
     #[must_use]
     pub fn new<C: Reported>(
         suite: &Suite<C>,
@@ -61,7 +61,7 @@ impl Report {
             verdict: verdict.to_owned(),
             reason: run.not_a_decoder.clone(),
             scores: run.scores(suite),
-            remarks: remarks.chain(allowances(run)).collect(),
+            remarks: remarks.chain(tolerance_remarks(run)).collect(),
             dialect: followed_readings(suite, run),
             lenient: leniency(suite, run),
             baseline: None,
@@ -71,9 +71,9 @@ impl Report {
         }
     }
 
-    /// Returns the report with likely causes, the one that explains most first.
+    /// Replaces the likely causes of the report with `diagnoses`.
     #[must_use]
-    pub fn explained_by<C: TestCase, A: 'static>(
+    pub fn with_diagnoses<C: TestCase, A: 'static>(
         mut self,
         suite: &Suite<C>,
         diagnoses: &[Diagnosis<A>],
@@ -110,7 +110,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
     results
 }
 
-/// Returns, for each choice that the run settled, the decoder's reading and the cases that show it.
+/// Returns the decoder's reading of each choice that the run settled, with the cases that demonstrate it.
 fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let followed = run.judgement.dialect.0.iter().zip(&run.judgement.certain);
     let choices = followed.zip(C::CHOICES.iter()).enumerate();
@@ -134,13 +134,13 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
     readings
 }
 
-/// Returns everything for which the decoder always exits with 69: whole features, and views of single kinds of file.
+/// Returns everything for which the decoder always exits with status 69: whole features, and views of a kind of file.
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     let features = run.judgement.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();
     for (view, kind) in &run.offer.lacking {
         let name = format!("{view} of {kind}");
-        // The colors of LUM are a feature themselves.
+        // The colors of LUM are already listed as a feature.
         if !names.contains(&name) {
             names.push(name);
         }
@@ -148,8 +148,8 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     names
 }
 
-/// Returns remarks on images for which a larger tolerance was applied than for rounding.
-fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
+/// Returns remarks on images that were compared with a tolerance larger than rounding requires.
+fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = "raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes";
     let lossy = format!(
         "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY_TOLERANCE}, so small mistakes are not found"
@@ -165,7 +165,7 @@ fn allowances<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     })
 }
 
-/// Converts diagnoses to the form of a report.
+/// Converts diagnoses to the causes of a report.
 pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
@@ -182,7 +182,7 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
     if shown.is_none() {
         cause.except = ids(&diagnosis.except);
     } else if diagnosis.except.is_empty() {
-        // The misreading is one of several mistakes that would look the same, unless passing cases contradict it.
+        // The misreading is one of several mistakes with the same effect, unless passing cases contradict it.
         let named = named_cause(&diagnosis.cause);
         cause.or = named.misreading.into_iter().chain(named.or).collect();
         cause.with = named.with;
@@ -192,7 +192,7 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
     cause
 }
 
-/// Converts a cause to its fields in a report.
+/// Converts a cause of a diagnosis to a cause of a report.
 fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
     match cause {
         Cause::Misreading {
@@ -231,7 +231,7 @@ fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
     misreadings.iter().map(|of| of.slug.to_owned()).collect()
 }
 
-/// Returns a word of a command without its directories.
+/// Returns the last path component of a command-line word.
 fn base_name(word: &str) -> String {
     let name = Path::new(word).file_name().unwrap_or(word.as_ref());
     name.to_string_lossy().into_owned()

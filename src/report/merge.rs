@@ -1,7 +1,7 @@
-//! Merging of partial runs: the decoder of the merged run replies with the recorded answers of the parts.
+//! Merging of partial runs. The merged run replays the recorded answers of the parts in place of a decoder.
 //!
-//! So all results of a whole run are computed by the same code: first files, spelling of tables, verdicts, dialect, diagnoses.
-//! A deterministic decoder gets the same report as from a whole run, byte for byte.
+//! All results are therefore computed by the same code as in a whole run: first files, spelling of tables, verdicts,
+//! dialect, diagnoses. For a deterministic decoder, the report equals that of a whole run, byte for byte.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -16,7 +16,7 @@ use crate::protocol::frame::Answer;
 use crate::report::conclude::conclude;
 use crate::report::document::Report;
 use crate::report::reported::Reported;
-use crate::report::shards::{self, AnswerRecord, End, Kept, OtherRemarks, Shard};
+use crate::report::shards::{self, AnswerRecord, End, OtherRemarks, RecordedAnswer, Shard};
 use crate::runner::run::{Reply, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::remark::Remark;
@@ -24,20 +24,21 @@ use crate::session::run::{Progress, Run, Session};
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// The recorded answers of the parts of a run.
-pub struct KeptAnswers<C: TestCase> {
-    /// By file, view, and true if a new process was asked.
-    known: HashMap<(String, String, bool), Kept<C::Output>>,
-    /// The end of the first part, with the remarks and the selected cases of all.
+/// Recorded answers of all parts of a run.
+pub struct RecordedAnswers<C: TestCase> {
+    /// Answers by file digest, view, and whether a new process was started for the request.
+    known: HashMap<(String, String, bool), RecordedAnswer<C::Output>>,
+    /// Trailer of the first part, with the remarks and the selected cases of all parts.
     whole: End,
 }
 
-impl<C: Reported> KeptAnswers<C> {
-    /// Reads the answers next to these reports.
+impl<C: Reported> RecordedAnswers<C> {
+    /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// A sentence: a file is damaged or of another run, suite or version, or a part is missing, duplicate or incomplete.
-    pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<KeptAnswers<C>, String> {
+    /// Returns a message if a file is damaged or belongs to another run, suite or version, or if a part is missing,
+    /// duplicate or incomplete.
+    pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, End)> = Vec::new();
         for report in reports {
@@ -63,13 +64,13 @@ impl<C: Reported> KeptAnswers<C> {
                 *all |= selected;
             }
         }
-        Ok(KeptAnswers { known, whole })
+        Ok(RecordedAnswers { known, whole })
     }
 
-    /// Returns the whole run and its report. `progress` is called as in a run.
+    /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
     ///
     /// # Errors
-    /// A sentence, if no part made a request that the whole run needs.
+    /// Returns a message if the whole run needs a request that no part made.
     pub fn merge(
         &self,
         suite: &Suite<C>,
@@ -81,7 +82,7 @@ impl<C: Reported> KeptAnswers<C> {
         plan.jobs = jobs;
         let missing = OnceLock::new();
         let ask = |request: &Request<'_, C::View>, _: usize| {
-            self.reply(suite, request).unwrap_or_else(|| {
+            self.recorded_reply(suite, request).unwrap_or_else(|| {
                 missing.get_or_init(|| format!("{} in {}", request.name, request.view));
                 Answer::NotStarted("no part of the run requested this".to_owned()).into()
             })
@@ -102,8 +103,13 @@ impl<C: Reported> KeptAnswers<C> {
         Ok((run, report))
     }
 
-    /// Returns a recorded answer. A request that no part repeated counts as deterministic: its verdict gave no reason to.
-    fn reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
+    /// Returns the recorded answer to a request. If no part repeated the request, the first answer is used again, because
+    /// its verdict did not require a repetition.
+    fn recorded_reply(
+        &self,
+        suite: &Suite<C>,
+        request: &Request<'_, C::View>,
+    ) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
         let known = |alone| {
             self.known
@@ -133,8 +139,8 @@ fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
     }
 }
 
-/// Reads the answers of one part, and the line that ends them.
-fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String> {
+/// Reads the answers of one part and the trailer on the last line.
+fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, End), String> {
     let file = File::open(path).map_err(|error| {
         let error = strip_os_error_code(&error);
         format!("{error}; check --shard writes this file next to the report")
@@ -151,7 +157,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<Kept<T>>, End), String>
     Err("the last line is missing; was the run interrupted?".to_owned())
 }
 
-/// Checks that these are all parts of one run.
+/// Checks that `ends` are the trailers of all parts of one run.
 fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
     let Some((first_path, first)) = ends.first() else {
         return Err("no reports to merge".to_owned());

@@ -1,6 +1,7 @@
-//! The report, and all words that the user of `check` reads.
+//! Reports, and all text that a user of `check` reads.
 //!
-//! A report is plain data ([`document`]); YAML, text and all other forms are output formats, for all suites.
+//! A report is plain data ([`document`]). YAML, text and the other output formats are generated from it and work for all
+//! suites.
 
 pub mod badge;
 pub mod baseline;

@@ -1,4 +1,4 @@
-//! The part of a suite that only reports need.
+//! Parts of a suite that only reports need.
 
 use maud::Markup;
 
@@ -22,40 +22,40 @@ use crate::suite::test_case::TestCase;
 use crate::suite::texture;
 use crate::suite::texture::cases::TextureCase;
 
-/// A case of a suite for which reports are made.
+/// Case type of a suite for which reports can be created.
 pub trait Reported: TestCase {
-    /// The name of the suite.
+    /// Name of the suite.
     const SUITE: SuiteName;
 
-    /// Reads the clauses of the text: of the PTM specification, unless the suite has another text.
+    /// Reads the clauses of the specification. The default is the PTM specification.
     const CLAUSES: fn() -> Result<Vec<Clause>, String> = clauses::clauses;
-    /// Reads the rulings on open questions of the text.
+    /// Reads the rulings on open questions of the specification.
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = clauses::rulings;
 
-    /// The place where its misreadings act.
-    type Place: 'static;
+    /// Type of the point in a decoder at which a misreading of this suite takes effect.
+    type MisreadingPoint: 'static;
 
     /// Returns the embedded suite.
     ///
     /// # Errors
-    /// A sentence that names the file and the error.
+    /// Returns a message that names the file and the error.
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Returns readings of open questions that affect only the file that is sent, and no answer.
+    /// Returns readings of open questions that affect only the files that are sent, not the answers.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
     }
-    /// Returns the evidence of a failure.
+    /// Renders the evidence of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
-    /// Finds mistakes that all first files have in common, reports them, and has them undone in every following image.
+    /// Finds transforms that all first files have in common, reports them, and undoes them in all later images.
     fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
-    /// Assumes mistakes: failures that they explain do not count as failures any more.
+    /// Assumes the given misreadings: failures that they explain no longer count as failures.
     ///
     /// # Errors
-    /// A sentence with the first unknown misreading.
+    /// Returns a message that names the first unknown misreading.
     fn assume(
         _: &Suite<Self>,
         _: &mut Run<Self>,
@@ -67,19 +67,19 @@ pub trait Reported: TestCase {
             _ => Err("--assume works only with the suite of PTM files".to_owned()),
         }
     }
-    /// Returns the causes of failures, in addition to the assumed mistakes; the one that explains most first.
+    /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
     fn diagnose(
         suite: &Suite<Self>,
         run: &Run<Self>,
         slugs: &[String],
         jobs: usize,
-    ) -> Causes<Self::Place>;
+    ) -> Causes<Self::MisreadingPoint>;
 }
 
-/// Returns the misreadings of these names.
+/// Looks up misreadings by slug.
 ///
 /// # Errors
-/// A sentence with the first unknown one.
+/// Returns a message that names the first unknown slug.
 pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
     let one = |slug: &String| {
         misreadings::find(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
@@ -90,7 +90,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 impl Reported for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
 
-    type Place = At;
+    type MisreadingPoint = At;
 
     fn suite() -> Result<Suite, String> {
         Suite::load()
@@ -129,7 +129,7 @@ impl Reported for Case {
     }
 
     fn evidence(&self, table: TableSpelling, observation: &Observation) -> Markup {
-        evidence::of_case(self, table, observation)
+        evidence::case_evidence(self, table, observation)
     }
 
     fn undo_common_transforms(suite: &Suite, session: &mut Session<Case>, contact: &mut Contact) {
@@ -145,7 +145,7 @@ impl Reported for Case {
     }
 
     fn diagnose(suite: &Suite, run: &Run, slugs: &[String], jobs: usize) -> Causes {
-        // Unknown names have been refused before.
+        // `assume` has already rejected unknown slugs.
         let assumed = find_misreadings(slugs).unwrap_or_default();
         diagnose::diagnose(suite, run, &assumed, jobs)
     }
@@ -156,7 +156,7 @@ impl Reported for TextureCase {
     const CLAUSES: fn() -> Result<Vec<Clause>, String> = texture::cases::clauses;
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = texture::cases::rulings;
 
-    type Place = Change;
+    type MisreadingPoint = Change;
 
     fn suite() -> Result<Suite<TextureCase>, String> {
         Suite::load_texture()
@@ -171,7 +171,7 @@ impl Reported for TextureCase {
     }
 
     fn evidence(&self, _: TableSpelling, observation: &Observation<TextureCase>) -> Markup {
-        evidence::of_question(self, observation)
+        evidence::question_evidence(self, observation)
     }
 
     fn diagnose(

@@ -1,10 +1,10 @@
-//! Partial runs, for more than one machine: the cases of a part, and the recorded answers.
+//! Partial runs (shards) for several machines: selection of cases and recording of answers.
 //!
-//! A verdict on one case depends on others: on its twin, on other cases with its features, on the dialect. So parts are not
-//! merged report by report. Each part records the answers of its decoder in a file next to its report, and the whole is judged
-//! from all answers as in a single run (see [`merge`](super::merge)).
+//! The verdict on a case depends on other cases: on its twin, on cases with the same features, and on the dialect. The
+//! reports of the parts therefore cannot be merged directly. Instead, each part records the answers of the decoder in a
+//! file next to its report, and all answers are judged together as in a single run (see [`merge`](super::merge)).
 //!
-//! The file has a line of JSON for each answer, written as it comes, and a last line that identifies the run.
+//! The file contains one line of JSON per answer, written as the answers arrive, and a last line that identifies the run.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -28,19 +28,20 @@ use crate::session::remark::Remark;
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Allowance, TestCase};
 
-/// One of several parts of the suite: `3/8`.
+/// Part of the suite, written as `3/8` for the third of eight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// The number of the part, from 1.
+    /// Number of the part, starting at 1.
     pub number: u32,
-    /// The number of all parts.
+    /// Total number of parts.
     pub of: u32,
 }
 
 impl Shard {
-    /// Returns true if the case of that id belongs to it. That depends on the id alone, so new cases do not move others.
+    /// Returns true if the case with the given id belongs to this part. The result depends only on the id, so adding cases
+    /// does not move existing ones.
     #[must_use]
-    pub fn holds(self, id: &str) -> bool {
+    pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
         let first = u64::from_be_bytes(digest[..8].try_into().expect("eight bytes"));
         first % u64::from(self.of) == u64::from(self.number - 1)
@@ -66,18 +67,18 @@ impl fmt::Display for Shard {
     }
 }
 
-/// Properties of a run other than its plan and its answers.
+/// Properties of a run other than its plan and answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Circumstances {
-    /// The command of the decoder.
+    /// Command line of the decoder.
     pub command: Vec<String>,
-    /// The name that it declares.
+    /// Name that the decoder declares.
     pub name: Option<String>,
-    /// The version that it declares.
+    /// Version that the decoder declares.
     pub version: Option<String>,
-    /// Assumed misreadings.
+    /// Slugs of the assumed misreadings.
     pub assumed: Vec<String>,
-    /// The limits in force, in words.
+    /// Descriptions of the limits in force.
     pub limits: Vec<String>,
 }
 
@@ -90,63 +91,64 @@ pub struct OtherRemarks {
     pub after: Vec<Remark>,
 }
 
-/// The last line, which identifies the run. A file without it belongs to an incomplete run.
+/// Trailer of an answer file: the last line, which identifies the run. A file without a trailer belongs to an incomplete
+/// run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct End {
-    /// The version of this program.
+    /// Version of this program.
     pub version: String,
-    /// The digest of the suite.
+    /// Digest of the suite.
     pub corpus: String,
-    /// The part.
+    /// Part of the suite that was run.
     pub part: Shard,
-    /// The run.
+    /// Circumstances of the run.
     pub circumstances: Circumstances,
-    /// The plan, in which the cases of the part are selected.
+    /// Plan of the run, with the cases of the part selected.
     pub plan: RunPlan,
     /// Remarks on the run as a whole that do not follow from answers.
     pub remarks: OtherRemarks,
-    /// The reason why the run ended before all cases were requested, if it did.
+    /// Reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<String>,
 }
 
-/// A recorded answer.
+/// Recorded answer of a decoder.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(bound(serialize = "T: Serialize", deserialize = "T: DeserializeOwned"))]
-pub struct Kept<T> {
-    /// The case.
+pub struct RecordedAnswer<T> {
+    /// Id of the case.
     pub case: String,
-    /// The beginning of the digest of its file, which depends on the spelling of tables.
+    /// Beginning of the digest of the file, which depends on the spelling of tables.
     pub file: String,
-    /// The view.
+    /// Requested view.
     pub view: String,
-    /// True if a new process was asked, to see whether its answer differs.
+    /// True if a new process was started for the request, to check whether its answer differs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub alone: bool,
-    /// The answer; None for the expected image.
+    /// Answer, or `None` if it equals the expected image.
     pub answer: Option<Answer<T>>,
-    /// The exit status.
+    /// Exit status of the process.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exit: Option<i32>,
-    /// The beginning of standard error.
+    /// Beginning of standard error.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub stderr: String,
-    /// The name of the request that the same process answered before.
+    /// Name of the request that the same process answered before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
-    /// Answer of a serving process that failed.
+    /// Answer of the serving process, if it failed and a new process answered instead.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub served: Option<Answer<T>>,
 }
 
-/// A line of the file.
+/// Line of an answer file.
 #[derive(Deserialize)]
 #[serde(untagged, bound = "T: DeserializeOwned")]
 pub(super) enum AnswerRecord<T> {
-    Answer(Box<Kept<T>>),
+    Answer(Box<RecordedAnswer<T>>),
     End(Box<End>),
 }
 
-/// Returns the path of the recorded answers next to a report.
+/// Returns the path of the answer file next to a report.
 #[must_use]
 pub fn answers_path(report: &Path) -> PathBuf {
     let mut path = report.as_os_str().to_owned();
@@ -154,29 +156,29 @@ pub fn answers_path(report: &Path) -> PathBuf {
     path.into()
 }
 
-/// Returns the beginning of the digest of a file.
+/// Returns the first 16 hexadecimal digits of the digest of a file.
 pub(super) fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }
 
-/// Records answers as they come.
-pub struct Keeper<C: TestCase>(Mutex<Keeping<C::Output>>);
+/// Writes answers to a file as they arrive.
+pub struct AnswerRecorder<C: TestCase>(Mutex<RecorderState<C::Output>>);
 
-struct Keeping<T> {
+struct RecorderState<T> {
     out: BufWriter<File>,
-    /// Answers that may equal the expected image, by case and view.
-    waiting: HashMap<(String, String), Kept<T>>,
-    /// The error of the first line that could not be written.
+    /// Answers that have not been compared with the expected image yet, by case and view.
+    waiting: HashMap<(String, String), RecordedAnswer<T>>,
+    /// Error of the first line that could not be written.
     failed: Option<io::Error>,
 }
 
-impl<C: TestCase> Keeper<C> {
-    /// Creates a file.
+impl<C: TestCase> AnswerRecorder<C> {
+    /// Creates an answer file.
     ///
     /// # Errors
-    /// Errors of the file system.
-    pub fn new(path: &Path) -> io::Result<Keeper<C>> {
-        Ok(Keeper(Mutex::new(Keeping {
+    /// Returns the error of the file system.
+    pub fn new(path: &Path) -> io::Result<AnswerRecorder<C>> {
+        Ok(AnswerRecorder(Mutex::new(RecorderState {
             out: BufWriter::new(File::create(path)?),
             waiting: HashMap::new(),
             failed: None,
@@ -184,8 +186,8 @@ impl<C: TestCase> Keeper<C> {
     }
 
     /// Records an answer.
-    pub fn answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
-        let kept = Kept {
+    pub fn record_answer(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
+        let kept = RecordedAnswer {
             case: request.name.to_owned(),
             file: digest(request.file),
             view: request.view.to_string(),
@@ -196,19 +198,19 @@ impl<C: TestCase> Keeper<C> {
             after: reply.after.clone(),
             served: reply.served.clone(),
         };
-        let mut keeping = self.0.lock().expect("no worker panics");
+        let mut state = self.0.lock().expect("no worker panics");
         if kept.alone {
-            keeping.write(&kept);
+            state.write(&kept);
         } else {
             let key = (kept.case.clone(), kept.view.clone());
-            if let Some(before) = keeping.waiting.insert(key, kept) {
-                keeping.write(&before);
+            if let Some(before) = state.waiting.insert(key, kept) {
+                state.write(&before);
             }
         }
     }
 
-    /// Drops the image of an answer that was just recorded, if it equals the expected one.
-    pub fn observed(&self, case: &C, observation: &Observation<C>) {
+    /// Drops the image of the answer that was just recorded if it equals the expected image.
+    pub fn record_observation(&self, case: &C, observation: &Observation<C>) {
         let expected = matches!(
             observation.response,
             Response::Image {
@@ -218,36 +220,36 @@ impl<C: TestCase> Keeper<C> {
                 ..
             }
         );
-        let mut keeping = self.0.lock().expect("no worker panics");
+        let mut state = self.0.lock().expect("no worker panics");
         let key = (case.id().to_owned(), observation.view.to_string());
-        if let Some(mut kept) = keeping.waiting.remove(&key) {
+        if let Some(mut kept) = state.waiting.remove(&key) {
             if expected && case.expected_output(&observation.view).is_some() {
                 kept.answer = None;
             }
-            keeping.write(&kept);
+            state.write(&kept);
         }
     }
 
-    /// Completes the file.
+    /// Writes the remaining answers and the trailer.
     ///
     /// # Errors
-    /// The first error of the file system.
+    /// Returns the first error of the file system.
     pub fn finish(self, end: &End) -> io::Result<()> {
-        let mut keeping = self.0.into_inner().expect("no worker panics");
-        let mut waiting: Vec<_> = keeping.waiting.drain().collect();
+        let mut state = self.0.into_inner().expect("no worker panics");
+        let mut waiting: Vec<_> = state.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
         for (_, kept) in waiting {
-            keeping.write(&kept);
+            state.write(&kept);
         }
-        keeping.write(end);
-        match keeping.failed {
+        state.write(end);
+        match state.failed {
             Some(error) => Err(error),
-            None => keeping.out.flush(),
+            None => state.out.flush(),
         }
     }
 }
 
-impl<T> Keeping<T> {
+impl<T> RecorderState<T> {
     fn write(&mut self, record: &impl Serialize) {
         let written = serde_json::to_writer(&mut self.out, record)
             .map_err(io::Error::other)
@@ -263,7 +265,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shard_is_parsed_as_index_and_count() {
+    fn shard_is_parsed_as_number_and_count() {
         assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
         for wrong in ["", "3", "0/8", "9/8", "1/0", "3/8/1", "a/8", "-1/8"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
@@ -274,7 +276,7 @@ mod tests {
     #[test]
     fn every_case_has_one_permanent_shard() {
         let part_of = |id: &str| {
-            let parts = (1..=8).filter(|&number| Shard { number, of: 8 }.holds(id));
+            let parts = (1..=8).filter(|&number| Shard { number, of: 8 }.contains_case(id));
             parts.collect::<Vec<_>>()
         };
         assert_eq!(part_of("one-texel-rgb"), [7]);
@@ -282,7 +284,7 @@ mod tests {
         let counts = (1..=8).map(|number| {
             let part = Shard { number, of: 8 };
             (0..8000)
-                .filter(|i| part.holds(&format!("case-{i}")))
+                .filter(|i| part.contains_case(&format!("case-{i}")))
                 .count()
         });
         assert!(counts.into_iter().all(|count| (900..1100).contains(&count)));

@@ -1,4 +1,4 @@
-//! The report as text for a terminal, with all words that the user of `check` reads.
+//! Reports as text for a terminal.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -12,25 +12,25 @@ use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// Maximum number of failures under a cause of the catalog, and under a described one.
+/// Maximum number of example failures for a cause of the catalog, and for a described cause.
 const MAX_EXAMPLES: (usize, usize) = (2, 1);
 
 impl Report {
-    /// Returns the report as text for a terminal, with at most `shown` failures in full.
+    /// Formats the report for a terminal. At most `max_failures` unexplained failures are described in full.
     #[must_use]
-    pub fn to_text<C: TestCase>(&self, suite: &Suite<C>, shown: usize) -> String {
+    pub fn to_text<C: TestCase>(&self, suite: &Suite<C>, max_failures: usize) -> String {
         let mut text = String::new();
         let page = Page {
             report: self,
             suite,
             failing: self.with_outcome(Outcome::Fail).collect(),
         };
-        page.write(shown, &mut text)
+        page.write(max_failures, &mut text)
             .expect("writing to memory does not fail");
         text
     }
 
-    /// Returns all results of the cases whose id is `wanted`, as text.
+    /// Formats the results of the cases whose ids satisfy `wanted`.
     #[must_use]
     pub fn cases_to_text<C: TestCase>(
         &self,
@@ -44,7 +44,7 @@ impl Report {
         text
     }
 
-    /// Returns the number of cases with each outcome, in words.
+    /// Returns the number of cases with each outcome as a comma-separated list.
     #[must_use]
     pub fn counts(&self) -> String {
         let count = |outcome: Outcome| match self.with_outcome(outcome).count() {
@@ -56,12 +56,12 @@ impl Report {
     }
 }
 
-/// Number of failures of one cause after which it is reported during a run.
-const FAILURES_OF_A_CAUSE: usize = 3;
+/// Minimum number of failures of a cause that is reported during a run.
+const MIN_FAILURES_PER_CAUSE: usize = 3;
 /// Maximum number of causes that are reported during a run.
 const MAX_FIRST_CAUSES: usize = 5;
 
-/// Describes the causes of failures among the first cases of a run, for a terminal; None if none failed.
+/// Formats the likely causes of failures among the first cases of a run. Returns `None` if no case failed.
 #[must_use]
 pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
     let judged = run.judgement.cases.iter().flatten().count();
@@ -72,17 +72,17 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     let mut lines = vec![format!(
         "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
     )];
-    let (told, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
-        (causes.iter()).partition(|cause| cause.explains.len() >= FAILURES_OF_A_CAUSE);
-    for cause in told.iter().take(MAX_FIRST_CAUSES) {
+    let (frequent, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
+        (causes.iter()).partition(|cause| cause.explains.len() >= MIN_FAILURES_PER_CAUSE);
+    for cause in frequent.iter().take(MAX_FIRST_CAUSES) {
         let (count, behavior) = (cause.explains.len(), behavior(cause));
         lines.push(format!(
             "{count} of {failed} failures: the decoder {behavior}."
         ));
         lines.push(format!("  Fix: {}.", cause.fix));
     }
-    if told.len() > MAX_FIRST_CAUSES {
-        lines.push(format!("… and {} more", told.len() - MAX_FIRST_CAUSES));
+    if frequent.len() > MAX_FIRST_CAUSES {
+        lines.push(format!("… and {} more", frequent.len() - MAX_FIRST_CAUSES));
     }
     let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
     if few > 0 {
@@ -95,15 +95,15 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     Some(lines.join("\n  "))
 }
 
-/// Describes the behavior of a decoder, with the clause that it misreads.
+/// Describes the behavior of a decoder with this cause, including the misread clause.
 fn behavior(cause: &LikelyCause) -> String {
-    match cause.blames_its_clause() {
+    match cause.blames_clause() {
         true => format!("{} (clause {})", cause.effect, cause.clause),
         false => cause.effect.clone(),
     }
 }
 
-/// A report that is written for a terminal.
+/// Report that is formatted for a terminal.
 struct Page<'a, C: TestCase> {
     report: &'a Report,
     suite: &'a Suite<C>,
@@ -111,7 +111,7 @@ struct Page<'a, C: TestCase> {
 }
 
 impl<C: TestCase> Page<'_, C> {
-    fn write(&self, shown: usize, out: &mut String) -> std::fmt::Result {
+    fn write(&self, max_failures: usize, out: &mut String) -> std::fmt::Result {
         if let Some(reason) = &self.report.reason {
             let command = &self.report.decoder.command;
             let subject = self.report.suite.subject();
@@ -128,11 +128,11 @@ impl<C: TestCase> Page<'_, C> {
         for cause in &self.report.diagnoses {
             self.write_cause(cause, out)?;
         }
-        self.write_unexplained(shown, out)?;
+        self.write_unexplained(max_failures, out)?;
         self.write_summary(out)
     }
 
-    /// Writes a cause, a fix, and two of its cases.
+    /// Writes a cause, the suggested fix, and a few failures that it explains.
     fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
         let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
@@ -155,8 +155,8 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out)
     }
 
-    /// Writes failures without a cause.
-    fn write_unexplained(&self, shown: usize, out: &mut String) -> std::fmt::Result {
+    /// Writes the failures without a cause.
+    fn write_unexplained(&self, max_failures: usize, out: &mut String) -> std::fmt::Result {
         let mut unexplained = self.failing.clone();
         unexplained.retain(|case| self.report.cause_of(case).is_none());
         if unexplained.is_empty() {
@@ -164,18 +164,18 @@ impl<C: TestCase> Page<'_, C> {
         }
         let (count, all) = (unexplained.len(), self.failing.len());
         writeln!(out, "Unexplained failures: {count} of {all}")?;
-        let (alike, single) = by_kind(&unexplained);
+        let (alike, single) = group_violations(&unexplained);
         for (kind, cases) in &alike {
             writeln!(out, "  {} times: {kind}; for example", cases.len())?;
             for case in cases.iter().take(2) {
                 self.write_failure(case, out)?;
             }
         }
-        for case in single.iter().take(shown) {
+        for case in single.iter().take(max_failures) {
             self.write_failure(case, out)?;
         }
-        if single.len() > shown {
-            let more = single.len() - shown;
+        if single.len() > max_failures {
+            let more = single.len() - max_failures;
             writeln!(out, "  … and {more} more; the report has them all")?;
         }
         writeln!(out)
@@ -195,11 +195,11 @@ impl<C: TestCase> Page<'_, C> {
         }
     }
 
-    /// Writes dialect, counts and scores.
+    /// Writes the dialect, the counts and the scores.
     fn write_summary(&self, out: &mut String) -> std::fmt::Result {
         let report = self.report;
         self.write_dialect(out)?;
-        let lenient = report.lenient.iter().map(Leniency::in_words);
+        let lenient = report.lenient.iter().map(Leniency::to_summary);
         write_list(out, "outside the specification", lenient)?;
         if !report.decoder.unsupported.is_empty() {
             let unsupported = report.decoder.unsupported.join(", ");
@@ -211,7 +211,7 @@ impl<C: TestCase> Page<'_, C> {
             false => String::new(),
         };
         writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
-        for ((outcome, says), count) in self.not_conclusive() {
+        for ((outcome, says), count) in self.count_open_cases() {
             writeln!(out, "{count} {outcome}: {says}")?;
         }
         let weak = report.cases.iter().filter(|case| case.weak).count();
@@ -222,7 +222,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes the number of open questions that it reads as the reference does, and its readings of the others.
+    /// Writes the number of open questions that the decoder reads like the reference, and its readings of the others.
     fn write_dialect(&self, out: &mut String) -> std::fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();
@@ -239,8 +239,8 @@ impl<C: TestCase> Page<'_, C> {
         write_list(out, "dialect", alike.into_iter().chain(own))
     }
 
-    /// Returns the reasons why cases were inconclusive or not judged, with counts.
-    fn not_conclusive(&self) -> BTreeMap<(Outcome, &str), usize> {
+    /// Counts the reasons why cases were inconclusive or not judged.
+    fn count_open_cases(&self) -> BTreeMap<(Outcome, &str), usize> {
         let mut reasons = BTreeMap::new();
         let twins = match self.failing.is_empty() {
             true => "the valid twin was not decoded",
@@ -303,18 +303,20 @@ fn write_case<C: TestCase>(
     (case.stderr.lines()).try_for_each(|line| writeln!(out, "    {line}"))
 }
 
-/// Failures with the same message.
-type Alike<'a> = Vec<(&'a str, Vec<&'a CaseResult>)>;
+/// Failures grouped by message.
+type FailuresByMessage<'a> = Vec<(&'a str, Vec<&'a CaseResult>)>;
 
-/// Groups repeated crashes, timeouts and other violations by their message, and returns all other failures.
-fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) {
-    let mut kinds: Alike = Vec::new();
+/// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.
+fn group_violations<'a>(
+    failures: &[&'a CaseResult],
+) -> (FailuresByMessage<'a>, Vec<&'a CaseResult>) {
+    let mut kinds: FailuresByMessage = Vec::new();
     let mut single = Vec::new();
     for &case in failures {
         let says = case.says.as_str();
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
             Some((_, cases)) => cases.push(case),
-            None if VIOLATIONS.iter().any(|name| says.starts_with(name)) => {
+            None if VIOLATION_PREFIXES.iter().any(|name| says.starts_with(name)) => {
                 kinds.push((says, vec![case]));
             }
             None => single.push(case),
@@ -325,9 +327,9 @@ fn by_kind<'a>(failures: &[&'a CaseResult]) -> (Alike<'a>, Vec<&'a CaseResult>) 
     (alike, single)
 }
 
-/// Beginnings of messages about answers that are neither an image nor a refusal, from
+/// Prefixes of messages about answers that are neither an image nor a refusal; see
 /// [`Answer::name`](crate::protocol::frame::Answer::name).
-const VIOLATIONS: [&str; 7] = [
+const VIOLATION_PREFIXES: [&str; 7] = [
     "protocol error: ",
     "crash: ",
     "hang: ",

@@ -1,11 +1,14 @@
-//! Sentences that the text and HTML reports share, and the catalogs' descriptions of misreadings.
+//! Sentences that the text and HTML reports share, and descriptions of misreadings from the catalogs.
 
 use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
-/// Returns the slugs of `slugs` that a catalog of the suite knows, each with its clause and its effect.
-fn known(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, &str, &str)> {
+/// Looks up slugs in the catalogs of the suite and returns slug, clause and effect of each. Unknown slugs are skipped.
+fn find_misreadings(
+    suite: SuiteName,
+    slugs: &[String],
+) -> impl Iterator<Item = (&str, &str, &str)> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
             return writing::find(slug).map(|of| (&**slug, of.clause, of.effect));
@@ -15,20 +18,21 @@ fn known(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = (&str, &str
     })
 }
 
-/// Maximum number of misreadings with the same effect that are described; the others are counted.
+/// Maximum number of misreadings with the same effect that are described. Further ones are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
-/// A further detail of a cause: a sentence without a period, around a name.
+/// Additional sentence about a cause, split around a name and without the final period.
 pub(super) struct Detail<'a> {
     pub before: String,
-    /// A misreading or a case; may be empty.
+    /// Misreading or case; may be empty.
     pub name: &'a str,
     pub after: &'static str,
-    /// The page of the misreading on the site.
+    /// Page of the misreading on the site.
     pub page: Option<String>,
 }
 
-/// Returns the details of a cause: what would look the same, what else shows, and which cases it does not explain.
+/// Returns the details of a cause: misreadings with the same effect, misreadings that also occur, and cases that the cause
+/// does not explain.
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let detail = |before, name, after| Detail {
         before,
@@ -37,14 +41,16 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         page: None,
     };
     let mut details = Vec::new();
-    for (slug, clause, effect) in known(suite, &cause.or).take(MAX_EQUIVALENT_MISREADINGS) {
+    for (slug, clause, effect) in
+        find_misreadings(suite, &cause.or).take(MAX_EQUIVALENT_MISREADINGS)
+    {
         let before = format!("Would look the same: a decoder that {effect} (clause {clause}; ");
         details.push(Detail {
             page: Some(suite.misreading_page(slug)),
             ..detail(before, slug, ")")
         });
     }
-    let more = known(suite, &cause.or)
+    let more = find_misreadings(suite, &cause.or)
         .skip(MAX_EQUIVALENT_MISREADINGS)
         .count();
     if more > 0 {
@@ -56,7 +62,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         let before = format!("{more} other {misreadings} would look the same; see the report");
         details.push(detail(before, "", ""));
     }
-    for (slug, _, effect) in known(suite, &cause.with) {
+    for (slug, _, effect) in find_misreadings(suite, &cause.with) {
         let before = format!("In some of these cases also: it {effect} (");
         details.push(detail(before, slug, ")"));
     }
@@ -80,10 +86,10 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     details
 }
 
-/// The command of a decoder that consists of functions of another process.
+/// Command name of a decoder that consists of functions of another process.
 pub const CALLER: &str = "a function of the caller";
 
-/// Returns the lines that explain how a program is called.
+/// Returns lines that explain how the program under test is called.
 pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(

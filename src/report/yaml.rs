@@ -1,6 +1,6 @@
-//! Writing a report as YAML, and reading it back.
+//! Serialization of reports to YAML, and parsing.
 //!
-//! The file is untrusted: its size is limited, anchors and aliases are refused, and an error names the line.
+//! A report file is untrusted: its size is limited, anchors and aliases are rejected, and an error names the line.
 
 use std::path::Path;
 
@@ -9,25 +9,26 @@ use serde::Deserialize;
 use crate::kit::yaml::{from_yaml, read_text, to_yaml};
 use crate::report::document::{Report, SCHEMA};
 
-/// The fields that identify a version of the schema.
+/// Field that identifies the version of the schema.
 #[derive(Deserialize)]
-struct Form {
+struct SchemaVersion {
     schema: Option<u32>,
 }
 
 impl Report {
-    /// Returns the report as YAML.
+    /// Serializes the report as YAML.
     ///
     /// # Errors
-    /// No error that depends on the report.
+    /// Returns an error if serialization fails, which does not depend on the report.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }
 
-    /// Reads a report that `check` has written to `path`.
+    /// Reads a report that `check` wrote to `path`.
     ///
     /// # Errors
-    /// A sentence that names the file, and the line at fault if there is one; also for a report of another version.
+    /// Returns a message that names the file and, if known, the line. Short reports and reports of another schema version
+    /// are rejected.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
         let named = |error: String| format!("{}: {error}", path.display());
@@ -37,7 +38,7 @@ impl Report {
             }
             false => "",
         };
-        let form = from_yaml::<Form>(&text).map_err(|error| named(error + hint))?;
+        let form = from_yaml::<SchemaVersion>(&text).map_err(|error| named(error + hint))?;
         match form.schema {
             Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(named)? {
                 Report {

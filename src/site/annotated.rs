@@ -1,4 +1,4 @@
-//! The source of the annotated format: `spec-cases/annotated/`, a file for each chapter.
+//! Source of the annotated format: `spec-cases/annotated/`, with one file per chapter.
 
 use std::collections::BTreeMap;
 
@@ -7,92 +7,92 @@ use serde::Deserialize;
 
 use crate::kit::{embedded, yaml::from_yaml};
 
-/// A chapter of the format's text: one page.
+/// Chapter of the annotated format, which becomes one page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chapter {
-    /// `2.4`; sections below it without a separate chapter belong to it.
+    /// Number of the section, such as `2.4`. Includes subsections that are not separate chapters.
     pub section: String,
-    /// The title.
+    /// Title of the chapter.
     pub title: String,
-    /// An introduction for readers.
+    /// Introduction.
     pub intro: String,
-    /// A table after the introduction.
+    /// Table after the introduction.
     pub table: Option<ChapterTable>,
-    /// Steps to take, in order.
+    /// Decoding steps, in order.
     #[serde(default)]
     pub steps: Vec<String>,
-    /// The clauses of its sections, in their order.
+    /// Clauses of the chapter, in order.
     pub clauses: Vec<AnnotatedClause>,
 }
 
-/// A table of a chapter.
+/// Table of a chapter.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChapterTable {
-    /// The names of its columns.
+    /// Column names.
     pub head: Vec<String>,
-    /// Its cells.
+    /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
 }
 
-/// A detailed explanation of a clause.
+/// Detailed explanation of a clause.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnnotatedClause {
-    /// Its id in `clauses.yaml`.
+    /// Id of the clause in `clauses.yaml`.
     pub clause: String,
-    /// The rule, and pitfalls.
+    /// Description of the rule and its pitfalls.
     pub text: String,
-    /// Formulas, a line each.
+    /// Formulas, one per line.
     #[serde(default)]
     pub formula: Vec<String>,
-    /// Bytes and their meaning; at least one example.
+    /// Worked examples; at least one.
     pub examples: Vec<WorkedExample>,
 }
 
-/// A file and the values that a decoder finds in it.
+/// Example file and the values that a decoder reads from it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorkedExample {
-    /// A description.
+    /// Description of the example.
     pub says: Option<String>,
-    /// The file of `files.yaml` that it is based on.
+    /// Name of the base file in `files.yaml`.
     pub file: String,
-    /// Parts that replace those with the same name.
+    /// Parts that replace the parts of the base file with the same names.
     #[serde(default)]
     pub with: Vec<Part>,
-    /// The relevant parts.
+    /// Names of the parts to highlight.
     #[serde(default)]
     pub look: Vec<String>,
-    /// `raw`, `coef` or `rgb:LU,LV`; raw if left out.
+    /// View: `raw` (default), `coef` or `rgb:LU,LV`.
     pub view: Option<String>,
-    /// Column and row, counted from the top left, or `all`; `0 0` if left out.
+    /// Column and row, counted from the top left, or `all`. The default is `0 0`.
     pub texel: Option<String>,
-    /// The numbers of the channels; all if left out.
+    /// Channel numbers. The default is all channels.
     pub channels: Option<String>,
-    /// The values at that place, texel after texel.
+    /// Expected values, texel by texel.
     pub value: Option<String>,
-    /// The clause that the file breaks, if it is refused.
+    /// Clause that the file violates, if it is refused.
     pub refused: Option<String>,
-    /// The arithmetic.
+    /// Explanation of the arithmetic.
     pub because: Option<String>,
 }
 
-/// Some bytes and their description.
+/// Part of a file with a description.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// The description.
+    /// Description, which also serves as the name of the part.
     pub is: String,
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
-    /// The number of repetitions.
+    /// Number of repetitions.
     times: Option<usize>,
 }
 
-/// The files and streams that examples are based on.
+/// Base files and streams of the examples.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -100,16 +100,16 @@ pub struct Files {
     streams: BTreeMap<String, String>,
 }
 
-/// The annotated format.
+/// Annotated format.
 #[derive(Clone, Debug)]
 pub struct Annotated {
-    /// The chapters, in the order of the text.
+    /// Chapters in the order of the specification.
     pub chapters: Vec<Chapter>,
-    /// The files that examples are based on.
+    /// Base files of the examples.
     pub files: Files,
 }
 
-/// The chapters in the order of the text.
+/// Embedded chapters in the order of the specification.
 pub const CHAPTERS: &[(&str, &str)] = embedded![
     "spec-cases/annotated",
     "1.0-background.yaml",
@@ -126,14 +126,14 @@ pub const CHAPTERS: &[(&str, &str)] = embedded![
     "2.9.8-planes.yaml",
 ];
 
-/// The files that examples are based on.
+/// Base files of the examples.
 pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
 
 impl Annotated {
-    /// Reads chapters, each with the name of its file, and the files that their examples are based on.
+    /// Parses chapters, given as pairs of file name and text, and the base files of the examples.
     ///
     /// # Errors
-    /// A sentence that names the file and the line at fault.
+    /// Returns a message that names the file and the line.
     pub fn read(chapters: &[(&str, &str)], files: &str) -> Result<Annotated, String> {
         let read = |(name, text): &(&str, &str)| {
             from_yaml(text).map_err(|error| format!("{name}: {error}"))
@@ -146,10 +146,10 @@ impl Annotated {
 }
 
 impl Files {
-    /// Returns the parts of a file with some of them replaced: a description and the bytes of each.
+    /// Returns the description and the bytes of each part of a base file, with the parts in `with` replaced.
     ///
     /// # Errors
-    /// A sentence that names the missing part or file.
+    /// Returns a message that names the missing part or file.
     pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
         let parts = self.files.get(file);
         let parts = parts.ok_or_else(|| format!("unknown file {file}"))?;

@@ -1,9 +1,9 @@
-//! A page for each case: the file byte by byte, its image, the expected result, its twin.
+//! Pages for cases: each describes the file byte by byte, its image, the expected result, and related cases.
 
 use maud::{Markup, html};
 
-use super::misreading_pages::filter;
-use super::paper::{Paper, SiteFile};
+use super::misreading_pages::filter_box;
+use super::paper::{PageContext, SiteFile};
 use super::pictures;
 use crate::decode::decode;
 use crate::protocol::frame::View;
@@ -14,36 +14,36 @@ use crate::suite::compare::{Expected, tolerance_text};
 use crate::tools::inspect::{Inspection, inspect};
 use crate::tools::lint::lint;
 
-/// Maximum size of files on the site; larger ones can be generated with the program.
-const MAX_DOWNLOAD: usize = 64 << 10;
+/// Maximum size in bytes of a file on the site. Larger files can be generated with the program.
+const MAX_DOWNLOAD_BYTES: usize = 64 << 10;
 /// Maximum number of texels whose values are listed.
 const MAX_TEXELS: usize = 12;
 /// Maximum number of fields that are listed.
 const MAX_FIELDS: usize = 32;
 
-/// Returns the pages of all cases, their files, and their list.
-pub(super) fn pages(paper: Paper, jobs: usize) -> Vec<SiteFile> {
+/// Renders the list of cases, and a page and the file of each case.
+pub(super) fn pages(paper: PageContext, jobs: usize) -> Vec<SiteFile> {
     let cases = &paper.library.suite.cases;
     let made = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);
-        let is_small = built.file.len() <= MAX_DOWNLOAD;
+        let is_small = built.file.len() <= MAX_DOWNLOAD_BYTES;
         let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
         std::iter::once(page).chain(file)
     });
-    std::iter::once(list(paper))
+    std::iter::once(list_page(paper))
         .chain(made.into_iter().flatten())
         .collect()
 }
 
-fn list(paper: Paper) -> SiteFile {
+fn list_page(paper: PageContext) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
         p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
-        (Paper::kinds(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
+        (PageContext::descriptions(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
-        (filter("cases"))
+        (filter_box("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
             thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
             tbody { @for case in cases {
@@ -54,27 +54,27 @@ fn list(paper: Paper) -> SiteFile {
     paper.list("Cases", &body)
 }
 
-fn page(paper: Paper, case: &Case, built: &Built) -> SiteFile {
+fn page(paper: PageContext, case: &Case, built: &Built) -> SiteFile {
     let inspection = inspect(&built.file);
     let body = html! {
         h1 { code { (case.id) } }
         p.lead { (paper.prose(&case.because)) }
         p { span.chip { (case.expect.name()) } " " (paper.library.texts.expectations[case.expect.name()]) }
         (facts(paper, case, built))
-        (picture(case, built))
+        (render_image(case, built))
         (values(case, built))
         h2 { "The file, byte by byte" }
         (fields(paper, &inspection))
         (findings(paper, built))
-        (neighbors(paper, case))
-        (answered(paper, case))
+        (related_cases(paper, case))
+        (reader_results(paper, case))
         h2 { "Run it" }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
     };
     paper.entry("Cases", &case.id, &case.id, &body)
 }
 
-fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
+fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
     html! {
         dl.facts {
@@ -82,20 +82,20 @@ fn facts(paper: Paper, case: &Case, built: &Built) -> Markup {
             dt { "Format" } dd { (paper.link_as("2.2", &html! { code { (case.format()) } })) }
             @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (paper.link(ruling)) } }
             dt { "Asked for" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
-            @if let Some(slack) = slack(case, built) { dt { "Tolerance" } dd { (slack) } }
+            @if let Some(slack) = describe_tolerance(case, built) { dt { "Tolerance" } dd { (slack) } }
             dt { "File" } dd {
-                @if built.file.len() <= MAX_DOWNLOAD {
+                @if built.file.len() <= MAX_DOWNLOAD_BYTES {
                     a href={ (paper.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
                 }
                 (built.file.len()) " bytes"
-                @if built.file.len() > MAX_DOWNLOAD { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
+                @if built.file.len() > MAX_DOWNLOAD_BYTES { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
             }
         }
     }
 }
 
 /// Describes the tolerance for the values of a case.
-fn slack(case: &Case, built: &Built) -> Option<String> {
+fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
     let view = case.views.first()?;
     let expected = Expected::new(&built.values, view)?;
     let most = expected.slack.iter().copied().fold(0.0, f64::max);
@@ -106,7 +106,7 @@ fn slack(case: &Case, built: &Built) -> Option<String> {
     })
 }
 
-fn picture(case: &Case, built: &Built) -> Markup {
+fn render_image(case: &Case, built: &Built) -> Markup {
     let ordinary: View = View::ORDINARY_LIGHT.parse().expect("a light");
     let mut views = case.views.iter().chain([&ordinary]);
     let light = views.find_map(|view| match view {
@@ -116,14 +116,14 @@ fn picture(case: &Case, built: &Built) -> Markup {
     html! {
         @if let (Ok(ptm), Some(light)) = (decode(&built.file), light) {
             figure.large {
-                (pictures::of_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
+                (pictures::render_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
             }
         } @else { p.nothing { "No image: the reference refuses this file." } }
     }
 }
 
-/// Returns the expected values of the first texels.
+/// Renders the expected values of the first texels.
 fn values(case: &Case, built: &Built) -> Markup {
     let Some(view) = case.views.first() else {
         return html! {};
@@ -146,14 +146,14 @@ fn values(case: &Case, built: &Built) -> Markup {
     }
 }
 
-fn fields(paper: Paper, inspection: &Inspection) -> Markup {
+fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
     let all = inspection.fields.len();
     html! {
         div.scroll tabindex="0" { table.hex {
             thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "what" } th scope="col" { "value" } th scope="col" { "begins" } } }
             tbody { @for field in inspection.fields.iter().take(MAX_FIELDS) { tr {
                 td.number { (field.offset) } td.number { (field.length) }
-                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (short(&field.value)) } } td { code { (field.begins) } }
+                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.begins) } }
             } } }
         } }
         @if all > MAX_FIELDS { p.quiet { (all - MAX_FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
@@ -164,27 +164,27 @@ fn fields(paper: Paper, inspection: &Inspection) -> Markup {
     }
 }
 
-/// Shortens a value that would fill the page.
-fn short(value: &str) -> String {
-    const LONGEST: usize = 96;
-    match value.char_indices().nth(LONGEST) {
+/// Truncates a long value.
+fn truncate(value: &str) -> String {
+    const MAX_CHARS: usize = 96;
+    match value.char_indices().nth(MAX_CHARS) {
         Some((at, _)) => format!("{}…", &value[..at]),
         None => value.to_owned(),
     }
 }
 
-fn findings(paper: Paper, built: &Built) -> Markup {
+fn findings(paper: PageContext, built: &Built) -> Markup {
     let findings = lint(&built.file);
     html! {
         @if !findings.is_empty() {
             h2 { "What lint says" }
-            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.says) @if !finding.found.is_empty() { ": " code { (short(&finding.found)) } } } } }
+            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.says) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
         }
     }
 }
 
-/// Returns links to the file that it was edited from, and to those edited from it.
-fn neighbors(paper: Paper, case: &Case) -> Markup {
+/// Renders links to the twin of a damaged case, and to cases that are damaged copies of this one.
+fn related_cases(paper: PageContext, case: &Case) -> Markup {
     let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
     children.retain(|child| child.twin_of.as_ref() == Some(&case.id));
     html! {
@@ -199,8 +199,8 @@ fn neighbors(paper: Paper, case: &Case) -> Markup {
     }
 }
 
-/// Returns the results of public readers.
-fn answered(paper: Paper, case: &Case) -> Markup {
+/// Renders the results of public readers for a case.
+fn reader_results(paper: PageContext, case: &Case) -> Markup {
     html! {
         h2 { "Public readers" }
         ul.plain { @for run in &paper.library.runs {

@@ -1,18 +1,18 @@
-//! A page for each code of lint: its meaning, effect and fix, an example, and affected readers.
+//! Pages for lint codes: meaning, effect, fix, an example, and affected readers.
 
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::paper::{Paper, SiteFile};
-use super::readers::{ReaderRun, makers};
+use super::paper::{PageContext, SiteFile};
+use super::readers::{ReaderRun, readers_with_mistake};
 use crate::misreadings;
 use crate::suite::cases::{Case, TableSpelling};
 use crate::tools::lint::codes::{self, Code};
 use crate::tools::lint::lint;
 
-/// Returns the pages of all codes, and their list.
-pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+/// Renders the list of codes and the page of each code.
+pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let list = html! {
         p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another image. I: for information." }
         div.scroll tabindex="0" { table.list {
@@ -25,7 +25,7 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     pages
 }
 
-fn page(paper: Paper, code: &Code) -> SiteFile {
+fn page(paper: PageContext, code: &Code) -> SiteFile {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
         code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
@@ -42,7 +42,7 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
             h2 { "What to do" } p { (first.to_uppercase()) (rest) "." }
         }
         (example(paper, code, &cases))
-        (affected(paper, code, &cases))
+        (affected_readers(paper, code, &cases))
         @if !cases.is_empty() {
             h2 { "Cases that provoke it" }
             ul.columns { @for case in &cases { li { (paper.link(&case.id)) } } }
@@ -51,8 +51,8 @@ fn page(paper: Paper, code: &Code) -> SiteFile {
     paper.entry("Lint codes", code.id, code.id, &body)
 }
 
-/// Returns the output of lint for the smallest file that provokes it.
-fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
+/// Renders the output of lint for the smallest file that provokes the code.
+fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     let built = |case: &&&Case| case.build(TableSpelling::default()).file.len();
     let Some(case) = cases.iter().min_by_key(built) else {
         return html! {};
@@ -68,10 +68,11 @@ fn example(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
     }
 }
 
-/// Returns affected readers, from runs and the catalog.
-fn affected(paper: Paper, code: &Code, cases: &[&Case]) -> Markup {
-    let seen = misreadings::all()
-        .filter(|misreading| misreading.clause == code.clause && !makers(misreading).is_empty());
+/// Renders the readers that are affected, based on runs and the catalog.
+fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
+    let seen = misreadings::all().filter(|misreading| {
+        misreading.clause == code.clause && !readers_with_mistake(misreading).is_empty()
+    });
     let seen: Vec<_> = seen.collect();
     let runs = &paper.library.runs;
     let tally = |run: &ReaderRun| {

@@ -1,9 +1,9 @@
-//! The documents of the repository as pages.
+//! Pages for the documents of the repository.
 
 use maud::{Markup, PreEscaped, html};
 use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 
 macro_rules! document {
     ($file:literal, $page:literal) => {
@@ -11,7 +11,7 @@ macro_rules! document {
     };
 }
 
-/// The documents: path in the repository, name of the page, text.
+/// Documents: path in the repository, name of the page, and text.
 const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("README.md", "index"),
     document!("docs/install.md", "install"),
@@ -32,68 +32,68 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("CHANGELOG.md", "changelog"),
 ];
 
-/// The image of the README: path in the repository, name next to the pages, bytes.
-const PICTURE: (&str, &str, &[u8]) = (
+/// Image in the README: path in the repository, file name on the site, and bytes.
+const README_IMAGE: (&str, &str, &[u8]) = (
     "docs/mistakes.png",
     "mistakes.png",
     include_bytes!("../../docs/mistakes.png"),
 );
 
-/// Returns a page for each document.
-pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+/// Renders a page for each document.
+pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let page = |(file, name, text): &(&str, &str, &str)| {
-        let (headings, markup) = rendered(file, text);
+        let (headings, markup) = render_document(file, text);
         let body = html! {
-            nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short(other)) } " " } }
+            nav.within aria-label="Documents" { @for (other, page, _) in DOCUMENTS { a href={ (page) ".html" } aria-current=[(page == name).then_some("page")] { (short_name(other)) } " " } }
             div.document { (markup) }
         };
         let path = format!("docs/{name}.html");
         paper.page(&path, "Documentation", &headings[0], &body)
     };
-    let picture = SiteFile::new(format!("docs/{}", PICTURE.1), PICTURE.2);
-    DOCUMENTS.iter().map(page).chain([picture]).collect()
+    let image = SiteFile::new(format!("docs/{}", README_IMAGE.1), README_IMAGE.2);
+    DOCUMENTS.iter().map(page).chain([image]).collect()
 }
 
-/// Returns the headings of all documents: each with its address from the root of the site, and the name of its document.
+/// Returns the headings of all documents with their URLs, relative to the root of the site, and the names of the documents.
 pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)> {
     DOCUMENTS.iter().flat_map(|(file, name, text)| {
-        let (headings, _) = rendered(file, text);
+        let (headings, _) = render_document(file, text);
         headings.into_iter().map(move |heading| {
             let place = format!("docs/{name}.html#{}", anchor(&heading));
-            (heading, place, short(file))
+            (heading, place, short_name(file))
         })
     })
 }
 
-/// Returns the name of a document in the list.
-fn short(file: &str) -> &str {
+/// Returns the short name of a document.
+fn short_name(file: &str) -> &str {
     file.trim_end_matches(".md").trim_start_matches("docs/")
 }
 
-/// Returns the headings of a document, its title first, and its markup with links to pages of the site.
-fn rendered(file: &str, text: &str) -> (Vec<String>, Markup) {
+/// Renders a document with links to pages of the site. Also returns the headings, beginning with the title.
+fn render_document(file: &str, text: &str) -> (Vec<String>, Markup) {
     let mut headings = Vec::new();
     let mut heading: Option<(HeadingLevel, String)> = None;
     let mut inside_link = Vec::new();
-    // Badges are images on other servers.
+    // Skip badges, which are images on other servers.
     let lines = text.lines().filter(|line| !line.starts_with("[!["));
     let text = lines.collect::<Vec<_>>().join("\n");
     let events = Parser::new_ext(&text, Options::ENABLE_TABLES).filter_map(|mut event| {
         match &mut event {
             Event::Start(Tag::Link { dest_url, .. }) => {
-                let page = page_of(file, dest_url);
+                let page = resolve_link(file, dest_url);
                 inside_link.push(page.is_some());
                 *dest_url = page?.into();
             }
             Event::End(TagEnd::Link) if inside_link.pop() != Some(true) => return None,
-            Event::Start(Tag::Image { dest_url, .. }) => *dest_url = PICTURE.1.into(),
+            Event::Start(Tag::Image { dest_url, .. }) => *dest_url = README_IMAGE.1.into(),
             Event::Start(Tag::Heading { level, .. }) => {
                 heading = Some((*level, String::new()));
                 return None;
             }
             Event::End(TagEnd::Heading(_)) => {
                 let (level, text) = heading.take()?;
-                // With the anchor that links to it use.
+                // Add the anchor that links to the heading use.
                 let words = html! { (text) }.0;
                 let set = format!("<{level} id=\"{}\">{words}</{level}>", anchor(&text));
                 event = Event::Html(set.into());
@@ -126,8 +126,8 @@ fn anchor(heading: &str) -> String {
     anchor
 }
 
-/// Returns the page of the site for a link in a document; None if it leads to a file of the repository.
-fn page_of(file: &str, link: &str) -> Option<String> {
+/// Returns the page of the site for a link in a document, or `None` for a file that is not on the site.
+fn resolve_link(file: &str, link: &str) -> Option<String> {
     if link.starts_with('#') || link.starts_with("https://") {
         return Some(link.to_owned());
     }

@@ -1,4 +1,4 @@
-// Everything happens in this page: the reference as WebAssembly reads the file; nothing is sent anywhere.
+// The reference as WebAssembly reads the file in this page. Nothing is sent anywhere.
 "use strict";
 {
   const $ = (id) => document.getElementById(id);
@@ -20,7 +20,7 @@
   let wasm;
   let map;
 
-  // Opens a file and returns what is said of it.
+  // Opens a file and returns the report about it.
   const open = (file) => {
     const at = wasm.reserve(file.length);
     new Uint8Array(wasm.memory.buffer, at, file.length).set(file);
@@ -31,13 +31,13 @@
   };
 
   const relit = (u, v, target) => {
-    // The memory may grow, and its buffer be another one, while the picture is made: so the buffer is asked for afterwards.
+    // The memory may grow and its buffer may be replaced during rendering, so get the buffer afterwards.
     const at = wasm.relight(u, v);
     target.data.set(new Uint8ClampedArray(wasm.memory.buffer, at, map.width * map.height * 4));
     return target;
   };
 
-  // The light on its ball, its sliders and the picture.
+  // Light direction: the ball, the sliders and the rendered image.
   const light = { u: 0, v: 0 };
   let image;
   const drawBall = () => {
@@ -100,7 +100,7 @@
     }
     return made;
   };
-  // On the site a code or clause leads to its page; in the file for oneself there are no pages.
+  // On the site, codes and clauses link to their pages. The standalone file has no pages to link to.
   const linked = (text, place) => document.body.dataset.root === undefined || !place ? make("code", text) : make("a", text, { href: place });
   const chapters = JSON.parse($("chapters").textContent);
   const clausePlace = (clause) => {
@@ -145,7 +145,7 @@
     } catch (error) { say(`This file cannot be taken apart here: ${error.message}`); }
   };
 
-  // The picture of a viewer beside ours, and what would make one of the other.
+  // Compares the image of a viewer with ours and describes the transform between them.
   let viewer;
   const apart = (one, other) => {
     let sum = 0;

@@ -1,6 +1,6 @@
-//! The page for dropped files: the reference as WebAssembly, in a single self-contained page.
+//! Page for dropped files: a self-contained page with the reference decoder as WebAssembly.
 //!
-//! It is made twice: for the site, with navigation, and as a standalone file.
+//! The page is generated twice: with navigation, for the site, and as a standalone file.
 
 use std::io::Write;
 
@@ -10,37 +10,37 @@ use flate2::write::GzEncoder;
 use maud::{DOCTYPE, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use crate::generate::spelling::Count;
 use crate::ptm::Format;
 use crate::report::html::STYLE;
 use crate::session::lit_scene;
 use crate::suite::cases::TableSpelling;
 
-/// The commands that build the site with the page.
-const BUILD: &str = "\
+/// Commands that build the site with this page.
+const BUILD_COMMANDS: &str = "\
 rustup target add wasm32-unknown-unknown
 cargo build --release --target wasm32-unknown-unknown --manifest-path packages/wasm/Cargo.toml
 ptm-conform site --out site --module packages/wasm/target/wasm32-unknown-unknown/release/ptm_conform_wasm.wasm";
 
 const SCRIPT: &str = include_str!("drop.js");
 const CONTENTS: &str = include_str!("drop.html");
-/// The script of every page.
-const COMMON: &str = include_str!("site.js");
+/// Script that all pages of the site share.
+const SITE_SCRIPT: &str = include_str!("site.js");
 
-/// Functions of the module that the page calls.
+/// Exported functions of the module that the page calls.
 const EXPORTS: [&str; 5] = ["reserve", "open", "report", "samples", "relight"];
 
-/// Returns the page of the site, and the standalone page; without a module, a page that says how to get one.
+/// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions.
 ///
 /// # Errors
-/// If `module` is not the reference decoder as WebAssembly.
-pub(super) fn pages(paper: Paper, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
+/// Returns an error if `module` is not the reference decoder as WebAssembly.
+pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
     let Some(module) = module else {
         let body = html! {
             h1 { "Drop a PTM file" }
             p { "This page needs the reference decoder as WebAssembly, which is not part of this build. To add it:" }
-            pre.command { (BUILD) }
+            pre.command { (BUILD_COMMANDS) }
         };
         return Ok(vec![paper.page(
             "drop.html",
@@ -49,11 +49,12 @@ pub(super) fn pages(paper: Paper, module: Option<&[u8]>) -> Result<Vec<SiteFile>
             &body,
         )]);
     };
-    check(module).map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD}"))?;
-    let packed = packed(module).map_err(|error| error.to_string())?;
+    check_module(module)
+        .map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD_COMMANDS}"))?;
+    let compress = compress(module).map_err(|error| error.to_string())?;
     let samples = samples(paper);
     let page = |path: &str, standalone: bool| {
-        SiteFile::new(path, page_text(paper, &packed, &samples, standalone))
+        SiteFile::new(path, page_text(paper, &compress, &samples, standalone))
     };
     Ok(vec![
         page("drop.html", false),
@@ -61,13 +62,13 @@ pub(super) fn pages(paper: Paper, module: Option<&[u8]>) -> Result<Vec<SiteFile>
     ])
 }
 
-/// Checks that a file is WebAssembly with the functions that the page calls.
-fn check(module: &[u8]) -> Result<(), String> {
+/// Checks that a file is a WebAssembly module with the functions that the page calls.
+fn check_module(module: &[u8]) -> Result<(), String> {
     if !module.starts_with(b"\0asm\x01\0\0\0") {
         return Err("the module is not WebAssembly".to_owned());
     }
     let is_exported = |name: &&str| {
-        // A name in the binary format: its length, then its bytes.
+        // In the binary format, a name consists of its length and its bytes.
         let named = [&[name.len() as u8], name.as_bytes()].concat();
         module.windows(named.len()).any(|window| window == named)
     };
@@ -77,8 +78,8 @@ fn check(module: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Returns files to try, in JSON: label, name and contents.
-fn samples(paper: Paper) -> String {
+/// Returns sample files as JSON: label, name and contents.
+fn samples(paper: PageContext) -> String {
     let of_case = |label: &str, id: &str| {
         let case = paper.library.suite.case(id).expect("a case of the suite");
         let file = &case.build(TableSpelling::default()).file;
@@ -97,20 +98,20 @@ fn samples(paper: Paper) -> String {
     serde_json::json!(samples).to_string()
 }
 
-fn packed(module: &[u8]) -> std::io::Result<String> {
+fn compress(module: &[u8]) -> std::io::Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(module)?;
     Ok(BASE64.encode(&encoder.finish()?))
 }
 
-/// Returns the page. Its policy forbids all requests, and all scripts except those of the site.
-fn page_text(paper: Paper, packed: &str, samples: &str, standalone: bool) -> String {
+/// Renders the page. Its content security policy forbids all requests, and all scripts except those of the site.
+fn page_text(paper: PageContext, compress: &str, samples: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
         match standalone {
             true => format!("script-src 'sha256-{}' 'wasm-unsafe-eval'", digest(SCRIPT)),
-            // The search index is a separate script.
+            // The search index is loaded as a separate script.
             false => "script-src 'unsafe-inline' 'self' file: 'wasm-unsafe-eval'".to_owned(),
         }
     );
@@ -134,16 +135,16 @@ fn page_text(paper: Paper, packed: &str, samples: &str, standalone: bool) -> Str
                 main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }
                 script #samples type="application/json" { (PreEscaped(samples)) }
-                script #module type="application/octet-stream" { (packed) }
+                script #module type="application/octet-stream" { (compress) }
                 script { (PreEscaped(SCRIPT)) }
-                @if !standalone { script { (PreEscaped(COMMON)) } }
+                @if !standalone { script { (PreEscaped(SITE_SCRIPT)) } }
             }
         }
     };
     markup.into_string()
 }
 
-/// Returns the contents of the page, without the indentation of their source; the standalone page has no link to itself.
+/// Returns the contents of the page with indentation removed. The standalone page has no link to itself.
 fn contents(standalone: bool) -> String {
     let lines = CONTENTS.lines().map(str::trim_start);
     lines

@@ -1,4 +1,4 @@
-//! Execution of worked examples: bytes → value. A wrong value is an error, so that no page can be wrong.
+//! Execution of worked examples. A wrong value is an error, so published examples are always correct.
 
 use crate::decode::decode_as;
 use crate::formula::Edits;
@@ -8,38 +8,38 @@ use crate::reading::Reading;
 use crate::site::annotated::{Annotated, AnnotatedClause, Files, WorkedExample};
 use crate::suite::choices::CHOICES;
 
-/// An example that was executed successfully.
+/// Example that was executed successfully.
 #[derive(Clone, Debug)]
 pub struct Executed {
-    /// Descriptions of parts, and their bytes.
+    /// Description and bytes of each part.
     pub parts: Vec<(String, Vec<u8>)>,
-    /// The question about the file, in words.
+    /// Requested view.
     pub asks: String,
-    /// The result.
+    /// Result of decoding.
     pub found: Found,
-    /// Different results under the other readings of the clause's choice.
+    /// Results that differ under the other readings of the clause's choice.
     pub otherwise: Vec<(&'static str, Found)>,
 }
 
-/// The result of a decoder for a file.
+/// Result of a decoder for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// The names of the requested channels, and a row for each texel: its name and their values.
+    /// Names of the requested channels, and a row per texel with the position and the values.
     Values(Vec<String>, Vec<(String, Vec<f64>)>),
-    /// The file is refused: the clause, and the error in words.
+    /// The file is refused. Contains the clause and the error message.
     Refused(&'static str, String),
 }
 
 impl WorkedExample {
-    /// Returns the result of the example's question for another file.
+    /// Evaluates the example for the given file.
     ///
     /// # Errors
-    /// If the file has no such texel or channel.
-    pub fn find_in(&self, file: &[u8]) -> Result<Found, String> {
-        self.find(file, &Reading::SPEC)
+    /// Returns an error if the requested texel or channel does not exist.
+    pub fn evaluate(&self, file: &[u8]) -> Result<Found, String> {
+        self.evaluate_under(file, &Reading::SPEC)
     }
 
-    fn find(&self, file: &[u8], reading: &Reading) -> Result<Found, String> {
+    fn evaluate_under(&self, file: &[u8], reading: &Reading) -> Result<Found, String> {
         let ptm = match decode_as(file, reading, &Limits::default()) {
             Ok(ptm) => ptm,
             Err(error) => return Ok(Found::Refused(error.clause(), error.to_string())),
@@ -75,7 +75,7 @@ impl WorkedExample {
         Ok(Found::Values(names.collect(), texels.map(row).collect()))
     }
 
-    /// Returns the view that it asks for.
+    /// Returns the requested view.
     fn asks(&self) -> &str {
         self.view.as_deref().unwrap_or("raw")
     }
@@ -89,7 +89,7 @@ fn numbers(text: &str) -> Result<Vec<usize>, String> {
 /// Executes every example of the annotated format.
 ///
 /// # Errors
-/// A line for each example that fails, with its clause.
+/// Returns a message with one line per failing example.
 pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
     let chapters = annotated.chapters.iter();
     let clauses = chapters.flat_map(|chapter| &chapter.clauses);
@@ -101,10 +101,10 @@ pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
     }
 }
 
-/// Executes the examples of a clause, and under every reading of `ruling` if that is a choice.
+/// Executes the examples of a clause. If `ruling` is a choice, executes them under each of its readings.
 ///
 /// # Errors
-/// A sentence that names the clause and describes the difference.
+/// Returns a message that names the clause and describes the difference.
 pub fn execute(
     clause: &AnnotatedClause,
     ruling: Option<&str>,
@@ -116,26 +116,30 @@ pub fn execute(
     let numbered = clause.examples.iter().enumerate();
     let executed = numbered.map(|(i, example)| -> Result<Executed, String> {
         let named = |error| format!("clause {}, example {}: {error}", clause.clause, i + 1);
-        one(example, ruling, files).map_err(named)
+        execute_one(example, ruling, files).map_err(named)
     });
     executed.collect()
 }
 
-fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
+fn execute_one(
+    example: &WorkedExample,
+    ruling: Option<&str>,
+    files: &Files,
+) -> Result<Executed, String> {
     let parts = files.parts(&example.file, &example.with)?;
     let is_missing = |name: &&String| parts.iter().all(|(is, _)| is != *name);
     if let Some(name) = example.look.iter().find(is_missing) {
         return Err(format!("{} has no part {name:?}", example.file));
     }
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();
-    let found = example.find_in(&file)?;
-    holds(example, &found)?;
+    let found = example.evaluate(&file)?;
+    check_result(example, &found)?;
     let choices = CHOICES.iter();
     let choices = choices.filter(|choice| Some(choice.ruling) == ruling);
     let readings = choices.flat_map(|choice| &choice.readings[1..]);
     let mut otherwise = Vec::new();
     for (says, change) in readings {
-        let other = example.find(&file, &change(Reading::SPEC))?;
+        let other = example.evaluate_under(&file, &change(Reading::SPEC))?;
         if other != found {
             otherwise.push((*says, other));
         }
@@ -148,8 +152,8 @@ fn one(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     })
 }
 
-/// Checks that an example states the result that was found.
-fn holds(example: &WorkedExample, found: &Found) -> Result<(), String> {
+/// Checks that the result equals the result that the example states.
+fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
     match (found, &example.value, &example.refused) {
         (Found::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),
         (Found::Refused(clause, why), _, _) => {

@@ -1,4 +1,4 @@
-//! The annotated format: a page for each chapter of the text.
+//! Pages of the annotated format, one per chapter.
 
 use std::collections::BTreeSet;
 
@@ -9,22 +9,22 @@ use super::example::{Executed, Found, execute};
 use super::formula::formula;
 use super::misreading_pages;
 use super::overview;
-use super::paper::{Paper, SiteFile};
-use super::readers::makers;
+use super::paper::{PageContext, SiteFile};
+use super::readers::readers_with_mistake;
 use super::ruling_pages;
 use crate::misreadings::{self, Misreading};
 use crate::suite::clauses::{Clause, Ruling};
 
-/// Maximum number of misreadings of a clause that are shown with images; the others are listed.
-const MAX_PICTURED: usize = 2;
-/// Maximum number of bytes of a part that are shown.
-const SHOWN: usize = 32;
+/// Maximum number of misreadings per clause that are displayed with images. The others are listed.
+const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
+/// Maximum number of bytes of a part that are displayed.
+const MAX_DISPLAYED_BYTES: usize = 32;
 
-/// Returns the pages of all chapters, and their table of contents.
+/// Renders the table of contents and the page of each chapter.
 ///
 /// # Errors
-/// A sentence that names the clause whose example fails.
-pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
+/// Returns a message that names the clause whose example fails.
+pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
     let chapters = &paper.library.annotated.chapters;
     let mut pages = vec![contents(paper)];
     for (i, chapter) in chapters.iter().enumerate() {
@@ -34,7 +34,7 @@ pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
     Ok(pages)
 }
 
-fn contents(paper: Paper) -> SiteFile {
+fn contents(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "The format, annotated" }
         p.lead {
@@ -56,7 +56,7 @@ fn contents(paper: Paper) -> SiteFile {
 }
 
 fn page(
-    paper: Paper,
+    paper: PageContext,
     chapter: &Chapter,
     before: Option<&Chapter>,
     after: Option<&Chapter>,
@@ -94,7 +94,7 @@ fn page(
 }
 
 fn clause<'a>(
-    paper: Paper<'a>,
+    paper: PageContext<'a>,
     annotated: &AnnotatedClause,
     explained: &mut BTreeSet<&'a str>,
 ) -> Result<Markup, String> {
@@ -111,7 +111,7 @@ fn clause<'a>(
             p { (paper.prose(&annotated.text)) }
             @for line in &annotated.formula { div.formula tabindex="0" { (formula(line)) } }
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
-                (worked(paper, example, executed, i + 1, annotated.examples.len()))
+                (render_example(paper, example, executed, i + 1, annotated.examples.len()))
             }
             (ruling_markup(paper, known, explained))
             (misreading_markup(paper, mistakes.collect()))
@@ -120,9 +120,9 @@ fn clause<'a>(
     })
 }
 
-/// Returns an example with its bytes and its result.
-fn worked(
-    paper: Paper,
+/// Renders an example with its bytes and its result.
+fn render_example(
+    paper: PageContext,
     example: &WorkedExample,
     executed: &Executed,
     number: usize,
@@ -181,18 +181,21 @@ fn in_line(found: &Found) -> Markup {
     }
 }
 
-/// Returns bytes in hexadecimal; only the first and the last if there are many.
+/// Formats bytes in hexadecimal. Long sequences are abbreviated to the first and last bytes.
 fn hex(bytes: &[u8]) -> String {
     let words: Vec<String> = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-    if words.len() <= SHOWN {
+    if words.len() <= MAX_DISPLAYED_BYTES {
         return words.join(" ");
     }
-    let (first, last) = (&words[..SHOWN / 2], &words[words.len() - SHOWN / 4..]);
+    let (first, last) = (
+        &words[..MAX_DISPLAYED_BYTES / 2],
+        &words[words.len() - MAX_DISPLAYED_BYTES / 4..],
+    );
     let (first, last) = (first.join(" "), last.join(" "));
     format!("{first} … {last} ({} bytes)", words.len())
 }
 
-/// Returns a header line as text; empty for data.
+/// Formats a header line with visible white space. Returns an empty string for binary data.
 fn as_text(bytes: &[u8]) -> String {
     let mut texts = bytes.iter();
     let is_text = texts.all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte));
@@ -203,9 +206,9 @@ fn as_text(bytes: &[u8]) -> String {
     text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Returns the rulings of a clause; in full those that were not `explained` earlier in the chapter.
+/// Renders the rulings of a clause. A ruling that is already in `explained` is abbreviated to its reading.
 fn ruling_markup<'a>(
-    paper: Paper<'a>,
+    paper: PageContext<'a>,
     clause: &Clause,
     explained: &mut BTreeSet<&'a str>,
 ) -> Markup {
@@ -218,25 +221,25 @@ fn ruling_markup<'a>(
         @for (ruling, first) in rulings {
             aside.ruling aria-label={ "Ruling " (ruling.id) " at " (clause.id) } {
                 p { b { "Where the text is silent: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
-                @if first { (ruling_pages::words(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
+                @if first { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
             }
         }
     }
 }
 
-fn misreading_markup(paper: Paper, mut mistakes: Vec<&Misreading>) -> Markup {
-    // Misreadings of known readers first.
-    mistakes.sort_by_key(|misreading| makers(misreading).is_empty());
-    let (first, others) = mistakes.split_at(MAX_PICTURED.min(mistakes.len()));
+fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Markup {
+    // List misreadings of known readers first.
+    mistakes.sort_by_key(|misreading| readers_with_mistake(misreading).is_empty());
+    let (first, others) = mistakes.split_at(MAX_ILLUSTRATED_MISREADINGS.min(mistakes.len()));
     html! {
         @if !first.is_empty() {
-            details.mistakes open[first.iter().any(|misreading| !makers(misreading).is_empty())] {
+            details.mistakes open[first.iter().any(|misreading| !readers_with_mistake(misreading).is_empty())] {
                 summary { "What goes wrong: " (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
                 @for misreading in first {
                     article.mistake {
                         p { (paper.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
-                        @if !makers(misreading).is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
-                        (misreading_pages::pair(paper, misreading))
+                        @if !readers_with_mistake(misreading).is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
+                        (misreading_pages::image_pair(paper, misreading))
                     }
                 }
                 @if !others.is_empty() {
@@ -247,7 +250,7 @@ fn misreading_markup(paper: Paper, mut mistakes: Vec<&Misreading>) -> Markup {
     }
 }
 
-fn test_markup(paper: Paper, clause: &Clause) -> Markup {
+fn test_markup(paper: PageContext, clause: &Clause) -> Markup {
     let cases = paper.library.suite.cases.iter();
     let cases: Vec<_> = cases
         .filter(|case| case.clauses.contains(&clause.id))

@@ -1,23 +1,23 @@
-//! Formulas: conversion of a line of text to `MathML`.
+//! Conversion of formulas from plain text to `MathML`.
 //!
-//! Letters are names, digits numbers; `_` and `^` make subscripts and superscripts, braces group, `√(…)` is a root. All other
-//! characters are operators.
+//! Letters form names and digits form numbers. `_` and `^` create subscripts and superscripts, braces group, and `√(…)` is
+//! a root. All other characters are operators.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
 use maud::{Markup, PreEscaped, html};
 
-/// Returns a display formula.
+/// Renders a display formula.
 pub(super) fn formula(text: &str) -> Markup {
-    let row = row(&mut text.chars().peekable(), None);
-    PreEscaped(format!("<math display=\"block\">{row}</math>"))
+    let parse_row = parse_row(&mut text.chars().peekable(), None);
+    PreEscaped(format!("<math display=\"block\">{parse_row}</math>"))
 }
 
-/// Reads everything up to and including `end`.
-fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> String {
+/// Parses a sequence of atoms up to and including `end`.
+fn parse_row(chars: &mut Peekable<Chars>, end: Option<char>) -> String {
     let mut parts = String::new();
-    // Two names separated only by a space keep that space.
+    // Preserve the space between two names.
     let mut after_name = false;
     while let Some(&next) = chars.peek()
         && Some(next) != end
@@ -30,20 +30,20 @@ fn row(chars: &mut Peekable<Chars>, end: Option<char>) -> String {
             parts += "<mspace width=\".4em\"></mspace>";
         }
         after_name = is_name;
-        parts += &scripted_atom(chars);
+        parts += &parse_scripted_atom(chars);
     }
     chars.next();
     format!("<mrow>{parts}</mrow>")
 }
 
-/// Reads an atom with its subscript and superscript.
-fn scripted_atom(chars: &mut Peekable<Chars>) -> String {
-    let base = atom(chars);
+/// Parses an atom with optional subscript and superscript.
+fn parse_scripted_atom(chars: &mut Peekable<Chars>) -> String {
+    let base = parse_atom(chars);
     let mut script = |sign| {
         chars.next_if_eq(&sign)?;
         Some(match chars.next_if_eq(&'{') {
-            Some(_) => row(chars, Some('}')),
-            None => atom(chars),
+            Some(_) => parse_row(chars, Some('}')),
+            None => parse_atom(chars),
         })
     };
     match (script('_'), script('^')) {
@@ -54,12 +54,12 @@ fn scripted_atom(chars: &mut Peekable<Chars>) -> String {
     }
 }
 
-fn atom(chars: &mut Peekable<Chars>) -> String {
+fn parse_atom(chars: &mut Peekable<Chars>) -> String {
     let Some(first) = chars.next() else {
         return String::new();
     };
     if first == '√' && chars.next_if_eq(&'(').is_some() {
-        return format!("<msqrt>{}</msqrt>", row(chars, Some(')')));
+        return format!("<msqrt>{}</msqrt>", parse_row(chars, Some(')')));
     }
     let (tag, belongs): (&str, fn(char) -> bool) = if first.is_ascii_digit() {
         ("mn", |c| c.is_ascii_digit() || c == '.')
@@ -80,22 +80,22 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn becomes(text: &str, inside: &str) {
+    fn check_formula(text: &str, inside: &str) {
         let whole = format!("<math display=\"block\"><mrow>{inside}</mrow></math>");
         assert_eq!(formula(text).0, whole);
     }
 
     #[test]
     fn formulas_are_typeset() {
-        becomes("a_0", "<msub><mi>a</mi><mn>0</mn></msub>");
-        becomes("L_u^2", "<msubsup><mi>L</mi><mi>u</mi><mn>2</mn></msubsup>");
-        becomes(
+        check_formula("a_0", "<msub><mi>a</mi><mn>0</mn></msub>");
+        check_formula("L_u^2", "<msubsup><mi>L</mi><mi>u</mi><mn>2</mn></msubsup>");
+        check_formula(
             "m_{4·c}",
             "<msub><mi>m</mi><mrow><mn>4</mn><mo>·</mo><mi>c</mi></mrow></msub>",
         );
-        becomes("1 >> 2", "<mn>1</mn><mo>&gt;&gt;</mo><mn>2</mn>");
-        becomes("√(1)", "<msqrt><mrow><mn>1</mn></mrow></msqrt>");
-        becomes(
+        check_formula("1 >> 2", "<mn>1</mn><mo>&gt;&gt;</mo><mn>2</mn>");
+        check_formula("√(1)", "<msqrt><mrow><mn>1</mn></mrow></msqrt>");
+        check_formula(
             "x mod y",
             "<mi>x</mi><mspace width=\".4em\"></mspace><mi>mod</mi><mspace width=\".4em\"></mspace><mi>y</mi>",
         );

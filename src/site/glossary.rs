@@ -1,16 +1,16 @@
-//! The words of the format and of this suite.
+//! Glossary of the terms of the format and of this suite.
 
 use maud::html;
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 
-/// Returns the anchor of a word on its page.
+/// Returns the anchor of a word on the glossary page.
 pub(super) fn anchor(word: &str) -> String {
     format!("w-{}", word.replace([' ', ','], "-"))
 }
 
-/// Returns the glossary.
-pub(super) fn page(paper: Paper) -> SiteFile {
+/// Renders the glossary page.
+pub(super) fn page(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }
         dl.glossary {

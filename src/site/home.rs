@@ -1,22 +1,22 @@
-//! The first page.
+//! Home page of the site.
 
 use maud::html;
 
 use super::overview;
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use super::pictures;
 use crate::misreadings;
 use crate::session::lit_scene::ball;
 
-/// An archived copy of the specification.
+/// URL of an archived copy of the specification.
 const SPECIFICATION: &str =
     "https://web.archive.org/web/2012/http://www.hpl.hp.com/research/ptm/downloads/PtmFormat12.pdf";
 
-/// The lights of the small images at the top.
+/// Light directions of the small images at the top.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
-/// Returns the first page.
-pub(super) fn page(paper: Paper) -> SiteFile {
+/// Renders the home page.
+pub(super) fn page(paper: PageContext) -> SiteFile {
     let library = paper.library;
     let counts = [
         library.clauses.len(),
@@ -40,7 +40,7 @@ pub(super) fn page(paper: Paper) -> SiteFile {
         div.lights aria-label="One map under four lights" role="group" {
             @for (lu, lv) in LIGHTS {
                 figure {
-                    (pictures::of_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
+                    (pictures::render_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
                     figcaption { "u " (lu) ", v " (lv) }
                 }
             }

@@ -1,4 +1,4 @@
-//! All subjects of the site, and the addresses of their pages.
+//! Data from which the site is generated, and the URLs of the pages.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -17,23 +17,23 @@ use crate::suite::name::SuiteName;
 use crate::suite::texture::cases::{self as texture, TextureCase};
 use crate::tools::lint::codes;
 
-/// The id of the protocol between the suite and a decoder.
+/// Id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
-/// The description of the protocol in the search index.
-const PROTOCOL_WORDS: &str =
+/// Description of the protocol in the search index.
+const PROTOCOL_DESCRIPTION: &str =
     "the requests to a decoder, and the meaning of exit status 0, 65, 69 and others";
 
-/// A subject of a page, as the search index lists it.
+/// Subject of a page, as listed in the search index.
 pub(super) struct PageSubject<'a> {
     pub id: &'a str,
     pub kind: &'static str,
-    /// The address of its page, from the root of the site.
+    /// URL of the page, relative to the root of the site.
     pub place: String,
     pub words: &'a str,
 }
 
-/// The data that pages are made from.
+/// Data from which pages are generated.
 pub(super) struct Library {
     pub suite: Suite,
     pub textures: Suite<TextureCase>,
@@ -44,14 +44,14 @@ pub(super) struct Library {
     pub annotated: Annotated,
     pub texts: Texts,
     pub runs: Vec<ReaderRun>,
-    /// The smallest file that shows each misreading.
+    /// Smallest file that reveals each misreading.
     pub witnesses: HashMap<&'static str, MisreadingWitness>,
-    /// Pages by id, from the root of the site.
-    places: HashMap<String, String>,
+    /// URLs of pages by id, relative to the root of the site.
+    page_urls: HashMap<String, String>,
 }
 
 impl Library {
-    /// Loads all data. `jobs` files are decoded in parallel.
+    /// Loads all data. Decodes up to `jobs` files in parallel.
     pub(super) fn open(annotated: Option<Annotated>, jobs: usize) -> Result<Library, String> {
         let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
         execute_all(&annotated)?;
@@ -67,18 +67,18 @@ impl Library {
             annotated,
             texts: from_yaml(TEXTS)?,
             runs: reader_runs()?,
-            places: HashMap::new(),
+            page_urls: HashMap::new(),
         };
-        let mut places = HashMap::new();
+        let mut page_urls = HashMap::new();
         for PageSubject { id, place, .. } in library.subjects() {
-            // If two subjects share a name, links lead to the first.
-            places.entry(id.to_owned()).or_insert(place);
+            // If two subjects have the same id, links lead to the first.
+            page_urls.entry(id.to_owned()).or_insert(place);
         }
-        library.places = places;
+        library.page_urls = page_urls;
         Ok(library)
     }
 
-    /// Returns every subject that has a page, in the order of the search index.
+    /// Returns all subjects that have a page, in the order of the search index.
     pub(super) fn subjects(&self) -> Vec<PageSubject<'_>> {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         let mut subjects = Vec::new();
@@ -92,7 +92,7 @@ impl Library {
             subjects.extend(place.map(subject));
         };
         let protocol = ptm.protocol_page().to_owned();
-        put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_WORDS);
+        put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_DESCRIPTION);
         for Chapter { section, title, .. } in &self.annotated.chapters {
             put(section, "section", Some(address::chapter(section)), title);
         }
@@ -132,12 +132,12 @@ impl Library {
         subjects
     }
 
-    /// Returns the page of an id, from the root of the site.
-    pub(super) fn place(&self, id: &str) -> Option<&str> {
-        self.places.get(id).map(String::as_str)
+    /// Returns the URL of the page of an id, relative to the root of the site.
+    pub(super) fn page_url(&self, id: &str) -> Option<&str> {
+        self.page_urls.get(id).map(String::as_str)
     }
 
-    /// Returns every public reader that is known from a run, a profile or a sighting.
+    /// Returns all public readers that are known from a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
         let seen = misreadings::all().flat_map(|misreading| &misreading.seen);
         let seen = seen.map(|sighting| sighting.reader.as_str());

@@ -1,12 +1,12 @@
-//! A page for each misreading: its effect, the smallest file that shows it, right and wrong images, the fix.
+//! Pages for misreadings: effect, fix, the smallest file that reveals the misreading, and correct and wrong images.
 
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use super::pictures;
-use super::readers::makers;
+use super::readers::readers_with_mistake;
 use super::witness::MisreadingWitness;
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
@@ -15,14 +15,14 @@ use crate::reading::Reading;
 use crate::report::document::section_of;
 use crate::suite::cases::TableSpelling;
 
-/// Returns the pages of all misreadings, and their list.
-pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
-    let mut pages = vec![list(paper)];
+/// Renders the list of misreadings and the page of each misreading.
+pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
+    let mut pages = vec![list_page(paper)];
     pages.extend(misreadings::all().map(|misreading| page(paper, misreading)));
     pages
 }
 
-fn list(paper: Paper) -> SiteFile {
+fn list_page(paper: PageContext) -> SiteFile {
     let count = misreadings::all().count();
     let mut sections: BTreeMap<&str, Vec<&Misreading>> = BTreeMap::new();
     for misreading in misreadings::all() {
@@ -32,12 +32,12 @@ fn list(paper: Paper) -> SiteFile {
     let chapters = &paper.library.annotated.chapters;
     let body = html! {
         p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
-        (filter("misreadings"))
+        (filter_box("misreadings"))
         @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
                 h2 { "Section " (paper.link_as(section, &html! { (section) })) @if let Some(chapter) = chapters.iter().find(|chapter| chapter.section == section) { ": " (chapter.title) } }
                 ul.plain { @for misreading in misreadings { li {
-                    (paper.link(misreading.slug)) @if !makers(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
+                    (paper.link(misreading.slug)) @if !readers_with_mistake(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
                     " " span.quiet { (misreading.clause) } " " (misreading.effect)
                 } } }
             }
@@ -46,8 +46,8 @@ fn list(paper: Paper) -> SiteFile {
     paper.list("Misreadings", &body)
 }
 
-/// Returns a box that filters the entries of a list page.
-pub(super) fn filter(entries: &str) -> Markup {
+/// Renders a search box that filters the entries of a list page.
+pub(super) fn filter_box(entries: &str) -> Markup {
     html! {
         form.tools role="search" {
             label for="list-filter" { "Filter" }
@@ -57,7 +57,7 @@ pub(super) fn filter(entries: &str) -> Markup {
     }
 }
 
-fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
+fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
     let rule = paper.library.clause(misreading.clause);
     let witness = paper.library.witnesses.get(misreading.slug);
     let body = html! {
@@ -65,7 +65,7 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
         p.lead { "The decoder " (misreading.effect) "." }
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
         p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
-        @if !makers(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
+        @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
         h2 { "The smallest file that shows it" }
         @match witness {
             Some(witness) => (witness_markup(paper, misreading, witness)),
@@ -75,21 +75,25 @@ fn page(paper: Paper, misreading: &Misreading) -> SiteFile {
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(paper: Paper, misreading: &Misreading, witness: &MisreadingWitness) -> Markup {
+fn witness_markup(
+    paper: PageContext,
+    misreading: &Misreading,
+    witness: &MisreadingWitness,
+) -> Markup {
     let case = &paper.library.suite.cases[witness.case];
     let built = case.build(TableSpelling::default());
     html! {
         p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, asked for " code { (witness.view) } ": " (case.because) }
-        (pair(paper, misreading))
+        (image_pair(paper, misreading))
         @if let Some(difference) = &witness.difference { p { "In " code { (witness.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
 }
 
-/// Returns the public readers that make the mistake.
-pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
+/// Renders the public readers that make the mistake.
+pub(super) fn sightings(paper: PageContext, misreading: &Misreading) -> Markup {
     html! {
-        @for (i, (reader, version)) in makers(misreading).into_iter().enumerate() {
+        @for (i, (reader, version)) in readers_with_mistake(misreading).into_iter().enumerate() {
             @if i > 0 { ", " }
             (paper.link_as(reader, &html! { (reader) }))
             @if let Some(version) = version { " " span.quiet { (version) } }
@@ -97,8 +101,8 @@ pub(super) fn sightings(paper: Paper, misreading: &Misreading) -> Markup {
     }
 }
 
-/// Returns the right image next to that of a decoder with the mistake.
-pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
+/// Renders the correct image next to the image of a decoder with the mistake.
+pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup {
     let Some(witness) = paper.library.witnesses.get(misreading.slug) else {
         return html! {};
     };
@@ -119,21 +123,21 @@ pub(super) fn pair(paper: Paper, misreading: &Misreading) -> Markup {
     };
     let wrong_lit = wrong(&light);
     let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
-    // A mistake that is invisible under a light is visible in the stored values.
+    // If the mistake is invisible under a light, display the stored values.
     let (view, wrong) = match shows {
         true => (light, wrong_lit),
         false => (View::Raw, wrong(&View::Raw)),
     };
     html! {
         div.pair {
-            figure { (or_words(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
-            figure { (or_words(wrong.as_ref(), "wrong", answer_in_words(&witness.answer))) figcaption { "with the mistake" } }
+            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
+            figure { (image_or_text(wrong.as_ref(), "wrong", describe_answer(&witness.answer))) figcaption { "with the mistake" } }
         }
         @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
     }
 }
 
-fn answer_in_words(answer: &Answer) -> &'static str {
+fn describe_answer(answer: &Answer) -> &'static str {
     match answer {
         Answer::Rejected => "refused",
         Answer::Unsupported => "unsupported",
@@ -141,7 +145,7 @@ fn answer_in_words(answer: &Answer) -> &'static str {
     }
 }
 
-fn or_words(frame: Option<&Frame>, alt: &str, otherwise: &str) -> Markup {
-    let picture = frame.and_then(|frame| pictures::from_frame(frame, alt));
-    picture.unwrap_or_else(|| html! { p.nothing { (otherwise) } })
+fn image_or_text(frame: Option<&Frame>, alt: &str, otherwise: &str) -> Markup {
+    let image = frame.and_then(|frame| pictures::render_frame(frame, alt));
+    image.unwrap_or_else(|| html! { p.nothing { (otherwise) } })
 }

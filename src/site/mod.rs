@@ -1,6 +1,6 @@
-//! The site: all information about the format, its readers and this suite, as pages that need no server.
+//! Website about the format, its readers and this suite. The pages need no server.
 //!
-//! [`build`] is the table of contents. Every worked example is executed while its page is made; a failing one ends the build.
+//! Start reading at [`build`]. Every worked example is executed during generation, and a failing example ends the build.
 //! The output is reproducible.
 
 pub mod annotated;
@@ -30,29 +30,29 @@ pub use paper::SiteFile;
 
 use annotated::Annotated;
 use library::Library;
-use paper::Paper;
+use paper::PageContext;
 
-/// The style of every page, also used for reports.
+/// Style sheet of every page, shared with the reports.
 const STYLE: &str = crate::report::html::STYLE;
-/// The script of every page.
+/// Script of every page.
 const SCRIPT: &str = include_str!("site.js");
 
-/// Returns all files of the site. `annotated` replaces the embedded annotated format; with `module`, the reference as
-/// WebAssembly, there is a page for dropped files.
+/// Generates all files of the site. `annotated` replaces the embedded annotated format. `module` is the reference as
+/// WebAssembly, which the page for dropped files needs.
 ///
 /// # Errors
-/// A sentence that names the clause whose example fails, or the file of the suite that cannot be read.
+/// Returns a message that names the clause whose example fails, or the file of the suite that cannot be read.
 pub fn build(
     annotated: Option<Annotated>,
     module: Option<&[u8]>,
     jobs: usize,
 ) -> Result<Vec<SiteFile>, String> {
     let library = Library::open(annotated, jobs)?;
-    let top = Paper {
+    let top = PageContext {
         library: &library,
         root: "",
     };
-    let below = Paper { root: "../", ..top };
+    let below = PageContext { root: "../", ..top };
     let mut files = vec![
         SiteFile::new("style.css", STYLE),
         SiteFile::new("site.js", SCRIPT),

@@ -1,11 +1,11 @@
-//! A drawing of the file, and the steps from bytes to an image.
+//! Diagram of the file format, and the steps from bytes to an image.
 
 use maud::{Markup, html};
 
-use super::paper::Paper;
+use super::paper::PageContext;
 
-/// Returns a drawing of each kind of file; every part has a link to its chapter.
-pub(super) fn drawing(paper: Paper) -> Markup {
+/// Renders a diagram of each kind of file. Every part links to its chapter.
+pub(super) fn drawing(paper: PageContext) -> Markup {
     html! {
         div.drawings {
             @for drawing in &paper.library.texts.drawings {
@@ -16,7 +16,7 @@ pub(super) fn drawing(paper: Paper) -> Markup {
                     text.name x="2" y="20" { (drawing.name) }
                     @for (i, ((what, section), class)) in parts.enumerate() {
                         @let y = 32 + 30 * i;
-                        @let place = paper.library.place(section).unwrap_or_default();
+                        @let place = paper.library.page_url(section).unwrap_or_default();
                         a href={ (paper.root) (place) } {
                             rect class=(class) x="2" y=(y) width="296" height="26" rx="4" {}
                             text x="12" y=(y + 18) { (what) }
@@ -30,8 +30,8 @@ pub(super) fn drawing(paper: Paper) -> Markup {
     }
 }
 
-/// Returns the four steps from bytes to an image.
-pub(super) fn flow(paper: Paper) -> Markup {
+/// Renders the four steps from bytes to an image.
+pub(super) fn flow(paper: PageContext) -> Markup {
     html! {
         ol.flow { @for (what, how, id) in &paper.library.texts.flow { li { b { (what) } br; (how) " " span.quiet { (paper.link_as(id, &html! { (id) })) } } } }
     }

@@ -1,15 +1,15 @@
-//! The frame of a page: its head, its navigation, and links that are relative to its depth.
+//! Page template: head, navigation, and links relative to the depth of the page.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::library::{Library, PROTOCOL};
 use super::texts::NamedTexts;
 
-/// A file of the site.
+/// File of the site.
 pub struct SiteFile {
-    /// Its path, from the root of the site.
+    /// Path relative to the root of the site.
     pub path: String,
-    /// Its bytes.
+    /// Contents of the file.
     pub bytes: Vec<u8>,
 }
 
@@ -20,60 +20,60 @@ impl SiteFile {
     }
 }
 
-/// The context of a page: the library, and the depth of the page.
+/// Rendering context of a page: the library, and the path to the root.
 #[derive(Clone, Copy)]
-pub(super) struct Paper<'a> {
+pub(super) struct PageContext<'a> {
     pub library: &'a Library,
-    /// The path from the page to the root of the site: empty or `../`.
+    /// Relative path from the page to the root of the site: empty or `../`.
     pub root: &'static str,
 }
 
-impl Paper<'_> {
-    /// Returns a link to the page of an id, with its name; only the name if it has no page.
+impl PageContext<'_> {
+    /// Renders an id as a link to its page, or as plain text if it has no page.
     pub(super) fn link(&self, id: &str) -> Markup {
         self.link_as(id, &html! { code { (id) } })
     }
 
-    /// Returns a link to the page of an id.
+    /// Renders `text` as a link to the page of an id.
     pub(super) fn link_as(&self, id: &str, text: &Markup) -> Markup {
-        match self.library.place(id) {
+        match self.library.page_url(id) {
             Some(place) => html! { a href={ (self.root) (place) } { (text) } },
             None => text.clone(),
         }
     }
 
-    /// Returns a link to the protocol.
+    /// Renders a link to the protocol.
     pub(super) fn protocol(&self) -> Markup {
         self.link_as(PROTOCOL, &html! { "the decoder protocol" })
     }
 
-    /// Returns links separated by commas.
+    /// Renders links to several ids, separated by commas.
     pub(super) fn links<'b>(&self, ids: impl IntoIterator<Item = &'b str>) -> Markup {
         html! {
             @for (i, id) in ids.into_iter().enumerate() { @if i > 0 { ", " } (self.link(id)) }
         }
     }
 
-    /// Returns text with `code`, *emphasis*, and links to every id in it.
+    /// Renders text with `code`, *emphasis*, and links for all ids in it.
     pub(super) fn prose(&self, text: &str) -> Markup {
         let parts = text.split('`').enumerate();
         html! {
             @for (i, part) in parts {
-                @if i % 2 == 1 { (self.link(part)) } @else { (self.with_emphasis(part)) }
+                @if i % 2 == 1 { (self.link(part)) } @else { (self.render_emphasis(part)) }
             }
         }
     }
 
-    fn with_emphasis(&self, text: &str) -> Markup {
+    fn render_emphasis(&self, text: &str) -> Markup {
         html! {
             @for (i, part) in text.split('*').enumerate() {
-                @if i % 2 == 1 { em { (part) } } @else { (self.with_clauses(part)) }
+                @if i % 2 == 1 { em { (part) } } @else { (self.link_clauses(part)) }
             }
         }
     }
 
-    /// Adds a link wherever a clause is named.
-    fn with_clauses(&self, text: &str) -> Markup {
+    /// Adds links to all clause ids in `text`.
+    fn link_clauses(&self, text: &str) -> Markup {
         let mut out = String::new();
         let mut rest = text;
         while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
@@ -83,7 +83,7 @@ impl Paper<'_> {
             let plain = &rest[..at];
             out += &html! { (plain) }.0;
             let is_clause = id.contains('.') && (id.contains('/') || id.starts_with("2."));
-            out += &match is_clause && self.library.place(id).is_some() {
+            out += &match is_clause && self.library.page_url(id).is_some() {
                 true => self.link_as(id, &html! { (id) }).0,
                 false => html! { (id) }.0,
             };
@@ -92,8 +92,8 @@ impl Paper<'_> {
         PreEscaped(out + &html! { (rest) }.0)
     }
 
-    /// Describes kinds of things, each by its name.
-    pub(super) fn kinds<'b>(
+    /// Renders a list of descriptions, selected by name.
+    pub(super) fn descriptions<'b>(
         texts: &NamedTexts,
         names: impl IntoIterator<Item = &'b str>,
     ) -> Markup {
@@ -102,7 +102,7 @@ impl Paper<'_> {
         }
     }
 
-    /// Returns the list page of a part of the site.
+    /// Renders the list page of a part of the site.
     pub(super) fn list(&self, part: &str, contents: &Markup) -> SiteFile {
         let mut parts = self.library.texts.navigation.iter();
         let known = parts.find(|(_, name)| name == part);
@@ -110,14 +110,14 @@ impl Paper<'_> {
         self.page(path, part, part, &html! { h1 { (part) } (contents) })
     }
 
-    /// Returns the page of an id, below the list page of its part.
+    /// Renders the page of an id, which is below the list page of its part.
     pub(super) fn entry(&self, part: &str, id: &str, title: &str, contents: &Markup) -> SiteFile {
-        let path = self.library.place(id).expect("every subject has a page");
+        let path = self.library.page_url(id).expect("every subject has a page");
         let kicker = html! { p.kicker { a href="index.html" { (part) } } };
         self.page(path, part, title, &html! { (kicker) (contents) })
     }
 
-    /// Returns the whole page; `path` is its path, `part` the part of the site that it belongs to.
+    /// Renders a complete page. `path` is the path of the page, and `part` is the part of the site that it belongs to.
     pub(super) fn page(&self, path: &str, part: &str, title: &str, body: &Markup) -> SiteFile {
         let root = self.root;
         let markup = html! {

@@ -1,20 +1,23 @@
-//! A page for each public reader: the results of our run of the suite, and its known mistakes.
+//! Pages for public readers: results of a run of the suite, and known mistakes.
 
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use super::readers::{ReaderRun, ReaderTally};
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
 use crate::suite::clauses::Clause;
 
-/// Number of cases of an outcome that are visible before the rest is expanded.
-const MAX_LISTED: usize = 20;
+/// Number of cases per outcome that are initially visible.
+const INITIALLY_VISIBLE_CASES: usize = 20;
 
-/// Returns the results of a run for each clause.
-pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ReaderTally> {
+/// Counts the results of a run by clause.
+pub(super) fn tallies<'a>(
+    paper: PageContext<'a>,
+    run: &ReaderRun,
+) -> BTreeMap<&'a str, ReaderTally> {
     let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
     for case in &paper.library.suite.cases {
         for clause in &case.clauses {
@@ -25,14 +28,15 @@ pub(super) fn tallies<'a>(paper: Paper<'a>, run: &ReaderRun) -> BTreeMap<&'a str
     tallies
 }
 
-/// Returns the pages of all readers, and their list.
-pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+/// Renders the list of readers and the page of each reader.
+pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let readers = paper.library.readers().into_iter();
     let pages = readers.map(|reader| page(paper, reader));
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
-/// Returns its mistakes: those of its profile in the order in which they act, then other sightings.
+/// Returns the mistakes of a reader: first the mistakes of its profile in the order in which they take effect, then other
+/// sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let known = known.iter().map(|known| misreadings::find(&known.slug));
@@ -47,24 +51,24 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     mistakes
 }
 
-/// Returns the run of the suite on the reader, if there was one.
-fn run_of<'a>(paper: Paper<'a>, reader: &str) -> Option<&'a ReaderRun> {
+/// Returns the run of the suite on a reader, if there is one.
+fn find_run<'a>(paper: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
     paper.library.runs.iter().find(|run| run.reader == reader)
 }
 
-/// Returns the profile that `lint --for` uses.
+/// Returns the profile of a reader that `lint --for` uses.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }
 
-fn list(paper: Paper) -> SiteFile {
+fn list(paper: PageContext) -> SiteFile {
     let body = html! {
         p.lead { "Public programs that read PTM files. The suite was run on some; of the others, the source was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
             tbody { @for reader in paper.library.readers() {
-                @let run = run_of(paper, reader);
+                @let run = find_run(paper, reader);
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.dated_version()) } @else { "–" } }
@@ -77,14 +81,14 @@ fn list(paper: Paper) -> SiteFile {
     paper.list("Readers", &body)
 }
 
-fn page(paper: Paper, reader: &str) -> SiteFile {
-    let run = run_of(paper, reader);
+fn page(paper: PageContext, reader: &str) -> SiteFile {
+    let run = find_run(paper, reader);
     let mistakes = mistakes(reader);
     let body = html! {
         h1 { (reader) }
         @if let Some(run) = run { (run_results(paper, run)) }
         @else { p { "The suite was not run on this reader. This list is from its source." } }
-        @if let Some(profile) = profile(reader) { (profiled(profile)) }
+        @if let Some(profile) = profile(reader) { (render_profile(profile)) }
         @if !mistakes.is_empty() {
             h2 { "Its mistakes" }
             ul { @for misreading in mistakes {
@@ -95,8 +99,8 @@ fn page(paper: Paper, reader: &str) -> SiteFile {
     paper.entry("Readers", reader, reader, &body)
 }
 
-/// Describes the formats that it reads and its limits, with their evidence.
-fn profiled(profile: &ReaderProfile) -> Markup {
+/// Renders the formats and limits of a reader, with the evidence for them.
+fn render_profile(profile: &ReaderProfile) -> Markup {
     let known = |evidence| match evidence {
         Evidence::Run => "it was run on the cases",
         Evidence::Code => "its source was read",
@@ -114,7 +118,7 @@ fn profiled(profile: &ReaderProfile) -> Markup {
     }
 }
 
-fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
+fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
     let tallies = tallies(paper, run);
     let failing = |clause: &&Clause| {
         let tally = tallies.get(clause.id.as_str());
@@ -143,16 +147,16 @@ fn run_results(paper: Paper, run: &ReaderRun) -> Markup {
     }
 }
 
-fn case_list(paper: Paper, cases: &[String]) -> Markup {
-    let (first, more) = cases.split_at(MAX_LISTED.min(cases.len()));
+fn case_list(paper: PageContext, cases: &[String]) -> Markup {
+    let (first, more) = cases.split_at(INITIALLY_VISIBLE_CASES.min(cases.len()));
     html! {
         ul.columns { @for case in first { li { (paper.link(case)) } } }
         @if !more.is_empty() { details { summary { (more.len()) " more" } ul.columns { @for case in more { li { (paper.link(case)) } } } } }
     }
 }
 
-/// Returns the table of implementations and clauses.
-pub(super) fn scoreboard(paper: Paper) -> SiteFile {
+/// Renders the table of readers and clauses.
+pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
     let runs = &paper.library.runs;
     let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
     let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();

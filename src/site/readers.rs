@@ -1,4 +1,4 @@
-//! The results of public readers in this suite: `reports/readers/`, a file for each.
+//! Results of public readers from `reports/readers/`, one file per reader.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,36 +10,36 @@ use crate::misreadings::Misreading;
 use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
 
-/// One run of the suite against a public reader.
+/// Run of the suite on a public reader.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderRun {
-    /// Its name, or owner and name for a repository.
+    /// Name of the reader, or owner and name of its repository.
     pub reader: String,
-    /// Its programming language.
+    /// Programming language of the reader.
     pub language: String,
-    /// The address of its source.
+    /// URL of the source code.
     pub source: String,
-    /// The version that was run.
+    /// Version that was run.
     pub version: String,
-    /// The date of that version, if it is known.
+    /// Date of the version, if known.
     pub version_date: Option<String>,
-    /// The date of the run.
+    /// Date of the run.
     pub run_date: String,
-    /// Its command line.
+    /// Command line of the reader.
     pub called: String,
     /// Remarks on the run.
     #[serde(default)]
     pub remarks: Vec<String>,
-    /// The views that it offers.
+    /// Views that the reader supports.
     pub views: Vec<String>,
-    /// The version of the suite.
+    /// Version of the suite.
     pub suite: String,
-    /// The number of its cases.
+    /// Number of cases in the suite.
     pub cases: usize,
-    /// Each outcome but `pass`, with the ids of its cases.
+    /// Ids of the cases with each outcome other than `pass`.
     pub outcomes: BTreeMap<String, Vec<String>>,
-    /// The outcome of each of these cases.
+    /// Outcomes other than `pass`, by case id.
     #[serde(skip)]
     by_case: BTreeMap<String, String>,
 }
@@ -51,7 +51,7 @@ impl ReaderRun {
         listed.map_or(Outcome::Pass.name(), String::as_str)
     }
 
-    /// Returns the number of cases with each outcome, in words.
+    /// Formats the number of cases with each outcome.
     pub(super) fn counts(&self) -> String {
         let passed = self.cases - self.by_case.len();
         let mut counts = format!("{passed} pass");
@@ -61,7 +61,7 @@ impl ReaderRun {
         counts
     }
 
-    /// Returns the version of the reader, with its date.
+    /// Formats the version of the reader with its date.
     pub(super) fn dated_version(&self) -> String {
         let date = self.version_date.as_ref();
         let date = date.map_or_else(String::new, |date| format!(" of {date}"));
@@ -83,7 +83,7 @@ const FILES: &[(&str, &str)] = embedded![
 /// Returns all embedded runs.
 ///
 /// # Errors
-/// A sentence that names the file and the error.
+/// Returns a message that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
         let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
@@ -100,14 +100,14 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     FILES.iter().map(read).collect()
 }
 
-/// The results of a reader for the cases of a clause.
+/// Results of a reader for the cases of a clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ReaderTally {
-    /// Number of cases passed.
+    /// Number of cases that passed.
     pub passed: usize,
-    /// Number of cases failed.
+    /// Number of cases that failed.
     pub failed: usize,
-    /// Number of cases without evidence: unsupported, inconclusive, not judged, not run.
+    /// Number of cases without evidence: unsupported, inconclusive, not judged or not run.
     pub open: usize,
 }
 
@@ -122,7 +122,7 @@ impl ReaderTally {
         }
     }
 
-    /// Returns a word and a symbol.
+    /// Returns the state of the clause as a word and a symbol.
     pub(super) fn state(self) -> (&'static str, &'static str) {
         match self {
             ReaderTally { failed: 1.., .. } => ("fail", "✗"),
@@ -133,8 +133,8 @@ impl ReaderTally {
     }
 }
 
-/// Returns public readers that make a mistake, with the examined version: from their profiles, and from sightings.
-pub(super) fn makers(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
+/// Returns the public readers that make a mistake, with the examined versions, based on profiles and sightings.
+pub(super) fn readers_with_mistake(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
     let seen = misreading.seen.iter();
     let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));
     let makes = |profile: &&ReaderProfile| {

@@ -1,17 +1,17 @@
-//! A page for each ruling: the question, our reading, the others, and the evidence.
+//! Pages for rulings: question, readings and evidence.
 
 use maud::{Markup, html};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use crate::suite::cases::Case;
 use crate::suite::clauses::{Ruling, RulingKind};
 
-/// Returns the pages of all rulings, and their list.
-pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
+/// Renders the list of rulings and the page of each ruling.
+pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
         p.lead { "Where the text leaves something open: the reading of this suite, the readings of public readers, and whether another reading fails." }
-        (Paper::kinds(&paper.library.texts.ruling_kinds, ["must", "choice", "lenient"]))
+        (PageContext::descriptions(&paper.library.texts.ruling_kinds, ["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }
             tbody { @for ruling in rulings { tr { td { (paper.link(&ruling.id)) } td { (ruling.kind.name()) } td { (ruling.question.trim()) } } } }
@@ -22,8 +22,8 @@ pub(super) fn pages(paper: Paper) -> Vec<SiteFile> {
     pages
 }
 
-/// Describes a ruling.
-pub(super) fn words(paper: Paper, ruling: &Ruling) -> Markup {
+/// Renders the question, the readings and the evidence of a ruling.
+pub(super) fn describe_ruling(paper: PageContext, ruling: &Ruling) -> Markup {
     html! {
         p { b { "Question: " } (paper.prose(ruling.question.trim())) }
         p { b { "Our reading: " } (paper.prose(ruling.reading.trim())) }
@@ -32,7 +32,7 @@ pub(super) fn words(paper: Paper, ruling: &Ruling) -> Markup {
     }
 }
 
-fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
+fn page(paper: PageContext, ruling: &Ruling) -> SiteFile {
     let shows = |case: &&Case| {
         case.ruling.as_ref() == Some(&ruling.id) || case.axes().contains(&ruling.id.as_str())
     };
@@ -46,12 +46,12 @@ fn page(paper: Paper, ruling: &Ruling) -> SiteFile {
     let body = html! {
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
         p { (paper.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Its cases marked lenient are still outside the specification, and may be refused." } }
-        (words(paper, ruling))
+        (describe_ruling(paper, ruling))
         h2 { "Clauses" }
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }
         @if !cases.is_empty() {
             h2 { "Cases that show it" }
-            (Paper::kinds(&paper.library.texts.expectations, kinds))
+            (PageContext::descriptions(&paper.library.texts.expectations, kinds))
             ul.columns { @for case in cases { li { (paper.link(&case.id)) " " span.quiet { (case.expect.name()) } } } }
         }
     };

@@ -1,4 +1,4 @@
-//! The index of the search box: a script that every page loads when the user begins to type.
+//! Search index: a script that a page loads when the user begins to type in the search box.
 
 use serde_json::{Value, json};
 
@@ -7,7 +7,7 @@ use super::glossary;
 use super::library::Library;
 use super::paper::SiteFile;
 
-/// Returns the index: for each page its id, kind, address and words.
+/// Generates the index: id, kind, URL and description of each page.
 pub(super) fn index(library: &Library) -> SiteFile {
     let subjects = library.subjects().into_iter();
     let subjects =

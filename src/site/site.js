@@ -1,24 +1,24 @@
-// The pages work without this: it adds the tone, the search and the filters.
+// The pages work without this script, which adds the color scheme, the search and the filters.
 "use strict";
 
-// Dark or light: what the system says, until one is chosen.
+// Dark or light mode follows the system until the user chooses one.
 {
   const root = document.documentElement;
   const button = document.getElementById("theme");
   const system = matchMedia("(prefers-color-scheme: dark)");
   const isDark = () => (root.style.colorScheme || (system.matches ? "dark" : "light")) === "dark";
   const show = () => button.setAttribute("aria-pressed", String(isDark()));
-  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* no memory, no harm */ }
+  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* storage is optional */ }
   button.addEventListener("click", () => {
     root.style.colorScheme = isDark() ? "light" : "dark";
     show();
-    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* as above */ }
+    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* storage is optional */ }
   });
   system.addEventListener("change", show);
   show();
 }
 
-// The search box: ids first, then words; the index is a script beside the pages, fetched when somebody begins to type.
+// Search box: ids first, then words. The index is a separate script that is loaded when the user begins to type.
 {
   const input = document.getElementById("search");
   const hits = document.getElementById("hits");
@@ -35,7 +35,7 @@
     });
     return loading;
   };
-  // The smaller the better; none at all if a word is nowhere.
+  // Rank of an entry, smaller is better; Infinity if a word does not occur.
   const rank = ([id, , , words], wanted) => {
     const name = id.toLowerCase();
     const text = `${name} ${words.toLowerCase()}`;
@@ -105,7 +105,7 @@
   });
 }
 
-// The filter of a list: every word must occur; a clause also matches what lies below it. It stands in the address.
+// Filter of a list: every word must occur. A clause also matches everything below it. The filter is part of the URL.
 {
   const input = document.getElementById("list-filter");
   if (input) {

@@ -1,19 +1,19 @@
-//! The texts and tables of the site: `spec-cases/site/texts.yaml`, which describes each of them.
+//! Texts and tables of the site. See `spec-cases/site/texts.yaml` for descriptions of the fields.
 
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-/// The source of [`Texts`].
+/// YAML source of [`Texts`].
 pub(super) const TEXTS: &str = include_str!("../../spec-cases/site/texts.yaml");
 
-/// A name or an address, and a text about it.
+/// Name or URL, and the associated text.
 type NamedText = (String, String);
 
-/// Texts by the name of what they describe.
+/// Descriptions by name.
 pub(super) type NamedTexts = BTreeMap<String, String>;
 
-/// The texts and tables of the site.
+/// Texts and tables of the site.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Texts {
@@ -29,7 +29,7 @@ pub(super) struct Texts {
     pub severities: NamedTexts,
 }
 
-/// The parts of a kind of file, each with the section that describes it.
+/// Diagram of a kind of file: its parts and the sections that describe them.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Drawing {

@@ -1,8 +1,8 @@
-//! The texture chapter: its requirements, rulings, steps with an example each, cases and misreadings.
+//! Pages about texture mapping: requirements, rulings, steps with examples, cases and misreadings.
 
 use maud::{Markup, html};
 
-use super::paper::{Paper, SiteFile};
+use super::paper::{PageContext, SiteFile};
 use super::ruling_pages;
 use crate::misreadings;
 use crate::report::document::section_of;
@@ -10,11 +10,11 @@ use crate::suite::clauses::Clause;
 use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::verify::verify;
 
-/// Returns the pages of the chapter.
+/// Renders all pages about texture mapping.
 ///
 /// # Errors
-/// A case whose expected answer differs from the reference's.
-pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
+/// Returns a message if the reference does not give the expected answer of a case.
+pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
     Ok(vec![
         chapter(paper)?,
         rulings(paper),
@@ -23,7 +23,7 @@ pub(super) fn pages(paper: Paper) -> Result<Vec<SiteFile>, String> {
     ])
 }
 
-fn chapter(paper: Paper) -> Result<SiteFile, String> {
+fn chapter(paper: PageContext) -> Result<SiteFile, String> {
     let texts = &paper.library.texts;
     let questions = texts.steps.iter().map(|step| question(paper, step));
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
@@ -47,7 +47,7 @@ fn chapter(paper: Paper) -> Result<SiteFile, String> {
     Ok(paper.page("texture/index.html", "Texture", "Texture mapping", &body))
 }
 
-fn requirement(paper: Paper, clause: &Clause) -> Markup {
+fn requirement(paper: PageContext, clause: &Clause) -> Markup {
     let cases = paper.library.textures.cases.iter();
     let cases = cases.filter(|case| case.clauses.contains(&clause.id));
     let cases: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
@@ -61,8 +61,8 @@ fn requirement(paper: Paper, clause: &Clause) -> Markup {
     }
 }
 
-/// Returns the shortest question of a step with its answer, which is verified with the reference.
-fn question(paper: Paper, (op, does): &(String, String)) -> Result<Markup, String> {
+/// Renders the shortest question about a step with its answer, which is verified with the reference.
+fn question(paper: PageContext, (op, does): &(String, String)) -> Result<Markup, String> {
     let cases = paper.library.textures.cases.iter();
     let cases = cases.filter(|case| case.op == *op);
     let case = cases.min_by_key(|case| case.question().to_string().len());
@@ -81,14 +81,14 @@ fn question(paper: Paper, (op, does): &(String, String)) -> Result<Markup, Strin
     })
 }
 
-fn rulings(paper: Paper) -> SiteFile {
+fn rulings(paper: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: rulings" }
         @for ruling in &paper.library.texture_rulings {
             section.clause id=(ruling.id) {
                 h2 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
-                (ruling_pages::words(paper, ruling))
+                (ruling_pages::describe_ruling(paper, ruling))
                 p.tested { "Requirements: " (paper.links(ruling.clauses.iter().map(String::as_str))) }
             }
         }
@@ -96,18 +96,18 @@ fn rulings(paper: Paper) -> SiteFile {
     paper.page("texture/rulings.html", "Texture", "Texture: rulings", &body)
 }
 
-fn cases(paper: Paper) -> SiteFile {
+fn cases(paper: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: cases" }
         p.lead { (paper.library.textures.cases.len()) " questions with their answers." }
-        (super::misreading_pages::filter("cases"))
-        @for case in &paper.library.textures.cases { (one_case(paper, case)) }
+        (super::misreading_pages::filter_box("cases"))
+        @for case in &paper.library.textures.cases { (render_case(paper, case)) }
     };
     paper.page("texture/cases.html", "Texture", "Texture: cases", &body)
 }
 
-fn one_case(paper: Paper, case: &TextureCase) -> Markup {
+fn render_case(paper: PageContext, case: &TextureCase) -> Markup {
     html! {
         section.case-text.filtered id=(case.id) {
             h2 { code { (case.id) } " " span.quiet { (case.op) } }
@@ -119,7 +119,7 @@ fn one_case(paper: Paper, case: &TextureCase) -> Markup {
     }
 }
 
-fn mistakes(paper: Paper) -> SiteFile {
+fn mistakes(paper: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: misreadings" }

@@ -1,4 +1,4 @@
-//! The smallest file that shows each misreading.
+//! Search for the smallest file that reveals each misreading.
 
 use std::collections::HashMap;
 
@@ -11,20 +11,20 @@ use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::CHOICES;
 use crate::suite::test_case::TestCase;
 
-/// A file that shows a misreading.
+/// File that reveals a misreading.
 #[derive(Clone, Debug)]
 pub(super) struct MisreadingWitness {
-    /// The index of the case in the suite.
+    /// Index of the case in the suite.
     pub case: usize,
-    /// The view in which it shows.
+    /// View in which the misreading is visible.
     pub view: View,
-    /// The answer of a decoder with the mistake.
+    /// Answer of a decoder with the mistake.
     pub answer: Answer,
-    /// The difference of its image from the right one, if there is one to compare with.
+    /// Difference from the correct image, if both images exist.
     pub difference: Option<String>,
 }
 
-/// Returns the smallest witness of every misreading that has one.
+/// Finds the smallest witness of each misreading. Misreadings without a witness are omitted.
 pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, MisreadingWitness> {
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
     let built = |place: usize| suite.cases[place].build(TableSpelling::default());

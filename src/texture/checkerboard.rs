@@ -1,10 +1,10 @@
-//! The default map: a checkerboard of 8×8 squares on 16×16 texels, white at the origin (R-SEL-11 … R-SEL-13).
+//! Default map: a checkerboard of 8×8 squares on 16×16 texels, white at the origin (R-SEL-11 … R-SEL-13).
 
 use super::map::{Level, Texel, TextureMap};
 use super::rules::Rules;
 
 impl TextureMap {
-    /// Returns the default map (R-SEL-11, R-SEL-12).
+    /// Creates the default map (R-SEL-11, R-SEL-12).
     #[must_use]
     pub fn checkerboard(rules: &Rules) -> TextureMap {
         let (side, square) = (rules.checkerboard)();
@@ -20,12 +20,12 @@ impl TextureMap {
     }
 }
 
-/// Returns the texels of the default map and of a square, along a side (R-SEL-12).
-pub(crate) fn sixteen_by_two() -> (usize, usize) {
+/// Returns the side lengths in texels of the default map and of a square (R-SEL-12).
+pub(crate) fn board_and_square_size() -> (usize, usize) {
     (16, 2)
 }
 
-/// Returns true if the square (i, j) of the default map is white; (0, 0) is (R-SEL-13).
-pub(crate) fn white_at_origin(i: usize, j: usize) -> bool {
+/// Returns true if square (i, j) of the default map is white, like square (0, 0) (R-SEL-13).
+pub(crate) fn is_white_square(i: usize, j: usize) -> bool {
     (i + j).is_multiple_of(2)
 }

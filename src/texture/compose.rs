@@ -1,8 +1,8 @@
-//! Composition controls: combination of a map's color with that of the primitive.
+//! Composition controls: combination of the color of a map with the color of the primitive.
 //!
-//! Each method has one row of equations for texels without alpha (RGB, L) and one for those with it (RGBA, LA) (R-CMP-30 …
-//! R-CMP-39). W is the light on a white surface if texture comes too late to be lit with the surface (the *split* form,
-//! R-CMP-20), and white otherwise (the *direct* form, R-CMP-21):
+//! Each method has equations for texels without alpha (RGB, L) and with alpha (RGBA, LA) (R-CMP-30 … R-CMP-39). In the
+//! *split* form (R-CMP-20), the texture is applied after lighting, and W is the light on a white surface. In the *direct*
+//! form (R-CMP-21), W is white:
 //!
 //! | method | color, no alpha | color, with alpha | alpha, no alpha | alpha, with alpha |
 //! |---|---|---|---|---|
@@ -13,8 +13,8 @@
 //! | `DecalBackground` | W·T | W·((1 − AT)·B + AT·T) | A | A |
 //!
 //! Format notes
-//! - Both decals leave alpha unchanged; only the other three use it.
-//! - Γ belongs to `BlendEnvColor` (ruling `gamma`), despite the chapter's list of symbols.
+//! - Both decal methods leave the alpha of the primitive unchanged. The other three methods change it.
+//! - Γ is used by `BlendEnvColor` (ruling `gamma`), despite the chapter's list of symbols.
 //! - No result is clamped to 0 … 1 (ruling `color-range`).
 
 use super::entry::{Channel, Color, Composition, Entry};
@@ -22,7 +22,7 @@ use super::map::{Texel, texel_color};
 use super::primitive::{Fetched, Shade, Terms};
 use super::rules::Rules;
 
-/// Returns the primitive after one map. `white` is the light on a white surface in the split form, else white.
+/// Applies a map to a primitive. `white` is the light on a white surface in the split form, and white in the direct form.
 #[must_use]
 pub fn compose(
     entry: &Entry,
@@ -35,12 +35,12 @@ pub fn compose(
         // R-CLM-03
         Fetched::Discontinued => input,
         Fetched::Clamped(color) => (rules.clamp_color)(entry, color, input, white, rules),
-        Fetched::Texel(texel) => with_texel(entry, texel, input, white, rules),
+        Fetched::Texel(texel) => compose_texel(entry, texel, input, white, rules),
     }
 }
 
-/// Applies one of the five methods, also to the clamp color as a texel without alpha (ruling `clamp-color`).
-pub(crate) fn with_texel(
+/// Applies the composition method to a texel. The clamp color is treated as a texel without alpha (ruling `clamp-color`).
+pub(crate) fn compose_texel(
     entry: &Entry,
     texel: &Texel,
     input: Shade,
@@ -64,7 +64,7 @@ pub(crate) fn with_texel(
     }
 }
 
-/// Applies R-CMP-30, R-CMP-31.
+/// Composes with method Replace (R-CMP-30, R-CMP-31).
 pub(crate) fn replace(x: &Terms) -> Shade {
     Shade {
         color: times(x.white, x.color),
@@ -72,7 +72,7 @@ pub(crate) fn replace(x: &Terms) -> Shade {
     }
 }
 
-/// Applies R-CMP-32, R-CMP-33.
+/// Composes with method Modulate (R-CMP-32, R-CMP-33).
 pub(crate) fn modulate(x: &Terms) -> Shade {
     Shade {
         color: times(x.input.color, x.color),
@@ -80,7 +80,7 @@ pub(crate) fn modulate(x: &Terms) -> Shade {
     }
 }
 
-/// Applies R-CMP-34, R-CMP-35.
+/// Composes with method `BlendEnvColor` (R-CMP-34, R-CMP-35).
 pub(crate) fn blend_env_color(x: &Terms) -> Shade {
     let environment = times(x.white, x.entry.env_color);
     Shade {
@@ -89,7 +89,7 @@ pub(crate) fn blend_env_color(x: &Terms) -> Shade {
     }
 }
 
-/// Applies R-CMP-36, R-CMP-37.
+/// Composes with method Decal (R-CMP-36, R-CMP-37).
 pub(crate) fn decal(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     Shade {
@@ -98,7 +98,7 @@ pub(crate) fn decal(x: &Terms) -> Shade {
     }
 }
 
-/// Applies R-CMP-38, R-CMP-39.
+/// Composes with method `DecalBackground` (R-CMP-38, R-CMP-39).
 pub(crate) fn decal_background(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     let over = mix(x.entry.background_color, x.color, [share; 3]);
@@ -108,8 +108,8 @@ pub(crate) fn decal_background(x: &Terms) -> Shade {
     }
 }
 
-/// Returns Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). A texel without alpha
-/// counts as opaque if alpha is selected (ruling `no-alpha-to-select`).
+/// Returns Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). If alpha is selected,
+/// a texel without alpha is treated as opaque (ruling `no-alpha-to-select`).
 pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     let rgb = texel_color(texel);
     let gamma = texel.luminance().unwrap_or(match entry.channel {
@@ -125,7 +125,7 @@ pub(crate) fn times(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 
-/// Mixes `share` of b with the rest of a.
+/// Interpolates from `a` to `b` by `share`, per channel.
 pub(crate) fn mix(a: Color, b: Color, share: Color) -> Color {
     [0, 1, 2].map(|c| (1.0 - share[c]) * a[c] + share[c] * b[c])
 }

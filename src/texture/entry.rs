@@ -1,24 +1,25 @@
-//! Table entries: the attributes and their fallback values.
+//! Table entries: attributes and their fallback values.
 //!
 //! An entry binds attributes to a texture map resource (R-TBL-01). A field that is not set has its fallback value
 //! (R-TBL-03 … R-TBL-17).
 //!
 //! Format notes
-//! - The entry of fallback values uses a reflection parameterization: it needs an eye and a normal even on a flat surface.
-//! - Notes a to g under the table say which fields count only together with others; the stages of the pipeline
-//!   ignore the rest.
+//! - The entry with all fallback values uses a reflection parameterization, so it needs an eye and a normal even on a flat
+//!   surface.
+//! - Notes a to g below the table state which fields are used only in combination with other fields. The pipeline ignores
+//!   fields that are not used.
 
 use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// Red, green and blue; values from 0 to 1 can be displayed.
+/// Red, green and blue. Values from 0 to 1 can be displayed.
 pub type Color = [f64; 3];
 
-/// Three coordinates, of a point, a direction or a texture map.
+/// Three coordinates of a point, a direction or a texture map.
 pub type Vector = [f64; 3];
 
-/// Four rows of four; it multiplies columns (ruling `matrix-storage`).
+/// Row-major 4×4 matrix that is multiplied by column vectors (ruling `matrix-storage`).
 pub type Matrix = [[f64; 4]; 4];
 
 pub(super) const IDENTITY: Matrix = [
@@ -28,8 +29,8 @@ pub(super) const IDENTITY: Matrix = [
     [0.0, 0.0, 0.0, 1.0],
 ];
 
-/// Declares the enumerants of a field: the short name is that of the chapter without its prefix; parsing accepts it with any of
-/// the prefixes or with none.
+/// Declares an enumeration. The name of a variant is the name in the chapter without its prefix. Parsing accepts names with
+/// any of the prefixes or without a prefix.
 macro_rules! enumerants {
     ($(#[$about:meta])* $name:ident [$($prefix:literal)*] { $($(#[$says:meta])* $variant:ident,)+ }) => {
         $(#[$about])*
@@ -39,10 +40,10 @@ macro_rules! enumerants {
         pub enum $name { $($(#[$says])* $variant,)+ }
 
         impl $name {
-            /// Every enumerant, in the order of the chapter.
+            /// All enumerants, in the order of the chapter.
             pub const ALL: &[$name] = &[$($name::$variant,)+];
 
-            /// Returns the chapter's name without its prefix.
+            /// Returns the name in the chapter without its prefix.
             #[must_use]
             pub const fn name(self) -> &'static str {
                 match self { $($name::$variant => stringify!($variant),)+ }
@@ -70,7 +71,7 @@ macro_rules! enumerants {
                 let prefixes: &[&str] = &[$($prefix,)* ""];
                 let bare = prefixes.iter().filter_map(|prefix| text.strip_prefix(prefix));
                 let mut named = bare.filter_map(|bare| {
-                    // Notes f and g say ClampExplicitMethod.
+                    // Notes f and g use the name ClampExplicitMethod.
                     let bare = bare.strip_suffix("Method").unwrap_or(bare);
                     $name::ALL.iter().copied().find(|one| one.name() == bare)
                 });
@@ -85,55 +86,55 @@ macro_rules! enumerants {
 pub(super) use enumerants;
 
 enumerants! {
-    /// The stage of the pipeline at which the map is applied (R-RCT-01).
+    /// Stage of the pipeline at which the map is applied (R-RCT-01).
     RenderingControl ["PEXTMRenderingControl" "PEXTMRC"] {
-        /// Before the reflectance calculation (R-RCT-04).
+        /// The map is applied before the reflectance calculation (R-RCT-04).
         PreLight,
-        /// After the reflectance calculation (R-RCT-05).
+        /// The map is applied after the reflectance calculation (R-RCT-05).
         PostLight,
     }
 }
 
 enumerants! {
-    /// The source of texture coordinates (R-PAR-01).
+    /// Source of texture coordinates (R-PAR-01).
     Parameterization ["PEXTMParam" "PEXTMPM"] {
-        /// The vertex in modeling coordinates.
+        /// Vertex position in modeling coordinates.
         VertexMCCoord,
-        /// The vertex in world coordinates.
+        /// Vertex position in world coordinates.
         VertexWCCoord,
-        /// The vertex normal in modeling coordinates.
+        /// Vertex normal in modeling coordinates.
         VertexMCNormal,
-        /// The vertex normal in world coordinates.
+        /// Vertex normal in world coordinates.
         VertexWCNormal,
-        /// The parameters of a B-spline surface.
+        /// Parameters of a B-spline surface.
         NURBUV,
-        /// The vertex's floating-point data.
+        /// Floating-point data of the vertex.
         FloatData,
-        /// A reflection vector on a sphere, in view reference coordinates.
+        /// Reflection vector on a sphere, in view reference coordinates.
         ReflectionSphereVRC,
-        /// A reflection vector on a sphere, in world coordinates.
+        /// Reflection vector on a sphere, in world coordinates.
         ReflectionSphereWC,
     }
 }
 
 enumerants! {
-    /// The combination of the map's color with that of the primitive (R-CMP-02).
+    /// Method of combining the color of the map with the color of the primitive (R-CMP-02).
     Composition ["PEXTMComp" "PEXTMCM"] {
-        /// The map replaces the primitive.
+        /// The color of the map replaces the color of the primitive.
         Replace,
-        /// Product of both.
+        /// The colors of map and primitive are multiplied.
         Modulate,
-        /// Primitive and environment color, blended by the map.
+        /// The primitive and the environment color are blended by the map.
         BlendEnvColor,
-        /// The map over the primitive, by the map's alpha.
+        /// The map is drawn over the primitive according to the alpha of the map.
         Decal,
-        /// The map over the background color, by the map's alpha.
+        /// The map is drawn over the background color according to the alpha of the map.
         DecalBackground,
     }
 }
 
 enumerants! {
-    /// The component that blends in the environment color.
+    /// Component of a texel that controls the blending of the environment color.
     Channel ["PEXTMChannel"] {
         /// Channel 0 (R-CHN-01).
         Red,
@@ -147,39 +148,39 @@ enumerants! {
 }
 
 enumerants! {
-    /// A method of sampling texels (R-SMP-01).
+    /// Method of sampling texels (R-SMP-01).
     SampleMethod ["PEXTMSample" "PEXTMSM"] {
-        /// The closest texel of the base level.
+        /// Use the closest texel of the base level.
         SingleBase,
-        /// A weighted average of the closest texels of the base level.
+        /// Use a weighted average of the closest texels of the base level.
         WeightedBase,
-        /// The closest texel of the closest level.
+        /// Use the closest texel of the closest level.
         SingleInMipmap,
-        /// A weighted average of the closest texels of the closest level.
+        /// Use a weighted average of the closest texels of the closest level.
         WeightedInMipmap,
-        /// The closest texels of the two closest levels, interpolated.
+        /// Interpolate between the closest texels of the two closest levels.
         SingleBetweenMipmaps,
-        /// Weighted averages of the two closest levels, interpolated.
+        /// Interpolate between weighted averages of the two closest levels.
         WeightedBetweenMipmaps,
     }
 }
 
 enumerants! {
-    /// The treatment of coordinates beyond an edge of the map, in one direction (R-BND-01).
+    /// Treatment of coordinates outside the map in one direction (R-BND-01).
     Boundary ["PEXTMBoundary" "PEXTMBC"] {
-        /// The clamp method.
+        /// Apply the clamp method.
         ClampExplicit,
-        /// The closest texel of the edge.
+        /// Use the closest texel at the edge.
         ClampBorder,
-        /// The map repeated.
+        /// Repeat the map.
         Wrap,
-        /// The map repeated, alternately reversed.
+        /// Repeat the map, alternately mirrored.
         Mirror,
     }
 }
 
 enumerants! {
-    /// The effect of [`Boundary::ClampExplicit`] outside (R-CLM-01).
+    /// Effect of [`Boundary::ClampExplicit`] outside the map (R-CLM-01).
     ClampMethod ["PEXTMBoundaryClampExplicit" "PEXTMBCM"] {
         /// The map is not applied.
         Discontinue,
@@ -188,50 +189,50 @@ enumerants! {
     }
 }
 
-/// An entry of the table.
+/// Entry of the texture mapping table.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
-// The name that error messages of questions use.
+// Error messages about questions use this name.
 #[cfg_attr(feature = "harness", serde(expecting = "struct EntryGiven"))]
 pub struct Entry {
-    /// The resources that define the map, by name; none means the default map (R-SEL-11).
+    /// Ids of the resources that define the map; empty for the default map (R-SEL-11).
     pub map_ids: Vec<u32>,
-    /// Application of the map before or after the light.
+    /// Stage at which the map is applied.
     pub rendering_control: RenderingControl,
-    /// The source of coordinates.
+    /// Source of texture coordinates.
     pub parameterization: Parameterization,
-    /// The index of the first datum for [`Parameterization::FloatData`] (note a).
+    /// Index of the first datum for [`Parameterization::FloatData`] (note a).
     pub fp_data_index: usize,
-    /// The transform of reflection vectors (note b).
+    /// Transform of reflection vectors (note b).
     pub reflection_matrix: Matrix,
-    /// Hints for optimization; ignored (R-PAR-12).
+    /// Optimization hints; ignored (R-PAR-12).
     pub reflection_hints: String,
-    /// The transform of coordinates (R-ORI-01).
+    /// Transform of texture coordinates (R-ORI-01).
     pub orientation_matrix: Matrix,
-    /// Hints for optimization; ignored (R-ORI-02).
+    /// Optimization hints; ignored (R-ORI-02).
     pub orientation_hints: String,
-    /// The composition of colors.
+    /// Method of combining colors.
     pub composition: Composition,
-    /// The channel that blends in the environment color (note c).
+    /// Channel that controls the blending of the environment color (note c).
     pub channel: Channel,
-    /// For [`Composition::BlendEnvColor`] (note d).
+    /// Environment color for [`Composition::BlendEnvColor`] (note d).
     pub env_color: Color,
-    /// For [`Composition::DecalBackground`] (note e).
+    /// Background color for [`Composition::DecalBackground`] (note e).
     pub background_color: Color,
-    /// The method for pixels that cover more than a texel.
+    /// Sampling method for pixels that cover more than one texel.
     pub min_sample: SampleMethod,
-    /// The method for pixels that cover less than a texel.
+    /// Sampling method for pixels that cover less than one texel.
     pub mag_sample: SampleMethod,
-    /// Boundary conditions in the directions t0, t1, t2.
+    /// Boundary conditions for the directions t0, t1 and t2.
     pub boundary: [Boundary; 3],
-    /// For [`Boundary::ClampExplicit`] (note f).
+    /// Clamp method for [`Boundary::ClampExplicit`] (note f).
     pub clamp_method: ClampMethod,
-    /// For [`ClampMethod::Color`] (note g).
+    /// Clamp color for [`ClampMethod::Color`] (note g).
     pub clamp_color: Color,
-    /// Number of levels to move away from the base.
+    /// Number of levels by which sampling moves away from the base.
     pub depth_bias: f64,
-    /// From above 0 to 1 for the directions t0, t1, t2; values below 1 reduce blur.
+    /// Frequency hints for the directions t0, t1 and t2, greater than 0 and at most 1. Values below 1 reduce blur.
     pub frequency: [f64; 3],
 }
 
@@ -242,7 +243,7 @@ impl Default for Entry {
     }
 }
 
-/// Returns the fallback column of the table, from the top (R-TBL-03 … R-TBL-17).
+/// Returns the fallback values of all fields, in the order of the table (R-TBL-03 … R-TBL-17).
 pub(crate) fn fallback_values() -> Entry {
     Entry {
         map_ids: Vec::new(),
@@ -267,5 +268,5 @@ pub(crate) fn fallback_values() -> Entry {
     }
 }
 
-/// The defined entries, by index.
+/// Defined entries by index.
 pub type Table = BTreeMap<i64, Entry>;

@@ -1,28 +1,28 @@
-//! A texture map from a PTM under a light.
+//! Conversion of a PTM under a light to a texture map.
 //!
-//! The image of the map under the light (u, v), clamped to 0 … 255, becomes a map of RGB texels from 0 to 1, with the base
-//! level only.
+//! The image of the PTM under the light (u, v) is clamped to 0 … 255 and converted to RGB texels from 0 to 1. The texture
+//! map has only a base level.
 //!
 //! Format notes
-//! - A PTM stores its bottom row first and a texture map begins at the lower left, so their orders agree. Images
-//!   of this library run from the top, so rows are turned once, here.
-//! - Texels are not rounded; a viewer that keeps eight bits rounds halves up (ruling `ptm-texels`).
+//! - A PTM stores its bottom row first, and a texture map begins at the lower left, so the orders agree. Images in this
+//!   library begin with the top row, so the rows are reversed here.
+//! - Texels are not rounded. A viewer that stores eight bits rounds halves up (ruling `ptm-texels`).
 
 use super::map::{Level, Texel, TextureMap};
 use super::rules::Rules;
 use crate::evaluate::{Coefficients, RelitImage};
 
-/// The rounding of the values of an image.
+/// Rounding of the values of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rounding {
-    /// No rounding.
+    /// Values are not rounded.
     None,
-    /// To 256 levels.
+    /// Values are rounded to 256 levels.
     EightBits,
 }
 
 impl TextureMap {
-    /// Returns the map of a PTM under the light (`lu`, `lv`).
+    /// Creates a texture map from a PTM under the light (`lu`, `lv`).
     #[must_use]
     pub fn from_ptm(
         coefficients: &Coefficients,
@@ -48,14 +48,14 @@ impl TextureMap {
 }
 
 /// Returns the texels of an image, bottom row first (ruling `ptm-rows`).
-pub(crate) fn rows_from_bottom(picture: &RelitImage) -> Vec<[f64; 3]> {
+pub(crate) fn rows_bottom_up(picture: &RelitImage) -> Vec<[f64; 3]> {
     let width = picture.size.width as usize;
     let rows = picture.values.chunks_exact(3 * width).rev();
     rows.flat_map(|row| row.chunks_exact(3).map(|c| [c[0], c[1], c[2]]))
         .collect()
 }
 
-/// Returns the nearest whole number, halves up (ruling `ptm-texels`).
-pub(crate) fn halves_up(value: f64) -> f64 {
+/// Rounds to the nearest integer, halves up (ruling `ptm-texels`).
+pub(crate) fn round_half_up(value: f64) -> f64 {
     (value + 0.5).floor()
 }

@@ -1,12 +1,12 @@
-//! Texture maps: texels in levels.
+//! Texture maps, which consist of levels of texels.
 //!
-//! A map has one to three dimensions and at least one level; level 0 is the base, the last one the pinnacle. Texels of a
-//! level run along t0 first, then t1, then t2, from t0 = t1 = t2 = 0 (ruling `texel-order`).
+//! A map has one to three dimensions and at least one level. Level 0 is the base, and the last level is the pinnacle. The
+//! texels of a level are ordered along t0 first, then t1, then t2, beginning at t0 = t1 = t2 = 0 (ruling `texel-order`).
 //!
 //! Format notes
 //! - t0 = t1 = 0 is the *lower* left of the image.
-//! - A texel of luminance L stands for the color (L, L, L) (R-CMP-14).
-//! - Levels are used as supplied, in any sizes; [`TextureMap::with_box_levels`] makes a conventional mipmap.
+//! - A texel with luminance L represents the color (L, L, L) (R-CMP-14).
+//! - Levels of any sizes are used as given. [`TextureMap::with_box_levels`] creates a conventional mipmap.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,7 +14,7 @@ use std::str::FromStr;
 use super::entry::{Color, enumerants};
 
 enumerants! {
-    /// The components of a texel.
+    /// Components of a texel.
     TexelKind ["PEXTexelType"] {
         /// Luminance.
         L,
@@ -40,16 +40,16 @@ impl TexelKind {
     }
 }
 
-/// One sample of a map.
+/// Sample of a texture map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel {
     kind: TexelKind,
-    /// The components of the kind, then zeros.
+    /// Components, followed by zeros.
     values: [f64; 4],
 }
 
 impl Texel {
-    /// Makes a texel; None if the number of components is not that of its kind.
+    /// Creates a texel. Returns `None` if the number of components does not match the kind.
     #[must_use]
     pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
         let mut values = [0.0; 4];
@@ -58,7 +58,7 @@ impl Texel {
         (components.len() == kind.components()).then_some(Texel { kind, values })
     }
 
-    /// Makes an opaque color.
+    /// Creates a texel with a color and no alpha.
     #[must_use]
     pub const fn rgb([r, g, b]: Color) -> Texel {
         Texel {
@@ -67,19 +67,19 @@ impl Texel {
         }
     }
 
-    /// Returns its kind.
+    /// Returns the kind of the texel.
     #[must_use]
     pub const fn kind(&self) -> TexelKind {
         self.kind
     }
 
-    /// Returns its components.
+    /// Returns the components of the texel.
     #[must_use]
     pub fn components(&self) -> &[f64] {
         &self.values[..self.kind.components()]
     }
 
-    /// Returns its alpha, if it has one (R-CMP-15).
+    /// Returns the alpha component, if the texel has one (R-CMP-15).
     #[must_use]
     pub fn alpha(&self) -> Option<f64> {
         match self.kind {
@@ -89,13 +89,13 @@ impl Texel {
         }
     }
 
-    /// Returns its luminance, if it has no colors.
+    /// Returns the luminance, if the texel has no color components.
     #[must_use]
     pub fn luminance(&self) -> Option<f64> {
         matches!(self.kind, TexelKind::L | TexelKind::LA).then_some(self.values[0])
     }
 
-    /// Returns the weighted sum of texels of one kind.
+    /// Returns the weighted sum of texels of the same kind.
     pub(super) fn sum(kind: TexelKind, parts: impl Iterator<Item = (Texel, f64)>) -> Texel {
         let mut values = [0.0; 4];
         for (texel, weight) in parts {
@@ -107,7 +107,7 @@ impl Texel {
     }
 }
 
-/// Returns the color of a texel: R, G, B, or three times the luminance (R-CMP-14).
+/// Returns the color of a texel: (R, G, B) or (L, L, L) (R-CMP-14).
 pub(crate) fn texel_color(texel: &Texel) -> Color {
     let v = texel.values;
     match texel.luminance() {
@@ -116,16 +116,16 @@ pub(crate) fn texel_color(texel: &Texel) -> Color {
     }
 }
 
-/// One image of a map.
+/// Level of a texture map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Number of texels along t0, t1, t2; 1 in directions that the map does not have.
+    /// Number of texels along t0, t1 and t2; 1 for directions beyond the dimensions of the map.
     pub size: [usize; 3],
-    /// `size[0] * size[1] * size[2]` texels, t0 fastest.
+    /// `size[0] * size[1] * size[2]` texels; t0 varies fastest.
     pub texels: Vec<Texel>,
 }
 
-/// A map: its levels from the base to the pinnacle.
+/// Texture map with levels from the base to the pinnacle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureMap {
     dimensions: usize,
@@ -134,11 +134,11 @@ pub struct TextureMap {
 }
 
 impl TextureMap {
-    /// Makes a map of one to three dimensions.
+    /// Creates a map with one to three dimensions.
     ///
     /// # Errors
-    /// A sentence, if there is no level, a level is empty or its number of texels differs from its size, its size has more
-    /// dimensions than the map, or texels are of different kinds.
+    /// Returns a message if there are no levels, a level is empty or has a wrong number of texels or more dimensions than
+    /// the map, or texels are of different kinds.
     pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
         if !(1..=3).contains(&dimensions) {
             return Err(format!("a map has 1, 2 or 3 dimensions, not {dimensions}"));
@@ -170,26 +170,26 @@ impl TextureMap {
         })
     }
 
-    /// Returns the number of coordinates of a sample (R-PAR-03).
+    /// Returns the number of dimensions, which is the number of coordinates of a sample (R-PAR-03).
     #[must_use]
     pub fn dimensions(&self) -> usize {
         self.dimensions
     }
 
-    /// Returns the kind of its texels.
+    /// Returns the kind of the texels.
     #[must_use]
     pub fn kind(&self) -> TexelKind {
         self.kind
     }
 
-    /// Returns the levels from the base to the pinnacle; at least one.
+    /// Returns the levels from the base to the pinnacle. There is at least one.
     #[must_use]
     pub fn levels(&self) -> &[Level] {
         &self.levels
     }
 
-    /// Returns the base level followed by levels of half the size, down to one texel; each texel is the average of the area
-    /// that it covers (ruling `level-making`).
+    /// Returns a map with the same base and box-filtered levels, each half the size of the previous one, down to one texel.
+    /// Each texel is the average of the area that it covers (ruling `level-making`).
     #[must_use]
     pub fn with_box_levels(self) -> TextureMap {
         let mut levels = vec![self.levels.into_iter().next().expect("a map has a base")];
@@ -200,7 +200,7 @@ impl TextureMap {
     }
 }
 
-/// Returns a level of half the size, rounded down.
+/// Box-filters a level to half its size, rounded down.
 fn half_size_level(fine: &Level) -> Level {
     let size = fine.size.map(|side| (side / 2).max(1));
     let cover = |d: usize| (0..size[d]).map(move |at| covered_cells(at, fine.size[d], size[d]));
@@ -222,7 +222,8 @@ fn half_size_level(fine: &Level) -> Level {
     Level { size, texels }
 }
 
-/// Returns the cells of `fine` that the cell `at` of `coarse` covers, with their shares.
+/// Returns the fine cells that the coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of
+/// cells.
 fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     let (low, high) = (at * fine, (at + 1) * fine);
     // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.
@@ -233,7 +234,8 @@ fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     (low / coarse..high.div_ceil(coarse)).map(share).collect()
 }
 
-/// Returns the index of texel `at` in a level: t0 fastest, then t1, then t2 (ruling `texel-order`).
+/// Returns the index of the texel with coordinates `at` in a level. t0 varies fastest, then t1, then t2 (ruling
+/// `texel-order`).
 pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
 }

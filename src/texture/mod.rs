@@ -1,7 +1,8 @@
-//! The texture mapping table of `PEXlib` 5.2: application of texture maps to surfaces.
+//! Texture mapping table of `PEXlib` 5.2: application of texture maps to surfaces.
 //!
-//! A PTM lit from one direction is an image, and an image is a texture map. This module implements the chapter "Texture Mapping
-//! Table" as pure functions in the order of the pipeline, each a point at which two implementations can be compared:
+//! A PTM lit from one direction is an image, and an image can be used as a texture map. This module implements the chapter
+//! "Texture Mapping Table" as pure functions in the order of the pipeline. The results of each function can be compared
+//! between two implementations:
 //!
 //! ```text
 //! Surface ──select──→ indices ──resolve──→ Entry ──parameterize──→ t ──orient──→ t' ──interpolate──→ t''
@@ -16,17 +17,17 @@
 //! ```
 //!
 //! Format notes
-//! - The chapter's formulas were images and are lost. The formulas here are reconstructed from its words and from
-//!   related texts; `spec-cases/texture/rulings.yaml` states the certainty of each, and [`Rules`] lists the decisions.
+//! - The formulas of the chapter were images and are lost. The formulas here are reconstructed from its text and from
+//!   related documents. `spec-cases/texture/rulings.yaml` states the certainty of each, and [`Rules`] lists the decisions.
 //! - Requirements are cited by their ids in `spec-cases/texture/clauses.yaml`, such as R-SMP-05.
 //! - All arithmetic is in `f64`. No color is clamped to 0…1 (ruling `color-range`).
-//! - The numeric values of the enumerants are not public; only names are used. The chapter has two sets of names,
-//!   and both are accepted.
+//! - The numeric values of the enumerants are not public, so only names are used. The chapter has two sets of names, and
+//!   both are accepted.
 
 mod no_value;
 pub use no_value::NoValue;
 
-// The types: an entry of the table, a map, and the primitive.
+// Types: table entries, maps and primitives.
 
 pub(crate) mod entry;
 pub use entry::{
@@ -39,11 +40,11 @@ pub use map::{Level, Texel, TexelKind, TextureMap};
 
 pub(crate) mod primitive;
 pub use primitive::{
-    Correction, Fetched, Frequency, InteriorStyle, Interpolation, Lit, Place, Point, Selection,
-    Shade, Site, SplinePoint, Surface,
+    Correction, Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection,
+    Shade, Site, SplinePoint, Surface, VertexData,
 };
 
-// The decisions, and the stages of the pipeline in its order.
+// Decisions, and the stages of the pipeline in order.
 
 mod rules;
 pub use rules::Rules;
@@ -63,7 +64,7 @@ pub(crate) mod orient;
 pub use orient::{interpolate, orient, site};
 
 pub(crate) mod depth;
-pub use depth::{Footprint, magnifies, sample_depth};
+pub use depth::{Footprint, is_magnified, sample_depth};
 
 pub(crate) mod boundary;
 pub use boundary::texel_index;

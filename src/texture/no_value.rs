@@ -1,13 +1,13 @@
 //! Reasons why a question about textures has no value.
 
-/// The reason why there is no value.
+/// Reason why a question has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoValue {
-    /// The chapter leaves it to the implementation; with the ruling that says so.
+    /// The chapter leaves the value to the implementation. Contains the name of the ruling.
     ImplementationDefined(&'static str),
-    /// The question is out of the valid range; with a short name of the value.
+    /// An argument is out of range. Contains a short name of the argument.
     OutOfRange(&'static str),
-    /// The method needs a value that is missing; with its name.
+    /// The method needs a value that is missing. Contains the name of the value.
     Missing(&'static str),
 }
 

@@ -1,28 +1,31 @@
-//! Parameterization controls: the source of texture coordinates.
+//! Parameterization controls: sources of texture coordinates.
 //!
-//! Four methods use the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18); one the parameters of a
-//! B-spline surface (R-PAR-19, R-PAR-20); one the vertex's data (R-PAR-21 … R-PAR-25); two reflect the line of sight and
-//! project the result onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
+//! Four methods use the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18). One method uses the
+//! parameters of a B-spline surface (R-PAR-19, R-PAR-20), and one uses the data of the vertex (R-PAR-21 … R-PAR-25). Two
+//! methods reflect the line of sight and project the result onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26
+//! … R-PAR-37).
 //!
 //! Format notes
 //! - Components that a method does not provide are 0.
-//! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`; another common form uses −i.
+//! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`. Another common form uses −i.
 //! - The reflection matrix rotates directions: its last column has no effect (ruling `reflection-matrix`).
-//! - The formulas from the sphere to (t0, t1) are lost; rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`, `wc-height`.
+//! - The formulas that map the sphere to (t0, t1) are lost (rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`,
+//!   `wc-height`).
 //! - Normals are not normalized (ruling `normal-length`).
 
 use std::f64::consts::PI;
 
 use super::entry::{Entry, Matrix, Parameterization, Vector};
 use super::no_value::NoValue;
-use super::primitive::{Place, Point};
+use super::primitive::{Point, VertexData};
 use super::rules::Rules;
 
-/// Returns the coordinates of `point`, before orientation; those beyond the `dimensions` of the map have any value.
+/// Returns the texture coordinates of `point` before orientation. Coordinates beyond `dimensions`, the dimensions of the
+/// map, are arbitrary.
 ///
 /// # Errors
-/// [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25), or nothing is reflected;
-/// [`NoValue::Missing`] if the point lacks a value that the method needs.
+/// Returns [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25) or the reflection vector is
+/// zero, and [`NoValue::Missing`] if the point lacks a value that the method needs.
 pub fn parameterize(
     entry: &Entry,
     point: &Point,
@@ -32,8 +35,8 @@ pub fn parameterize(
     (rules.parameterize)(entry, point, dimensions, rules)
 }
 
-/// Applies one of the eight methods.
-pub(crate) fn by_method(
+/// Applies the parameterization method of the entry.
+pub(crate) fn apply_method(
     entry: &Entry,
     point: &Point,
     dimensions: usize,
@@ -63,28 +66,28 @@ pub(crate) fn by_method(
 }
 
 /// Returns the vertex in view reference coordinates (R-PAR-30).
-pub(crate) fn in_vrc(point: &Point) -> Place {
+pub(crate) fn vertex_in_vrc(point: &Point) -> VertexData {
     point.vrc.clone()
 }
 
 /// Returns the vertex in world coordinates (R-PAR-35).
-pub(crate) fn in_wc(point: &Point) -> Place {
+pub(crate) fn vertex_in_wc(point: &Point) -> VertexData {
     point.wc.clone()
 }
 
-/// Returns the normal of the vertex, or else the geometric one (R-PAR-15 … R-PAR-18).
-pub(crate) fn normal(place: &Place) -> Option<Vector> {
+/// Returns the normal of the vertex, or the geometric normal if there is none (R-PAR-15 … R-PAR-18).
+pub(crate) fn normal(place: &VertexData) -> Option<Vector> {
     place.normal.or(place.geometric_normal)
 }
 
-/// Returns (u, v, 0), or (0, 0, 0) without a B-spline surface (R-PAR-19, R-PAR-20).
+/// Returns (u, v, 0) on a B-spline surface, and (0, 0, 0) elsewhere (R-PAR-19, R-PAR-20).
 pub(crate) fn spline_parameters(point: &Point) -> Vector {
     let (u, v) = point.spline.as_ref().map_or((0.0, 0.0), |s| (s.u, s.v));
     [u, v, 0.0]
 }
 
-/// Returns the data from the index on, as many as the map has dimensions (R-PAR-21 … R-PAR-23); on a B-spline surface the first
-/// value of each data spline (R-PAR-24).
+/// Returns as many data as the map has dimensions, beginning at `index` (R-PAR-21 … R-PAR-23). On a B-spline surface, the
+/// first value of each data spline is used (R-PAR-24).
 pub(crate) fn float_data(
     point: &Point,
     index: usize,
@@ -107,7 +110,7 @@ pub(crate) fn float_data(
 fn reflection(
     entry: &Entry,
     point: &Point,
-    place: &Place,
+    place: &VertexData,
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
     let reflected = || {
@@ -122,7 +125,7 @@ fn reflection(
     Ok(turned)
 }
 
-fn sight(point: &Point, place: &Place, rules: &Rules) -> Result<Vector, NoValue> {
+fn sight(point: &Point, place: &VertexData, rules: &Rules) -> Result<Vector, NoValue> {
     if let Some(sight) = point.sight {
         return Ok(sight);
     }
@@ -131,7 +134,7 @@ fn sight(point: &Point, place: &Place, rules: &Rules) -> Result<Vector, NoValue>
     Ok((rules.sight)(eye, position))
 }
 
-/// Returns the unit vector from the eye to the vertex (R-PAR-29).
+/// Returns the unit vector from the eye to the vertex, or zero if they coincide (R-PAR-29).
 pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
     let way = [0, 1, 2].map(|c| position[c] - eye[c]);
     let length = length(way);
@@ -148,12 +151,13 @@ pub fn reflect(i: Vector, n: Vector) -> Vector {
     [0, 1, 2].map(|c| i[c] - 2.0 * along * n[c])
 }
 
-/// Computes M·(s, 0), which rotates a direction and does not translate it (ruling `reflection-matrix`).
-pub(crate) fn turn(matrix: &Matrix, s: Vector) -> Vector {
+/// Computes M·(s, 0), which rotates a direction without translation (ruling `reflection-matrix`).
+pub(crate) fn rotate(matrix: &Matrix, s: Vector) -> Vector {
     [0, 1, 2].map(|row| dot([matrix[row][0], matrix[row][1], matrix[row][2]], s))
 }
 
-/// Returns the angle around +y from +x, counter-clockwise seen from +y, from 0 to 2π; 0 on the axis (ruling `poles`).
+/// Returns the angle around +y from +x, counterclockwise as seen from +y, in the range 0 to 2π. The angle is 0 on the axis
+/// (ruling `poles`).
 pub(crate) fn azimuth(s: Vector) -> f64 {
     if s[0] == 0.0 && s[2] == 0.0 {
         return 0.0;
@@ -162,14 +166,15 @@ pub(crate) fn azimuth(s: Vector) -> f64 {
     if angle < 0.0 { angle + 2.0 * PI } else { angle }
 }
 
-/// Maps two half turns to 0 … 1: seams at +x and −x, ½ toward the viewer, increasing to the right (R-PAR-27, `vrc-azimuth`).
-pub(crate) fn half_turns(s: Vector) -> f64 {
+/// Maps each half turn of the azimuth to 0 … 1. The seams are at +x and −x, and ½ is toward the viewer, increasing to the
+/// right (R-PAR-27, ruling `vrc-azimuth`).
+pub(crate) fn half_turn_fraction(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
-/// Lets t0 increase along x: another reading of `vrc-azimuth`.
+/// Maps x linearly to t0 (alternative reading of ruling `vrc-azimuth`).
 #[cfg(feature = "harness")]
-pub(crate) fn along_x(s: Vector) -> f64 {
+pub(crate) fn azimuth_proportional_to_x(s: Vector) -> f64 {
     let around = s[0].hypot(s[2]);
     if around == 0.0 {
         return 0.0;
@@ -177,26 +182,26 @@ pub(crate) fn along_x(s: Vector) -> f64 {
     f64::midpoint(1.0, s[0] / around)
 }
 
-/// Maps a whole turn to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
-pub(crate) fn whole_turn(s: Vector) -> f64 {
+/// Maps a full turn of the azimuth to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
+pub(crate) fn full_turn_fraction(s: Vector) -> f64 {
     azimuth(s) / (2.0 * PI)
 }
 
-/// Returns the angle from −y as a fraction of a half turn: 0 at −y, 1 at +y (rulings `vrc-height`, `wc-height`).
-pub(crate) fn by_angle(s: Vector) -> f64 {
+/// Returns the angle from −y as a fraction of a half turn, 0 at −y and 1 at +y (rulings `vrc-height`, `wc-height`).
+pub(crate) fn height_by_angle(s: Vector) -> f64 {
     (-s[1] / length(s)).clamp(-1.0, 1.0).acos() / PI
 }
 
-/// Lets t1 be proportional to y: another reading of `vrc-height` and `wc-height`.
+/// Maps y linearly to t1 (alternative reading of rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
-pub(crate) fn by_y(s: Vector) -> f64 {
+pub(crate) fn height_by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
-/// Measures the angle from +y: another reading of `vrc-height` and `wc-height`.
+/// Returns the angle from +y as a fraction of a half turn (alternative reading of rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
-pub(crate) fn downward(s: Vector) -> f64 {
-    1.0 - by_angle(s)
+pub(crate) fn height_from_top(s: Vector) -> f64 {
+    1.0 - height_by_angle(s)
 }
 
 pub(crate) fn dot(a: Vector, b: Vector) -> f64 {

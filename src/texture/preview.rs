@@ -1,60 +1,62 @@
-//! A preview of the effect of an entry: a plane or a ball with one map, under a nearby light.
+//! Preview of the effect of an entry: a plane or a ball with one map, under a nearby light.
 //!
-//! Images are not part of the chapter; this is an aid for its readers. The whole pipeline is run for each pixel: coordinates,
-//! orientation, depth from the pixel's footprint, sampling, and composition with light computed from normals. A line around the
-//! map shows where coordinates leave 0…1.
+//! Rendering is not part of the chapter. The preview is an aid for its readers. It runs the whole pipeline for each pixel:
+//! coordinates, orientation, depth from the footprint of the pixel, sampling, and composition with light that is computed
+//! from normals. An outline marks where coordinates leave 0…1.
 
 use std::f64::consts::PI;
 
-use super::depth::{Footprint, magnifies, sample_depth};
+use super::depth::{Footprint, is_magnified, sample_depth};
 use super::entry::{Color, Entry, Vector};
 use super::map::TextureMap;
 use super::no_value::NoValue;
 use super::orient::orient;
 use super::parameterize::{dot, length, parameterize};
-use super::primitive::{Frequency, Interpolation, Lit, Place, Point, Shade, SplinePoint};
+use super::primitive::{
+    Frequency, Interpolation, LitPrimitive, Point, Shade, SplinePoint, VertexData,
+};
 use super::rules::Rules;
 use super::sample::fetch;
 use super::stage::stage;
 
-/// The shape that is textured.
+/// Textured shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewShape {
-    /// A square that faces the eye.
+    /// Square that faces the eye.
     Plane,
-    /// The front of a ball.
+    /// Front of a ball.
     Sphere,
 }
 
-/// The parameters of a preview.
+/// Parameters of a preview.
 #[derive(Clone, Debug)]
 pub struct Preview {
-    /// The shape that is textured.
+    /// Textured shape.
     pub shape: PreviewShape,
-    /// The map.
+    /// Texture map.
     pub map: TextureMap,
-    /// The entry of the table.
+    /// Table entry.
     pub entry: Entry,
-    /// The direction of the light: +u right, +v up, on a hemisphere in front of the shape.
+    /// Direction of the light on a hemisphere in front of the shape: +u points right, +v up.
     pub light: (f64, f64),
-    /// The color of the surface.
+    /// Color of the surface.
     pub color: Color,
-    /// The coordinates of the shape range from −`around` to 1 + `around` in both directions.
+    /// Margin around the map: the coordinates of the shape range from −`around` to 1 + `around` in both directions.
     pub around: f64,
 }
 
 const EYE_POSITION: Vector = [0.0, 0.0, 4.0];
-/// The distance of the light.
+/// Distance of the light from the center of the shape.
 const LIGHT_DISTANCE: f64 = 2.2;
 const OUTLINE: Color = [0.95, 0.45, 0.1];
 const BACKGROUND: Color = [0.13, 0.13, 0.15];
 /// Number of samples along each side of a pixel.
 const SAMPLES_PER_SIDE: usize = 2;
 
-/// Returns red, green and blue of each pixel of a preview, `side` pixels wide and high, top row first.
+/// Renders a preview, `side` pixels wide and high, as interleaved red, green and blue, top row first.
 ///
 /// # Errors
-/// If the entry's coordinates cannot be derived on such a shape.
+/// Returns an error if the coordinates of the entry cannot be derived for the shape.
 pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>, NoValue> {
     let mut rgb = Vec::with_capacity(3 * side * side);
     for row in 0..side {
@@ -77,13 +79,13 @@ pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>,
     Ok(rgb)
 }
 
-/// Returns the color at (x, y), both from −1 to 1; `step` is the distance to the next pixel.
+/// Returns the color at (x, y), both from −1 to 1. `step` is the distance between pixels.
 fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<Color, NoValue> {
     let Some(point) = surface(preview, x, y) else {
         return Ok(BACKGROUND);
     };
     let here = coordinates(preview, &point, rules)?;
-    // At the edge of a ball the next pixel may be outside it; the map is hardly visible there.
+    // At the edge of a ball, where the map is hardly visible, the neighboring pixel may be outside the ball.
     let neighbor = |x, y| match surface(preview, x, y) {
         Some(point) => coordinates(preview, &point, rules),
         None => Ok(here),
@@ -92,30 +94,34 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
     if is_outline(preview, here, [right, above]) {
         return Ok(OUTLINE);
     }
-    // At a seam, where coordinates jump, the shorter difference is used.
-    let way = |there: Vector| {
+    // Ignore large differences, which occur at seams where coordinates jump.
+    let difference = |there: Vector| {
         [0, 1, 2].map(|c| {
-            let way = there[c] - here[c];
-            if way.abs() > 0.5 { 0.0 } else { way }
+            let difference = there[c] - here[c];
+            if difference.abs() > 0.5 {
+                0.0
+            } else {
+                difference
+            }
         })
     };
     let footprint = Footprint {
-        dt_dx: way(right),
-        dt_dy: way(above),
+        dt_dx: difference(right),
+        dt_dy: difference(above),
     };
     let (bias, frequency) = (preview.entry.depth_bias, preview.entry.frequency);
     let base = &preview.map.levels()[0].size[..preview.map.dimensions()];
     let depth = sample_depth(base, &footprint, bias, frequency);
-    let magnify = magnifies(base, &footprint);
+    let magnify = is_magnified(base, &footprint);
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
-    let lit = lit(preview, &point);
-    // Normals are interpolated: texture and light are combined at every pixel.
+    let lit = light_surface(preview, &point);
+    // Normals are interpolated, so texture and light are combined at every pixel.
     let shade = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, rules);
     Ok([0, 1, 2].map(|c| shade.alpha * shade.color[c] + (1.0 - shade.alpha) * BACKGROUND[c]))
 }
 
-/// Returns true if one point is in the map and a next one is not.
+/// Returns true if `here` and one of its neighbors are on different sides of the edge of the map.
 fn is_outline(preview: &Preview, here: Vector, next: [Vector; 2]) -> bool {
     let inside = |t: Vector| {
         let mut directions = t.iter().take(preview.map.dimensions());
@@ -129,7 +135,7 @@ fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector
     Ok(orient(&preview.entry.orientation_matrix, t, rules))
 }
 
-/// Returns the point of the shape that is visible at (x, y), if any.
+/// Returns the point of the shape that is visible at (x, y), if there is one.
 fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     const MARGIN: f64 = 1.06;
     let (x, y) = (x * MARGIN, y * MARGIN);
@@ -148,7 +154,7 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
         }
     };
     let [u, v] = across.map(|c| c * (1.0 + 2.0 * preview.around) - preview.around);
-    let place = |position| Place {
+    let place = |position| VertexData {
         position: Some(position),
         eye: Some(EYE_POSITION),
         normal: Some(normal),
@@ -169,8 +175,8 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     })
 }
 
-/// Computes ambient light, diffuse light and a highlight from a lamp.
-fn lit(preview: &Preview, point: &Point) -> Lit {
+/// Computes ambient light, diffuse light and a highlight.
+fn light_surface(preview: &Preview, point: &Point) -> LitPrimitive {
     let position = point.wc.position.unwrap_or_default();
     let normal = point.wc.normal.unwrap_or_default();
     let (lu, lv) = preview.light;
@@ -180,7 +186,7 @@ fn lit(preview: &Preview, point: &Point) -> Lit {
     let halfway = normalized([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
     let diffuse = dot(normal, to_lamp).max(0.0);
     let highlight = dot(normal, halfway).max(0.0).powi(60);
-    Lit {
+    LitPrimitive {
         surface: Shade {
             color: preview.color,
             alpha: 1.0,

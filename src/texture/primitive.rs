@@ -7,39 +7,39 @@ use super::entry::{Color, Entry, Vector, enumerants};
 use super::map::Texel;
 
 enumerants! {
-    /// The style in which the inside of a surface is drawn.
+    /// Style in which the interior of a surface is drawn.
     InteriorStyle ["PEXInteriorStyle"] {
-        /// Edges only.
+        /// Only edges are drawn.
         Hollow,
-        /// One color.
+        /// The interior has one color.
         Solid,
-        /// A pattern.
+        /// The interior is filled with a pattern.
         Pattern,
-        /// Lines.
+        /// The interior is filled with lines.
         Hatch,
-        /// Nothing.
+        /// Nothing is drawn.
         Empty,
-        /// Texture maps.
+        /// Texture maps are applied.
         Texture,
     }
 }
 
-/// A facet, and the part of the pipeline's state that selects its textures.
+/// Facet, with the part of the pipeline state that selects its textures.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
 pub struct Surface {
-    /// The style of both sides, or of the front.
+    /// Style of the front, or of both sides if facets are not distinguished.
     pub interior_style: InteriorStyle,
-    /// Active textures: indices of the table.
+    /// Table indices of the active textures.
     pub active: Vec<i64>,
-    /// The style of the back, if facets are distinguished.
+    /// Style of the back, if facets are distinguished.
     pub bf_interior_style: InteriorStyle,
-    /// Active textures of the back.
+    /// Table indices of the active textures of the back.
     pub bf_active: Vec<i64>,
     /// True if back-facing facets have separate attributes.
     pub facet_distinguish: bool,
-    /// True if the back of the facet is seen.
+    /// True if the back of the facet is visible.
     pub back_facing: bool,
     /// Maximum number of maps on a facet (R-SEL-05).
     pub max_texture_maps: usize,
@@ -59,101 +59,101 @@ impl Default for Surface {
     }
 }
 
-/// The textures that are applied to a facet.
+/// Textures that are applied to a facet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Selection {
-    /// No texture.
+    /// No texture is applied.
     Untextured,
-    /// The default map, with fallback values.
+    /// The default map is applied with fallback values.
     Default,
-    /// These entries, in this order.
+    /// The entries with these indices are applied in order.
     Entries(Vec<i64>),
 }
 
-/// A vertex in one coordinate system.
+/// Vertex in a particular coordinate system.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Place {
-    /// The position of the vertex.
+pub struct VertexData {
+    /// Position of the vertex.
     pub position: Option<Vector>,
-    /// The position of the eye.
+    /// Position of the eye.
     pub eye: Option<Vector>,
-    /// The normal that came with the vertex.
+    /// Normal that is specified for the vertex.
     pub normal: Option<Vector>,
-    /// The normal of the facet, computed.
+    /// Computed normal of the facet.
     pub geometric_normal: Option<Vector>,
 }
 
-/// A point of a B-spline surface.
+/// Point of a B-spline surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(default))]
 pub struct SplinePoint {
-    /// The first parameter.
+    /// First parameter.
     pub u: f64,
-    /// The second parameter.
+    /// Second parameter.
     pub v: f64,
-    /// The values of each data spline at this point.
+    /// Values of each data spline at this point.
     #[cfg_attr(feature = "harness", serde(rename = "data_splines"))]
     pub data: Vec<Vec<f64>>,
 }
 
-/// All values from which coordinates may be derived. Values that a method does not need may be missing.
+/// Values from which texture coordinates can be derived. Values that the method does not need may be missing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// In modeling coordinates.
-    pub mc: Place,
-    /// In world coordinates.
-    pub wc: Place,
-    /// In view reference coordinates.
-    pub vrc: Place,
-    /// The vertex's floating-point data.
+    /// Vertex in modeling coordinates.
+    pub mc: VertexData,
+    /// Vertex in world coordinates.
+    pub wc: VertexData,
+    /// Vertex in view reference coordinates.
+    pub vrc: VertexData,
+    /// Floating-point data of the vertex.
     pub fp_data: Vec<f64>,
-    /// The point of the B-spline surface, if the primitive is one.
+    /// Point of the B-spline surface, if the primitive is one.
     pub spline: Option<SplinePoint>,
-    /// The unit vector from the eye, if it is known without eye and position.
+    /// Unit vector from the eye to the vertex, if given directly.
     pub sight: Option<Vector>,
-    /// The reflection vector, if it is known without sight and normal.
+    /// Reflection vector, if given directly.
     pub reflection: Option<Vector>,
 }
 
 enumerants! {
-    /// The interpolation of coordinates in a perspective view.
+    /// Correction of interpolated coordinates in a perspective view.
     Correction ["PEXTMPerspectiveCorrection"] {
-        /// Linearly on the screen.
+        /// No correction: coordinates are interpolated linearly on the screen.
         None,
-        /// Corrected at the vertices.
+        /// Coordinates are corrected at the vertices.
         Vertex,
-        /// Corrected at every pixel.
+        /// Coordinates are corrected at every pixel.
         Pixel,
     }
 }
 
 enumerants! {
-    /// The interpolation of a surface's colors.
+    /// Interpolation of the colors of a surface.
     Interpolation ["PEXSurfaceInterp"] {
-        /// One color per facet.
+        /// Each facet has one color.
         None,
-        /// Colors of the vertices.
+        /// Colors of the vertices are interpolated.
         Color,
-        /// Dot products of the reflectance equations.
+        /// Dot products of the reflectance equations are interpolated.
         DotProduct,
-        /// Normals.
+        /// Normals are interpolated.
         Normal,
     }
 }
 
 enumerants! {
-    /// The frequency at which a texture is sampled.
+    /// Frequency at which a texture is sampled.
     Frequency ["PEXTMSampleFrequency"] {
         /// At every pixel.
         Pixel,
-        /// At the frequency of the reflectance calculation.
+        /// As often as the reflectance calculation.
         InterpDep,
     }
 }
 
 enumerants! {
-    /// The places where a texture is sampled.
+    /// Sites at which a texture is sampled.
     Site [] {
         /// Once per facet.
         Facet,
@@ -164,19 +164,19 @@ enumerants! {
     }
 }
 
-/// The result of sampling a map.
+/// Result of sampling a map.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fetched {
-    /// A value to compose with.
+    /// Sampled texel.
     Texel(Texel),
-    /// The clamp color, in place of a texel.
+    /// Clamp color, used instead of a texel.
     Clamped(Texel),
-    /// Nothing: the map is not applied here.
+    /// No value; the map is not applied.
     Discontinued,
 }
 
 impl Fetched {
-    /// Returns its components, if it has any.
+    /// Returns the components of the texel or clamp color, if there is one.
     #[must_use]
     pub fn components(&self) -> Option<&[f64]> {
         match self {
@@ -186,7 +186,7 @@ impl Fetched {
     }
 }
 
-/// The color of a primitive.
+/// Color and opacity of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
     /// Red, green, blue.
@@ -195,30 +195,30 @@ pub struct Shade {
     pub alpha: f64,
 }
 
-/// The terms of an equation.
+/// Terms of the composition equations.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Terms<'a> {
-    /// C and A: the primitive.
+    /// C and A: color and alpha of the primitive.
     pub input: Shade,
-    /// W: the light on a white surface, or white.
+    /// W: light on a white surface, or white.
     pub white: Color,
-    /// T: the map's color.
+    /// T: color of the map.
     pub color: Color,
-    /// AT: the map's alpha, if it has one.
+    /// AT: alpha of the map, if it has alpha.
     pub alpha: Option<f64>,
-    /// Γ.
+    /// Γ: blending factor per channel.
     pub gamma: Color,
-    /// The entry, for E and B.
+    /// Table entry, which contains E and B.
     pub entry: &'a Entry,
 }
 
-/// A primitive and the light on it.
+/// Primitive and the light on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lit {
-    /// The primitive before any light.
+pub struct LitPrimitive {
+    /// Primitive before lighting.
     pub surface: Shade,
     /// CW: ambient and diffuse light on a white surface (R-CMP-08).
     pub white: Color,
-    /// CS: the specular part (R-CMP-11).
+    /// CS: specular light (R-CMP-11).
     pub specular: Color,
 }

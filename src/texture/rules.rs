@@ -1,21 +1,20 @@
-//! The decisions that the chapter requires of its reader.
+//! Decisions that an implementation of the chapter has to make.
 //!
-//! [`Rules::SPEC`] names, for each decision, the function that implements the requirement in the module of its topic. The
-//! pipeline calls that function and nothing else: another reading of an open point, or a deliberate mistake, is another
-//! function in its place.
+//! For each decision, [`Rules::SPEC`] contains the function that implements the requirement. The pipeline always calls the
+//! decisions through [`Rules`], so an alternative reading or a deliberate mistake is implemented by replacing a function.
 
 use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
 use super::map::Texel;
 use super::no_value::NoValue;
 use super::primitive::{
-    Fetched, Frequency, InteriorStyle, Interpolation, Lit, Place, Point, Selection, Shade, Site,
-    Surface, Terms,
+    Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection, Shade, Site,
+    Surface, Terms, VertexData,
 };
 use crate::evaluate::RelitImage;
 
-/// A way to read the chapter: one decision for each point that it requires, in its order.
+/// Reading of the chapter: one function per decision, in the order of the chapter.
 #[derive(Clone, Copy)]
-#[allow(missing_docs)] // each is documented at the function SPEC names
+#[allow(missing_docs)] // each field is documented at the function in SPEC
 pub struct Rules {
     // table
     pub(crate) fallback_values: fn() -> Entry,
@@ -31,11 +30,11 @@ pub struct Rules {
     pub(crate) is_white: fn(usize, usize) -> bool,
     // parameterization
     pub(crate) parameterize: fn(&Entry, &Point, usize, &Rules) -> Result<Vector, NoValue>,
-    pub(crate) normal: fn(&Place) -> Option<Vector>,
+    pub(crate) normal: fn(&VertexData) -> Option<Vector>,
     pub(crate) spline_parameters: fn(&Point) -> Vector,
     pub(crate) float_data: fn(&Point, usize, usize) -> Result<Vector, NoValue>,
-    pub(crate) vrc_place: fn(&Point) -> Place,
-    pub(crate) wc_place: fn(&Point) -> Place,
+    pub(crate) vrc_place: fn(&Point) -> VertexData,
+    pub(crate) wc_place: fn(&Point) -> VertexData,
     pub(crate) sight: fn(eye: Vector, position: Vector) -> Vector,
     pub(crate) reflect: fn(i: Vector, n: Vector) -> Vector,
     pub(crate) turn: fn(&Matrix, Vector) -> Vector,
@@ -49,9 +48,10 @@ pub struct Rules {
     pub(crate) hyperbolic: fn(&[Vector], &[f64], &[f64]) -> Vector,
     pub(crate) site: fn(Interpolation, Frequency) -> Site,
     // composition
-    pub(crate) stage: fn(&[(Entry, Fetched)], &Lit, Interpolation, Frequency, &Rules) -> Shade,
+    pub(crate) stage:
+        fn(&[(Entry, Fetched)], &LitPrimitive, Interpolation, Frequency, &Rules) -> Shade,
     pub(crate) add_specular: fn(Shade, Color) -> Shade,
-    pub(crate) light: fn(Shade, &Lit) -> Shade,
+    pub(crate) light: fn(Shade, &LitPrimitive) -> Shade,
     pub(crate) texel_color: fn(&Texel) -> Color,
     pub(crate) gamma: fn(&Entry, &Texel) -> Color,
     pub(crate) replace: fn(&Terms) -> Shade,

@@ -1,21 +1,21 @@
-//! Sampling controls: from coordinates and depth to one value.
+//! Sampling controls: sampling of a map at given coordinates and depth.
 //!
-//! Six methods: the closest texel or a weighted average of the closest 2ⁿ, of the base level, of the closest level, or of
-//! both closest levels, interpolated at the exact depth (R-SMP-04 … R-SMP-11).
+//! There are six methods. They use the closest texel or a weighted average of the closest 2ⁿ texels, in the base level, in
+//! the closest level, or in the two closest levels with interpolation by depth (R-SMP-04 … R-SMP-11).
 //!
 //! Format notes
-//! - n is the number of the map's dimensions; "2n" in the chapter is a lost superscript.
-//! - Texel k of N covers k/N to (k + 1)/N, with its center between them (ruling `texel-grid`). On the line between two, the
-//!   upper one is closest (ruling `texel-tie`).
-//! - A depth at or beyond an end of the levels is that end, with no interpolation (R-SMP-09, R-SMP-11).
+//! - n is the number of dimensions of the map. "2n" in the chapter is a lost superscript.
+//! - Texel k of N covers k/N to (k + 1)/N (ruling `texel-grid`). On the border between two texels, the upper texel is the
+//!   closest (ruling `texel-tie`).
+//! - A depth at or beyond the first or last level selects that level, without interpolation (R-SMP-09, R-SMP-11).
 
-use super::boundary::{fold, is_clamped};
+use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{Level, Texel, TextureMap};
 use super::primitive::Fetched;
 use super::rules::Rules;
 
-/// Samples `map` at `t` and `depth`, by the entry's method for magnified or for minified maps.
+/// Samples `map` at `t` and `depth` with the method of the entry for magnified or minified maps.
 #[must_use]
 pub fn fetch(
     entry: &Entry,
@@ -43,16 +43,16 @@ pub fn fetch(
     };
     let closest = (rules.closest_level)(depth, top);
     Fetched::Texel(match (rules.method)(entry, magnify) {
-        SampleMethod::SingleBase => level(0, single),
-        SampleMethod::WeightedBase => level(0, weighted),
-        SampleMethod::SingleInMipmap => level(closest, single),
-        SampleMethod::WeightedInMipmap => level(closest, weighted),
-        SampleMethod::SingleBetweenMipmaps => between(single),
-        SampleMethod::WeightedBetweenMipmaps => between(weighted),
+        SampleMethod::SingleBase => level(0, closest_texel),
+        SampleMethod::WeightedBase => level(0, weighted_average),
+        SampleMethod::SingleInMipmap => level(closest, closest_texel),
+        SampleMethod::WeightedInMipmap => level(closest, weighted_average),
+        SampleMethod::SingleBetweenMipmaps => between(closest_texel),
+        SampleMethod::WeightedBetweenMipmaps => between(weighted_average),
     })
 }
 
-/// Returns the minification method, or the magnification method (R-SMP-02, R-SMP-03).
+/// Returns the sampling method for magnification or minification (R-SMP-02, R-SMP-03).
 pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     match magnify {
         true => entry.mag_sample,
@@ -60,8 +60,14 @@ pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     }
 }
 
-/// Returns the closest texel.
-fn single(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rules) -> Texel {
+/// Returns the closest texel of a level.
+fn closest_texel(
+    entry: &Entry,
+    map: &TextureMap,
+    level: &Level,
+    t: Vector,
+    rules: &Rules,
+) -> Texel {
     let mut at = [0; 3];
     for d in 0..map.dimensions() {
         at[d] = (rules.closest)((rules.condition)(entry, d), t[d], level.size[d], rules);
@@ -69,8 +75,14 @@ fn single(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rul
     level.texels[(rules.place)(level.size, at)]
 }
 
-/// Returns the average of the closest 2ⁿ texels, weighted in each direction.
-fn weighted(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &Rules) -> Texel {
+/// Returns the weighted average of the closest 2ⁿ texels of a level.
+fn weighted_average(
+    entry: &Entry,
+    map: &TextureMap,
+    level: &Level,
+    t: Vector,
+    rules: &Rules,
+) -> Texel {
     let mut near = [[(0, 1.0), (0, 0.0)]; 3];
     for d in 0..map.dimensions() {
         near[d] = (rules.neighbors)((rules.condition)(entry, d), t[d], level.size[d], rules);
@@ -84,12 +96,12 @@ fn weighted(entry: &Entry, map: &TextureMap, level: &Level, t: Vector, rules: &R
     Texel::sum(map.kind(), corners)
 }
 
-/// Returns cell ⌊t·N⌋ (rulings `texel-grid`, `texel-tie`).
-pub(crate) fn cell(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
-    fold(boundary, (t * size as f64).floor() as i64, size, rules)
+/// Returns the index of the cell that contains `t`, which is ⌊t·N⌋ (rulings `texel-grid`, `texel-tie`).
+pub(crate) fn cell_index(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
+    fold_index(boundary, (t * size as f64).floor() as i64, size, rules)
 }
 
-/// Returns the cells whose centers are around t, weighted by proximity (rulings `texel-grid`, `weights`).
+/// Returns the two cells whose centers are closest to `t`, with linear weights (rulings `texel-grid`, `weights`).
 pub(crate) fn cells_around(
     boundary: Boundary,
     t: f64,
@@ -99,18 +111,22 @@ pub(crate) fn cells_around(
     let u = t * size as f64 - 0.5;
     let (k, share) = (u.floor() as i64, u - u.floor());
     [
-        (fold(boundary, k, size, rules), 1.0 - share),
-        (fold(boundary, k.saturating_add(1), size, rules), share),
+        (fold_index(boundary, k, size, rules), 1.0 - share),
+        (
+            fold_index(boundary, k.saturating_add(1), size, rules),
+            share,
+        ),
     ]
 }
 
-/// Treats texel k of N as the point k/(N − 1): the other reading of `texel-grid`.
+/// Returns the index of the closest texel if texel k of N is the point k/(N − 1) (alternative reading of ruling
+/// `texel-grid`).
 #[cfg(feature = "harness")]
-pub(crate) fn point(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
-    ((inside(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
+pub(crate) fn point_index(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
+    ((fold_coordinate(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
 }
 
-/// Returns the points around t, weighted: the other reading of `texel-grid`.
+/// Returns the two points closest to `t` with linear weights (alternative reading of ruling `texel-grid`).
 #[cfg(feature = "harness")]
 pub(crate) fn points_around(
     boundary: Boundary,
@@ -118,17 +134,17 @@ pub(crate) fn points_around(
     size: usize,
     _: &Rules,
 ) -> [(usize, f64); 2] {
-    let u = inside(boundary, t) * (size - 1) as f64;
+    let u = fold_coordinate(boundary, t) * (size - 1) as f64;
     let k = u.floor();
     let at = |k: f64| (k as usize).min(size - 1);
     [(at(k), 1.0 - (u - k)), (at(k + 1.0), u - k)]
 }
 
-/// Maps a coordinate to 0 … 1: if texels are points, boundary conditions apply to the map itself, not to texels.
+/// Maps a coordinate to 0 … 1. If texels are points, boundary conditions apply to coordinates, not to texel indices.
 #[cfg(feature = "harness")]
-fn inside(boundary: Boundary, t: f64) -> f64 {
+fn fold_coordinate(boundary: Boundary, t: f64) -> f64 {
     match boundary {
-        // 1 is the last point of the map, not the first of the next.
+        // 1 is the last point of the map, not the first point of the repeated map.
         Boundary::Wrap if t == 1.0 => 1.0,
         Boundary::Wrap => t - t.floor(),
         Boundary::Mirror => 1.0 - (t.rem_euclid(2.0) - 1.0).abs(),
@@ -136,12 +152,13 @@ fn inside(boundary: Boundary, t: f64) -> f64 {
     }
 }
 
-/// Returns the level closest to the depth; of two equally close ones the lower (R-SMP-06, ruling `level-tie`).
+/// Returns the level closest to the depth, or the lower level if two are equally close (R-SMP-06, ruling `level-tie`).
 pub(crate) fn closest_level(depth: f64, top: usize) -> usize {
     ((depth - 0.5).ceil().max(0.0) as usize).min(top)
 }
 
-/// Returns the two levels around the depth and the weight of the upper one; beyond the ends only the end (R-SMP-08 … R-SMP-11).
+/// Returns the two levels closest to the depth and the weight of the upper level. Depths out of range are clamped (R-SMP-08
+/// … R-SMP-11).
 pub(crate) fn levels_around(depth: f64, top: usize) -> (usize, usize, f64) {
     let depth = depth.clamp(0.0, top as f64);
     let lower = depth.floor();

@@ -1,8 +1,8 @@
-//! Selection of textures: the entries for a facet.
+//! Selection of the table entries for a facet.
 //!
-//! The table is used for surfaces of interior style Texture (R-SEL-01); back-facing facets have a separate style and list if
-//! facets are distinguished (R-SEL-02). Each index of the active list selects an entry (R-SEL-03); those beyond the first
-//! `MaxTextureMaps` are ignored (R-SEL-04).
+//! The table is used for surfaces with interior style Texture (R-SEL-01). If facets are distinguished, back-facing facets
+//! have a separate style and list (R-SEL-02). Each index in the active list selects an entry (R-SEL-03). Indices after the
+//! first `MaxTextureMaps` are ignored (R-SEL-04).
 //!
 //! Format notes
 //! - An empty list does not mean "no texture": the default map is applied once, with fallback values (R-SEL-06).
@@ -11,7 +11,7 @@
 use super::primitive::{InteriorStyle, Selection, Surface};
 use super::rules::Rules;
 
-/// Returns the textures for a facet.
+/// Selects the textures for a facet.
 #[must_use]
 pub fn select(surface: &Surface, rules: &Rules) -> Selection {
     let (style, active) = match (rules.uses_back)(surface) {
@@ -27,22 +27,23 @@ pub fn select(surface: &Surface, rules: &Rules) -> Selection {
     }
 }
 
-/// Returns true if style and list of the back apply: to back-facing facets, if facets are distinguished (R-SEL-02).
+/// Returns true if the facet uses the style and list of the back, because it is back-facing and facets are distinguished
+/// (R-SEL-02).
 pub(crate) fn uses_back(surface: &Surface) -> bool {
     surface.facet_distinguish && surface.back_facing
 }
 
-/// Returns true for style Texture (R-SEL-01).
+/// Returns true if the style is Texture (R-SEL-01).
 pub(crate) fn is_textured(style: InteriorStyle) -> bool {
     style == InteriorStyle::Texture
 }
 
-/// Returns the default map (R-SEL-06).
+/// Selects the default map (R-SEL-06).
 pub(crate) fn default_map() -> Selection {
     Selection::Default
 }
 
-/// Returns the first `most` indices (R-SEL-04).
-pub(crate) fn within_limit(active: &[i64], most: usize) -> Vec<i64> {
-    active.iter().copied().take(most).collect()
+/// Returns the first `max_maps` indices (R-SEL-04).
+pub(crate) fn within_limit(active: &[i64], max_maps: usize) -> Vec<i64> {
+    active.iter().copied().take(max_maps).collect()
 }

@@ -1,4 +1,4 @@
-//! The reading of the reference.
+//! Reading of the reference implementation.
 
 use super::rules::Rules;
 use super::{
@@ -7,35 +7,36 @@ use super::{
 };
 
 impl Rules {
-    /// The reading of the reference: the chapter, and the rulings of `spec-cases/texture/rulings.yaml` where it is silent.
+    /// Reading of the reference implementation: the chapter, and the rulings of `spec-cases/texture/rulings.yaml` where the
+    /// chapter is silent.
     pub const SPEC: Rules = Rules {
         fallback_values: entry::fallback_values,
         valid_index: table::valid_index,
-        undefined_entry: table::entry_one,
+        undefined_entry: table::entry_one_or_fallback,
         uses_back: select::uses_back,
         is_textured: select::is_textured,
         empty_list: select::default_map,
         within_limit: select::within_limit,
-        checkerboard: checkerboard::sixteen_by_two,
-        is_white: checkerboard::white_at_origin,
-        parameterize: parameterize::by_method,
+        checkerboard: checkerboard::board_and_square_size,
+        is_white: checkerboard::is_white_square,
+        parameterize: parameterize::apply_method,
         normal: parameterize::normal,
         spline_parameters: parameterize::spline_parameters,
         float_data: parameterize::float_data,
-        vrc_place: parameterize::in_vrc,
-        wc_place: parameterize::in_wc,
+        vrc_place: parameterize::vertex_in_vrc,
+        wc_place: parameterize::vertex_in_wc,
         sight: parameterize::sight_from_eye,
         reflect: parameterize::reflect,
-        turn: parameterize::turn,
-        vrc_azimuth: parameterize::half_turns,
-        vrc_height: parameterize::by_angle,
-        wc_azimuth: parameterize::whole_turn,
-        wc_height: parameterize::by_angle,
+        turn: parameterize::rotate,
+        vrc_azimuth: parameterize::half_turn_fraction,
+        vrc_height: parameterize::height_by_angle,
+        wc_azimuth: parameterize::full_turn_fraction,
+        wc_height: parameterize::height_by_angle,
         orient: orient::rows_times_column,
         linear: orient::linear,
         hyperbolic: orient::hyperbolic,
-        site: orient::as_often_as_lit,
-        stage: stage::before_and_after,
+        site: orient::sampling_site,
+        stage: stage::apply_all_maps,
         add_specular: stage::add_specular,
         light: stage::light,
         texel_color: map::texel_color,
@@ -46,20 +47,20 @@ impl Rules {
         decal: compose::decal,
         decal_background: compose::decal_background,
         method: sample::method,
-        closest: sample::cell,
+        closest: sample::cell_index,
         neighbors: sample::cells_around,
         place: map::place,
         closest_level: sample::closest_level,
         levels: sample::levels_around,
         condition: boundary::condition,
-        is_clamped: boundary::any_direction,
+        is_clamped: boundary::is_clamped_in_any_direction,
         is_outside: boundary::is_outside,
-        clamp: boundary::by_clamp_method,
-        clamp_color: compose::with_texel,
+        clamp: boundary::apply_clamp_method,
+        clamp_color: compose::compose_texel,
         wrap: boundary::wrap,
         mirror: boundary::mirror,
-        border: boundary::border,
-        rows: from_ptm::rows_from_bottom,
-        to_eight_bits: from_ptm::halves_up,
+        border: boundary::clamp_to_edge,
+        rows: from_ptm::rows_bottom_up,
+        to_eight_bits: from_ptm::round_half_up,
     };
 }

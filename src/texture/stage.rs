@@ -1,26 +1,26 @@
-//! Rendering control: all maps of a primitive and its light, in one of two forms.
+//! Rendering control: application of all maps and the light to a primitive, in one of two forms.
 //!
-//! Each map applies to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
-//! calculation, `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed for a facet or its vertices and texture
-//! for each pixel, texture comes too late: the light on the surface and the light on a white one are passed on, and the maps
-//! apply to these (R-CMP-20); all other cases are direct (R-CMP-21).
+//! Each map is applied to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
+//! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but texture
+//! per pixel, the split form is used: the light on the surface and the light on a white surface are passed on, and the maps
+//! are applied to these (R-CMP-20). All other cases use the direct form (R-CMP-21).
 //!
 //! Format notes
-//! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A
-//!   stage needs no other properties of light, and these are inputs.
-//! - Both forms give the same color because of the place of CW (ruling `split-form`).
-//! - Maps of both kinds in one list make two stages, each in the order of the list (ruling `two-stages`).
+//! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A stage
+//!   needs no other properties of the light. CW and CS are inputs.
+//! - Both forms give the same color because of the position of CW in the equations (ruling `split-form`).
+//! - If a list contains maps of both kinds, there are two stages, each in the order of the list (ruling `two-stages`).
 
 use super::compose::{compose, times};
 use super::entry::{Color, Entry, RenderingControl};
-use super::primitive::{Fetched, Frequency, Interpolation, Lit, Shade};
+use super::primitive::{Fetched, Frequency, Interpolation, LitPrimitive, Shade};
 use super::rules::Rules;
 
-/// Returns the primitive after all `maps` and its light.
+/// Applies all `maps` and the light to a primitive.
 #[must_use]
 pub fn stage(
     maps: &[(Entry, Fetched)],
-    lit: &Lit,
+    lit: &LitPrimitive,
     interpolation: Interpolation,
     frequency: Frequency,
     rules: &Rules,
@@ -28,10 +28,10 @@ pub fn stage(
     (rules.stage)(maps, lit, interpolation, frequency, rules)
 }
 
-/// Applies `PreLight` maps, light, `PostLight` maps.
-pub(crate) fn before_and_after(
+/// Applies `PreLight` maps, the light, and `PostLight` maps.
+pub(crate) fn apply_all_maps(
     maps: &[(Entry, Fetched)],
-    lit: &Lit,
+    lit: &LitPrimitive,
     interpolation: Interpolation,
     frequency: Frequency,
     rules: &Rules,
@@ -49,7 +49,7 @@ pub(crate) fn before_and_after(
             ..lit.surface
         };
         let textured = all(RenderingControl::PreLight, diffuse, lit.white);
-        // CS is only added at the end (R-CMP-12, R-CMP-13).
+        // CS is added only at the end (R-CMP-12, R-CMP-13).
         (rules.add_specular)(textured, lit.specular)
     } else {
         let textured = all(RenderingControl::PreLight, lit.surface, [1.0; 3]);
@@ -58,7 +58,7 @@ pub(crate) fn before_and_after(
     all(RenderingControl::PostLight, lit, [1.0; 3])
 }
 
-/// Returns true if light is computed on facets or vertices, and texture on pixels (R-CMP-20, R-CMP-23).
+/// Returns true if light is computed per facet or vertex, but texture per pixel (R-CMP-20, R-CMP-23).
 pub(crate) fn is_split(interpolation: Interpolation, frequency: Frequency) -> bool {
     matches!(interpolation, Interpolation::None | Interpolation::Color)
         && frequency == Frequency::Pixel
@@ -73,7 +73,7 @@ pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
 }
 
 /// Performs the reflectance calculation: CW·C + CS.
-pub(crate) fn light(shade: Shade, lit: &Lit) -> Shade {
+pub(crate) fn light(shade: Shade, lit: &LitPrimitive) -> Shade {
     let color = times(lit.white, shade.color);
     add_specular(Shade { color, ..shade }, lit.specular)
 }

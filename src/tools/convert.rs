@@ -1,36 +1,39 @@
-//! Conversion of a map to another format, written by the generator and verified by reading it back.
+//! Conversion of a map to another format. The result is written by the generator and verified by reading it back.
 //!
-//! Conversion is lossless, or refused with the reason: a map is never changed to fit. Only JPEG is lossy, as much as its
-//! quality allows, and JPEG-LS on request.
+//! Conversion is lossless or refused with a reason; a map is never changed to fit. The exceptions are JPEG, whose loss
+//! depends on the quality, and near-lossless JPEG-LS, on request.
 //!
 //! Format notes
-//! - A color of LRGB is polynomial · color / 255. Three polynomials have that form if all are multiples of one; an LRGB
-//!   map is three polynomials if each product, over 255, is a whole number that fits a byte with its bias.
-//! - The colors of LUM depend on three open points, so LUM is not converted to any other format.
+//! - A color of LRGB is polynomial · color / 255. An RGB texel converts to LRGB if its three polynomials are multiples of a
+//!   common one. An LRGB texel converts to RGB if each product divided by 255 is an integer that, plus its bias, fits a
+//!   byte.
+//! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::decode::decode;
 use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Coding, Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::{joined, place_in_words};
+use crate::tools::{describe_position, joined};
 
-/// The target of a conversion.
+/// Target of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Target {
-    /// The format.
+    /// Target format.
     pub format: Format,
-    /// The quality of JPEG, 1 to 100; needed for JPEG formats.
+    /// JPEG quality from 1 to 100; required for JPEG formats.
     pub quality: Option<u8>,
-    /// The maximum error of JPEG-LS, 0 to 127.
+    /// Maximum error of JPEG-LS, from 0 to 127.
     pub loss: u8,
 }
 
 impl Target {
-    /// Checks that quality and loss apply to the format; the error begins with the one that does not.
+    /// Checks that quality and loss apply to the format. The error message begins with the name of the parameter that does
+    /// not.
     ///
     /// # Errors
-    /// A JPEG format without a quality, another format with a quality, or a loss for a format other than JPEG-LS.
+    /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for a format other
+    /// than JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
         let is_jpeg = format.coding() == Some(Coding::Jpeg);
@@ -47,21 +50,21 @@ impl Target {
     }
 }
 
-/// A converted map.
+/// Converted map.
 #[derive(Debug)]
 pub struct Converted {
-    /// The file.
+    /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// The largest difference of two stored values after compression; 0 if it is lossless.
+    /// Largest difference between two stored values after compression; 0 if the conversion is lossless.
     pub largest: u8,
-    /// Number of entries of the lookup table, if there is one.
+    /// Number of entries in the lookup table, if there is one.
     pub entries: Option<usize>,
 }
 
 /// Converts the file that `dissection` describes.
 ///
 /// # Errors
-/// Why the target cannot hold the map, in a sentence; or the difference that was found when the file was read back.
+/// Returns a message if the target cannot represent the map, or if the converted file differs when it is read back.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
@@ -78,7 +81,8 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     })
 }
 
-/// Returns header and spelling: scales as they were written, biases as integers, the rest as every known reader accepts it.
+/// Returns the recipe of the converted file. Scales keep their spelling, biases are written as integers, and everything
+/// else is spelled as every known reader accepts it.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
         joined((0..count).filter_map(|i| dissection.text(role(i))), " ")
@@ -99,7 +103,7 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
     Ok(recipe)
 }
 
-/// Returns the map's values as planes of the target.
+/// Converts the values of the map to the planes of the target format.
 fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let source = ptm.header.format;
     match (ptm.planes.shape, target.shape()) {
@@ -112,13 +116,13 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
         (_, Shape::Lum(())) => Err(format!(
             "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
         )),
-        (Shape::Rgb, _) => each_texel(
+        (Shape::Rgb, _) => convert_texels(
             ptm,
             target,
             "its three polynomials are not multiples of one representable polynomial",
             factor_colors,
         ),
-        (Shape::Lrgb, _) => each_texel(
+        (Shape::Lrgb, _) => convert_texels(
             ptm,
             target,
             "a coefficient times its color, divided by 255, is not a representable integer",
@@ -127,13 +131,19 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Products of two numbers of this size are exact.
+/// Maximum absolute bias. Products of two numbers of this size are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
+/// Conversion of a texel with its biases; the flags mark coefficients with a scale other than 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
-/// Converts every texel, or reports the first one that the target cannot hold.
-fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: TexelRule) -> Result<Vec<u8>, String> {
+/// Converts every texel, or reports the first texel that the target cannot represent.
+fn convert_texels(
+    ptm: &Ptm,
+    target: Format,
+    why: &str,
+    convert: TexelRule,
+) -> Result<Vec<u8>, String> {
     let set = &ptm.header.scale_bias;
     if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
@@ -159,21 +169,21 @@ fn each_texel(ptm: &Ptm, target: Format, why: &str, convert: TexelRule) -> Resul
         ptm.header.format,
         misfits.len(),
         ptm.planes.size.texels(),
-        place_in_words(ptm.planes.size, first)
+        describe_position(ptm.planes.size, first)
     ))
 }
 
-/// Factors three polynomials into one times three colors, if that is exact.
+/// Factors three polynomials into one polynomial and three colors. Returns `None` if there is no exact factorization.
 ///
-/// Without their biases the three are multiples m·d of one direction d without a common factor; the one polynomial is n·d for
-/// some n, and a color is 255·m/n.
+/// After subtraction of the biases, the three polynomials must be multiples m·d of a primitive vector d. The common
+/// polynomial is n·d for some n, and each color is 255·m/n.
 fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let value = |channel: usize, i: usize| match counts[i] {
         true => i64::from(texel[6 * channel + i]) - bias[i],
         false => 0,
     };
     let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
-    // The value of a coefficient that does not count, or of a black texel.
+    // Coefficients with a scale of 0 do not matter and keep their stored value.
     let whole = |i: usize, value: i64| match counts[i] {
         true => u8::try_from(value + bias[i]).ok(),
         false => Some(texel[i]),
@@ -191,7 +201,7 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
     if !vectors.iter().zip(multiples).all(parallel) {
         return None;
     }
-    // n · d fits a byte with its bias, so there are at most 256 of them; the largest polynomial has the brightest colors.
+    // Each element of n · d plus its bias must fit a byte, so there are at most 256 candidates for n.
     let fitting = (0..=255)
         .map(|byte| byte - bias[lead])
         .filter(|value| *value != 0 && value % direction[lead] == 0);
@@ -207,7 +217,7 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
     })
 }
 
-/// Multiplies one polynomial by three colors, if that is exact.
+/// Multiplies a polynomial by three colors. Returns `None` if a product is not exact.
 fn multiply_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !counts[i] {
@@ -228,7 +238,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     }
 }
 
-/// Reads the file back and compares it with the map. Returns the largest difference after compression.
+/// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let wrong = |what: &str| {
         format!(
@@ -245,13 +255,13 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
         return Err(wrong("holds other values"));
     }
     if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {
-        same_colors(ptm, &back).map_err(|what| wrong(&what))?;
+        check_same_colors(ptm, &back).map_err(|what| wrong(&what))?;
     }
     Ok(largest)
 }
 
-/// Checks that two maps of different shapes have the same colors: a polynomial has six coefficients, so six lights decide.
-fn same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
+/// Checks that two maps of different shapes have the same colors. A polynomial has six coefficients, so six lights suffice.
+fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
     const LIGHTS: [(f64, f64); 6] = [
         (0.0, 0.0),
         (0.5, 0.0),
@@ -291,7 +301,8 @@ mod tests {
         assert_eq!(factor_colors(&other, &[0; 6], COUNTS), None);
     }
 
-    /// In every second texel the colors are fifths and their factors are multiples of 5; others fit by chance.
+    /// Half of the texels are constructed to fit: their colors are multiples of 51 and their coefficients multiples of 5.
+    /// The other texels fit by chance.
     #[test]
     fn exact_products_are_factored() {
         let bias = [20, 30, 40, 50, 60, 70];

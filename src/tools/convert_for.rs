@@ -1,7 +1,7 @@
-//! Conversion of a map to a file that certain readers show correctly.
+//! Conversion of a map to a file that the given readers display correctly.
 //!
-//! Every format that all of them read is tried without loss, the format of the file first, in the spelling that every known
-//! reader accepts. The results of the readers for each candidate are predicted.
+//! Tries lossless conversion to each format that all of the readers support, beginning with the format of the file, and
+//! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts.
 
 use super::convert::{Converted, Target, convert};
 use super::dissection::Dissection;
@@ -9,7 +9,7 @@ use super::joined;
 use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
-/// Formats to try after that of the file: most widely supported first.
+/// Formats to try after the format of the file, most widely supported first.
 const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lrgb,
     Format::Rgb,
@@ -20,10 +20,10 @@ const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lum,
 ];
 
-/// Converts the file that `dissection` describes into the first format that all of `readers` show right.
+/// Converts the file that `dissection` describes to the first format that all of `readers` display correctly.
 ///
 /// # Errors
-/// Why there is none, in a sentence for each format that they read.
+/// Returns a message with a reason for each format that the readers support.
 pub fn convert_for(
     dissection: &Dissection,
     ptm: &Ptm,
@@ -42,7 +42,7 @@ pub fn convert_for(
     }
     let mut reasons = Vec::new();
     for format in formats {
-        match attempt(dissection, ptm, format, readers) {
+        match try_format(dissection, ptm, format, readers) {
             Ok(converted) => return Ok((format, converted)),
             Err(why) => reasons.push(why),
         }
@@ -53,8 +53,8 @@ pub fn convert_for(
     ))
 }
 
-/// Returns the map in `format`, if all readers will show it correctly.
-fn attempt(
+/// Converts the map to `format`. Returns an error if a reader would not display the result correctly.
+fn try_format(
     dissection: &Dissection,
     ptm: &Ptm,
     format: Format,

@@ -1,4 +1,4 @@
-//! Differences between two files: header, planes, and encoding.
+//! Comparison of two files: header, planes and encoding.
 
 use std::fmt::Write as _;
 
@@ -6,55 +6,55 @@ use serde::Serialize;
 
 use crate::ptm::{Planes, Ptm, Shape, channel_name};
 
-/// The differences between two files.
+/// Differences between two files.
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub struct MapDifference {
-    /// True if they represent the same map.
+    /// True if both files represent the same map.
     pub same: bool,
-    /// The differences of their headers, in words.
+    /// Descriptions of differences between the headers.
     pub header: Vec<String>,
-    /// The planes that differ, if both have the same planes.
+    /// Planes that differ, if both maps have the same number of planes and the same size.
     pub planes: Vec<PlaneDifference>,
     /// Differences in encoding that do not change the map.
     pub written: Vec<String>,
 }
 
-/// A plane in two files.
+/// Differences between two versions of a plane.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct PlaneDifference {
-    /// Its number.
+    /// Number of the plane.
     pub plane: usize,
-    /// The name of its channel.
+    /// Name of the channel.
     pub channel: String,
-    /// The number of texels that differ.
+    /// Number of texels that differ.
     pub texels: usize,
-    /// The largest difference of two stored values.
+    /// Largest difference between two stored values.
     pub largest: u8,
-    /// The first texel that differs, from the top left.
+    /// First texel that differs, in row-major order from the top left.
     pub first: FirstTexel,
 }
 
-/// A texel and its two values.
+/// Texel with different values in two files.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct FirstTexel {
     /// Column, from the left.
     pub x: usize,
     /// Row, from the top.
     pub y: usize,
-    /// The stored value of each file.
+    /// Stored value in each file.
     pub values: [u8; 2],
 }
 
-/// Compares two maps; `a` and `b` are the bytes of their files.
+/// Compares two maps. `a` and `b` each consist of the bytes of a file and the decoded map.
 #[must_use]
 pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
     let ((a_file, a), (b_file, b)) = (a, b);
     let mut difference = MapDifference {
-        header: header(a, b),
+        header: compare_headers(a, b),
         ..MapDifference::default()
     };
     if a.planes.size == b.planes.size && a.planes.shape.channels() == b.planes.shape.channels() {
-        difference.planes = planes(&a.planes, &b.planes);
+        difference.planes = compare_planes(&a.planes, &b.planes);
     }
     if a.header.format != b.header.format {
         let (a, b) = (a.header.format, b.header.format);
@@ -72,7 +72,7 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
     difference
 }
 
-fn header(a: &Ptm, b: &Ptm) -> Vec<String> {
+fn compare_headers(a: &Ptm, b: &Ptm) -> Vec<String> {
     let mut words = Vec::new();
     let (a_shape, b_shape) = (a.planes.shape, b.planes.shape);
     if a_shape.channels() != b_shape.channels() {
@@ -111,7 +111,7 @@ fn header(a: &Ptm, b: &Ptm) -> Vec<String> {
     words
 }
 
-fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
+fn compare_planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
     let channels = a.shape.channels();
     let width = a.size.width as usize;
     let one = |plane: usize| {
@@ -135,7 +135,7 @@ fn planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
 }
 
 impl MapDifference {
-    /// Describes the differences, a line each; empty for files that are equal.
+    /// Describes the differences, one per line. Returns an empty string for equal files.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut out = String::new();

@@ -1,7 +1,7 @@
-//! The meaning of every byte of a file, as far as it can be read: the fields of the reference decoder, with names for people.
+//! Dissection of a file: the meaning of every byte that the reference decoder reads, with human-readable names.
 //!
-//! A field gets a [`Role`]: its index in its list, and the item that the list describes. If the file is damaged, the dissection
-//! ends at the damage; a truncated payload is shown as far as it goes, because the header defines its layout.
+//! Each field has a [`Role`] that identifies the field and its index in a list. If the file is damaged, the dissection ends
+//! at the damage. A truncated payload is dissected up to the end of the file, because the header defines its layout.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,44 +13,44 @@ use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size};
 
-/// A part of a file: a field, or an element of one. What `inspect` adds is empty in a dissection.
+/// Part of a file: a field, or an element of a field. Members that `inspect` sets are empty in a dissection.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FilePart {
-    /// Its position.
+    /// Offset of the first byte.
     pub offset: usize,
-    /// Number of its bytes.
+    /// Number of bytes.
     pub length: usize,
-    /// The clause that requires it; within a plane, of T.81 or T.87.
+    /// Clause that defines the part; inside a compressed plane, a clause of T.81 or T.87.
     pub clause: &'static str,
-    /// Its name; coefficients, matrix elements and planes are numbered.
+    /// Name of the part. Coefficients, matrix elements and planes are numbered.
     pub name: String,
-    /// Its value; from `inspect`.
+    /// Value of the part; set by `inspect`.
     pub value: String,
-    /// Its first bytes, if it is not text; from `inspect`.
+    /// First bytes of the part, if it is not text; set by `inspect`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub begins: String,
-    /// Its elements: entries, segments, records; from `inspect`.
+    /// Entries, segments or records of the part; set by `inspect`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<FilePart>,
-    /// Its role.
+    /// Role of the part.
     #[serde(skip)]
     pub role: Role,
-    /// The name of the list it is an element of; empty if it is none.
+    /// Name of the list that contains the part; empty if it is not in a list.
     #[serde(skip)]
     pub list: &'static str,
-    /// The number of bytes that it should have, if the file ends earlier.
+    /// Length that the part should have, if the file ends before its end.
     #[serde(skip)]
     pub cut_from: Option<u64>,
-    /// The white space before the next part, in visible form; from `inspect`.
+    /// White space before the next part, as visible symbols; set by `inspect`.
     #[serde(skip)]
     pub(super) gap: String,
 }
 
-/// The role of a part; numbers are indices of coefficients, matrix elements, blocks or planes.
+/// Role of a part. Numbers are indices of coefficients, matrix elements, blocks or planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[allow(missing_docs)] // they are the format's words
+#[allow(missing_docs)] // variants use the terms of the format
 pub enum Role {
-    /// An entry, segment or record of another part.
+    /// Entry, segment or record of another part.
     #[default]
     Element,
     Version,
@@ -77,17 +77,17 @@ pub enum Role {
     Side(usize),
 }
 
-/// A dissected file.
+/// Dissected file.
 pub struct Dissection<'a> {
-    /// The file.
+    /// Bytes of the file.
     pub file: &'a [u8],
-    /// Its format, if it could be read.
+    /// Format of the file, if it could be read.
     pub format: Option<Format>,
-    /// Its size, if it could be read.
+    /// Image size, if it could be read.
     pub size: Option<Size>,
-    /// Its parts in file order.
+    /// Parts of the file, in file order.
     pub parts: Vec<FilePart>,
-    /// The map, or the reason why there is none.
+    /// Decoded map, or the decoding error.
     pub outcome: Result<Ptm, Error>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Dissection<'a> {
         Dissection::new(file, &fields, outcome)
     }
 
-    /// Dissects `file`, and returns its decoded streams if it is a compressed file that has all of them.
+    /// Dissects `file`. Also returns the decoded streams of a compressed file if all of them can be decoded.
     pub(crate) fn with_streams(file: &'a [u8]) -> (Dissection<'a>, Option<Streams<'a>>) {
         let (fields, outcome, streams) = examine_streams(file);
         (Dissection::new(file, &fields, outcome), streams)
@@ -130,29 +130,29 @@ impl<'a> Dissection<'a> {
         };
         let sides = side(Role::Width).zip(side(Role::Height));
         dissection.size = sides.map(|(width, height)| Size { width, height });
-        dissection.add_cut_parts();
+        dissection.add_truncated_parts();
         dissection
     }
 
-    /// Returns the bytes of the first part of this role.
+    /// Returns the bytes of the first part with the given role.
     #[must_use]
     pub fn bytes(&self, role: Role) -> Option<&'a [u8]> {
         self.part(role).map(|part| &self.file[part.range()])
     }
 
-    /// Returns the first part of this role.
+    /// Returns the first part with the given role.
     #[must_use]
     pub fn part(&self, role: Role) -> Option<&FilePart> {
         self.parts.iter().find(|part| part.role == role)
     }
 
-    /// Returns the byte at which this role begins; 0 if the file has no such part.
+    /// Returns the offset of the first part with the given role, or 0 if there is none.
     #[must_use]
     pub fn start(&self, role: Role) -> usize {
         self.part(role).map_or(0, |part| part.offset)
     }
 
-    /// Returns the number of planes of a compressed file; 0 in other formats.
+    /// Returns the number of planes of a compressed file, or 0 for other formats.
     #[must_use]
     pub fn compressed_planes(&self) -> usize {
         self.format
@@ -160,44 +160,44 @@ impl<'a> Dissection<'a> {
             .map_or(0, Format::channels)
     }
 
-    /// Returns the whole number in this role.
+    /// Returns the integer stored in the part with the given role.
     #[must_use]
     pub fn number(&self, role: Role) -> Option<i64> {
         std::str::from_utf8(self.bytes(role)?).ok()?.parse().ok()
     }
 
-    /// Returns the number of entries of the lookup table.
+    /// Returns the number of entries in the lookup table.
     #[must_use]
     pub fn entries(&self) -> Option<usize> {
         usize::try_from(self.number(Role::Count)?).ok()
     }
 
-    /// Returns the text of the part of this role.
+    /// Returns the text of the part with the given role.
     #[must_use]
     pub fn text(&self, role: Role) -> Option<String> {
         Some(String::from_utf8_lossy(self.bytes(role)?).into_owned())
     }
 
-    /// Returns the end of the last part.
+    /// Returns the offset after the last part.
     #[must_use]
     pub fn end(&self) -> usize {
         let ends = self.parts.iter().map(|part| part.range().end);
         ends.max().unwrap_or(0)
     }
 
-    /// Returns the white space between the part at `place` and the next one.
+    /// Returns the white space between the part with index `i` and the next part.
     #[must_use]
-    pub fn gap_after(&self, place: usize) -> &'a [u8] {
-        let from = self.parts[place].range().end;
-        let to = self
-            .parts
-            .get(place + 1)
-            .map_or_else(|| from + self.line_end(from), |next| next.offset.max(from));
+    pub fn gap_after(&self, i: usize) -> &'a [u8] {
+        let from = self.parts[i].range().end;
+        let to = self.parts.get(i + 1).map_or_else(
+            || from + self.line_end_length(from),
+            |next| next.offset.max(from),
+        );
         &self.file[from..to]
     }
 
-    /// Returns the number of bytes of a line end at `from`.
-    fn line_end(&self, from: usize) -> usize {
+    /// Returns the length of the line end at `from`, or 0 if there is none.
+    fn line_end_length(&self, from: usize) -> usize {
         let in_header = !self.parts.iter().any(|part| part.role.is_payload());
         match &self.file[from..] {
             [b'\n', ..] if in_header => 1,
@@ -206,8 +206,8 @@ impl<'a> Dissection<'a> {
         }
     }
 
-    /// Adds the parts that the header declares and that are truncated.
-    fn add_cut_parts(&mut self) {
+    /// Adds the truncated parts whose lengths the header declares.
+    fn add_truncated_parts(&mut self) {
         let Err(error) = &self.outcome else {
             return;
         };
@@ -221,7 +221,7 @@ impl<'a> Dissection<'a> {
             let (nth, range) = (blocks.count(), at..self.file.len());
             return self.add_part(clause, range, nth, Some(needs));
         }
-        // The planes, as far as the file goes.
+        // Add the planes up to the end of the file.
         for plane in 0..self.compressed_planes() {
             for (size, clause) in [
                 (Role::StreamSize(plane), COMPRESSED_PLANE),
@@ -237,7 +237,7 @@ impl<'a> Dissection<'a> {
         }
     }
 
-    /// Adds the bytes of a field, the `nth` one of its clause; `cut_from` is the length that the file is too short for.
+    /// Adds the `nth` field of a clause. If the field is truncated, `cut_from` is its full length.
     fn add_part(
         &mut self,
         clause: &'static str,
@@ -260,7 +260,7 @@ impl<'a> Dissection<'a> {
             "2.5/2" => (Role::Count, "number of entries", ""),
             "2.5/3" => (Role::Table, "lookup table", ""),
             "2.6/2" => (Role::Matrix(nth), "matrix element #", "color matrix"),
-            // Bytes that are present, and bytes that are missing.
+            // Complete and truncated blocks have different clauses.
             "2.7/1" | "2.7/3" => (Role::Block(nth), block_name(self.format, nth), ""),
             "2.8.1/1" => (Role::Indices, "indices", ""),
             "2.9.1/1" => (Role::Parameter, "compression parameter", ""),
@@ -285,7 +285,7 @@ impl<'a> Dissection<'a> {
             role,
             name: name.replace('#', &nth.to_string()),
             list,
-            // The exact clause, if the decoder cites the one that all formats share.
+            // Replace a clause that all formats share by the clause for this format.
             clause: match (role, self.format) {
                 (Role::Block(_), Some(format)) => {
                     (blocks(format).get(nth)).map_or(clause, |block| block.clause)
@@ -303,7 +303,7 @@ impl<'a> Dissection<'a> {
     }
 }
 
-/// Returns the indices of a lookup table, each in `width` bytes, low byte first (2.8.1/2).
+/// Decodes table indices of `width` bytes each, low byte first (2.8.1/2).
 pub(crate) fn index_values(bytes: &[u8], width: usize) -> impl Iterator<Item = usize> {
     let value = |bytes: &[u8]| {
         let bytes = bytes.iter().rev();
@@ -313,7 +313,7 @@ pub(crate) fn index_values(bytes: &[u8], width: usize) -> impl Iterator<Item = u
 }
 
 impl Role {
-    /// Returns true if it follows the text of the header.
+    /// Returns true if parts with this role follow the text of the header.
     #[must_use]
     pub const fn is_payload(self) -> bool {
         matches!(
@@ -335,13 +335,13 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Clauses for the format's name, the streams and the side information.
+/// Clauses of the format name, the compressed planes and the side information.
 const FORMAT_NAME: &str = "2.2/1";
 const COMPRESSED_PLANE: &str = "2.9.8/2";
 const SIDE_INFORMATION: &str = "2.9.8/4";
 
 impl FilePart {
-    /// Returns the positions of its bytes.
+    /// Returns the byte range of the part.
     #[must_use]
     pub fn range(&self) -> Range<usize> {
         self.offset..self.offset + self.length
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn truncated_parts_are_shown() {
+    fn truncated_parts_are_included() {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;

@@ -1,4 +1,4 @@
-//! Export of values to files that other programs read: OpenEXR, NPY, PNG.
+//! Export of values to OpenEXR, NPY and PNG.
 
 use std::io::Cursor;
 
@@ -12,11 +12,11 @@ use image::GrayImage;
 use crate::ptm::{Ptm, Shape, Size, channel_name};
 use crate::tools::joined;
 
-/// Returns the final coefficients, and the other channels as plain numbers, as an EXR file of named float channels, in scan
-/// line blocks of 16 compressed with ZIP. An attribute named `ptm` has format, scales, biases and matrix.
+/// Encodes a map as an EXR file with named float channels for the final coefficients and the other channels. Blocks of 16
+/// scan lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix.
 ///
 /// # Errors
-/// If the map is too large for the format.
+/// Returns an error if the map is too large for the format.
 pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let coefficients = ptm.coefficients();
     let set = &ptm.header.scale_bias;
@@ -26,14 +26,19 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
         about = format!("{about}; matrix, columns first, {}", joined(matrix.0, " "));
     }
     let channels = coefficients.shape.channels();
-    exr_of(&coefficients.values, coefficients.size, channels, &about)
+    encode_exr(&coefficients.values, coefficients.size, channels, &about)
 }
 
-/// Returns an EXR file of `values`, texel after texel, top row first, with an attribute `ptm` that describes them.
+/// Encodes `values` as an EXR file. The values are interleaved, top row first. `about` becomes the attribute `ptm`.
 ///
 /// # Errors
-/// If the map is too large for the format.
-pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Result<Vec<u8>, String> {
+/// Returns an error if the map is too large for the format.
+pub fn encode_exr(
+    values: &[f64],
+    size: Size,
+    channels: usize,
+    about: &str,
+) -> Result<Vec<u8>, String> {
     let channel = |channel: usize| {
         let plane = values.iter().skip(channel).step_by(channels);
         let samples = FlatSamples::F32(plane.map(|&value| value as f32).collect());
@@ -50,7 +55,7 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
         line_order: LineOrder::Increasing,
     };
     let mut attributes = LayerAttributes::default();
-    // Only one attribute, because the library writes several in random order.
+    // Write only one attribute, because the library writes multiple attributes in random order.
     let about = AttributeValue::Text(Text::from(about));
     attributes.other.insert(Text::from("ptm"), about);
     let side_lengths = (size.width as usize, size.height as usize);
@@ -65,13 +70,13 @@ pub fn exr_of(values: &[f64], size: Size, channels: usize, about: &str) -> Resul
     Ok(bytes.into_inner())
 }
 
-/// Returns an NPY array of bytes, height × width × channels, top row first.
+/// Encodes bytes as an NPY array of height × width × channels, top row first.
 #[must_use]
 pub fn npy_bytes(values: &[u8], size: Size, channels: usize) -> Vec<u8> {
     [&npy_header("|u1", size, channels), values].concat()
 }
 
-/// Returns an NPY array of 32-bit floats, height × width × channels, top row first.
+/// Encodes values as an NPY array of 32-bit floats, height × width × channels, top row first.
 #[must_use]
 pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     let mut bytes = npy_header("<f4", size, channels);
@@ -80,7 +85,7 @@ pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     bytes
 }
 
-/// Returns the header of NPY 1.0: magic, version, length, and a Python dictionary padded to a multiple of 64 bytes.
+/// Returns an NPY 1.0 header: magic, version, length, and a Python dictionary, padded to a multiple of 64 bytes.
 fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
     let shape = format!("({}, {}, {channels})", size.height, size.width);
     let dictionary = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
@@ -91,10 +96,10 @@ fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
     header
 }
 
-/// Stacks the planes of samples that lie texel after texel: a gray image of `channels * height` rows.
+/// Separates interleaved samples into planes and stacks the planes into a gray image of `channels * height` rows.
 ///
 /// # Panics
-/// If the number of samples does not match the size.
+/// Panics if the number of samples does not match the size.
 #[must_use]
 pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> GrayImage {
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();

@@ -1,4 +1,4 @@
-//! Every field of a file: its position, its clause, its value.
+//! Table of all fields of a file with offset, clause and value.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -10,67 +10,67 @@ use crate::error::{Class, Kind};
 use crate::ptm::{Format, Size, channel_name};
 use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
 use crate::tools::segments::segments;
-use crate::tools::{joined, place_in_words, texel_at};
+use crate::tools::{describe_position, joined, texel_index};
 
-/// Number of entries of a table, or of records, that are shown unless all are requested.
+/// Number of table entries or records that are displayed unless all are requested.
 const MAX_ENTRIES: usize = 8;
-/// Number of bytes of a payload that are shown.
-const PREVIEW: usize = 8;
+/// Number of payload bytes that are displayed.
+const MAX_PREVIEW_BYTES: usize = 8;
 
-const DIM: Style = Style::new().dimmed();
+const DIM_STYLE: Style = Style::new().dimmed();
 const CLAUSE: Style = AnsiColor::Cyan.on_default();
-const NAME: Style = Style::new().bold();
-const VALUE: Style = AnsiColor::Green.on_default();
-const WRONG: Style = AnsiColor::Red.on_default().bold();
+const NAME_STYLE: Style = Style::new().bold();
+const VALUE_STYLE: Style = AnsiColor::Green.on_default();
+const ERROR_STYLE: Style = AnsiColor::Red.on_default().bold();
 
-/// A file, field by field.
+/// Description of a file, field by field.
 #[derive(Debug, Serialize)]
 pub struct Inspection {
-    /// Its bytes.
+    /// Size of the file in bytes.
     pub bytes: usize,
-    /// The name of its format, if it could be read.
+    /// Name of the format, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// Number of texels in a row, if the size could be read.
+    /// Number of texels per row, if the size could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
-    /// Number of rows.
+    /// Number of rows, if the size could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
-    /// Its fields, in file order.
+    /// Fields in file order.
     pub fields: Vec<FilePart>,
-    /// The error, if any.
+    /// Decoding error, if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<Fault>,
-    /// Bytes that are not read: after the damage, or after the last value.
+    /// Unread bytes after the damage or after the last value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
 }
 
-/// The position and the reason at which reading ended.
+/// Error at which decoding ended.
 #[derive(Debug, Serialize)]
 pub struct Fault {
-    /// The byte at which the error was found.
+    /// Offset of the error.
     pub offset: usize,
-    /// The clause that is broken.
+    /// Clause that is violated.
     pub clause: &'static str,
-    /// `malformed`, `unsupported` or `limit`.
+    /// Class of the error: `malformed`, `unsupported` or `limit`.
     pub class: &'static str,
-    /// The error.
+    /// Description of the error.
     pub what: String,
-    /// The kind of the error, which decides after which field it is shown.
+    /// Kind of the error, which determines the field after which the error is displayed.
     #[serde(skip)]
     kind: Kind,
 }
 
-/// Bytes that belong to no field.
+/// Bytes that do not belong to any field.
 #[derive(Debug, Serialize)]
 pub struct Rest {
-    /// Their position.
+    /// Offset of the first byte.
     pub offset: usize,
-    /// Their number.
+    /// Number of bytes.
     pub length: usize,
-    /// The first bytes.
+    /// First bytes in hexadecimal.
     pub begins: String,
 }
 
@@ -79,7 +79,7 @@ pub struct Rest {
 pub fn inspect(file: &[u8]) -> Inspection {
     let dissection = Dissection::parse(file);
     let fields = (0..dissection.parts.len())
-        .map(|place| show(&dissection, place))
+        .map(|i| inspect_part(&dissection, i))
         .collect();
     let error = dissection.outcome.as_ref().err().map(|error| Fault {
         offset: error.offset(),
@@ -109,22 +109,22 @@ pub fn inspect(file: &[u8]) -> Inspection {
     }
 }
 
-/// Returns a part with its value and its elements.
-fn show(dissection: &Dissection, place: usize) -> FilePart {
-    let part = &dissection.parts[place];
+/// Returns a part with its value and elements filled in.
+fn inspect_part(dissection: &Dissection, i: usize) -> FilePart {
+    let part = &dissection.parts[i];
     let bytes = &dissection.file[part.range()];
     let mut field = part.clone();
     if part.role.is_payload() {
         field.begins = hexadecimal(bytes);
         (field.value, field.parts) = describe(dissection, part, bytes);
     } else {
-        field.gap = visible(dissection.gap_after(place));
+        field.gap = visible_symbols(dissection.gap_after(i));
         field.value = bytes.escape_ascii().to_string();
     }
     field
 }
 
-/// Returns a description of a part of the payload, and its elements.
+/// Returns a description of a payload part and its elements.
 fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
     if let Some(whole) = part.cut_from {
@@ -136,9 +136,9 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
         Role::Stream(plane) => {
             let parts = segments(bytes).into_iter().map(|segment| {
                 let (name, clause) = segment.kind.label();
-                child(part, segment.range, clause, name.into_owned(), segment.says)
+                new_element(part, segment.range, clause, name.into_owned(), segment.says)
             });
-            return (plan(dissection, plane), parts.collect());
+            return (describe_plane(dissection, plane), parts.collect());
         }
         Role::Indices => indices(bytes, texels),
         _ => {
@@ -149,20 +149,20 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
     (value, Vec::new())
 }
 
-/// Returns the entries of the lookup table.
+/// Describes the lookup table and its entries.
 fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
         let (name, value) = (format!("entry {i}"), joined(entry, " "));
         let range = i * size..i * size + entry.len();
-        child(part, range, part.clause, name, value)
+        new_element(part, range, part.clause, name, value)
     };
     let parts = bytes.chunks(size.max(1)).enumerate().map(entry).collect();
     (format!("{entries} entries of {size} bytes"), parts)
 }
 
-/// Describes the indices: their number, width and range.
+/// Describes the number, width and range of the table indices.
 fn indices(bytes: &[u8], texels: usize) -> String {
     let width = bytes.len().checked_div(texels).unwrap_or(0);
     let largest = index_values(bytes, width).max().unwrap_or(0);
@@ -174,8 +174,8 @@ fn indices(bytes: &[u8], texels: usize) -> String {
     format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
 }
 
-/// Returns the field of a range of bytes of `part`.
-fn child(
+/// Creates an element of `part`. `range` is relative to the beginning of `part`.
+fn new_element(
     part: &FilePart,
     range: Range<usize>,
     clause: &'static str,
@@ -192,8 +192,8 @@ fn child(
     }
 }
 
-/// Describes a plane: its channel, its rank, its reference and its transform.
-fn plan(dissection: &Dissection, plane: usize) -> String {
+/// Describes the channel, rank, reference and transform of a plane.
+fn describe_plane(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
     let planes = dissection.compressed_planes();
     let (channel, rank) = (channel_name(planes, plane), number(Role::Rank(plane)));
@@ -215,7 +215,7 @@ fn plan(dissection: &Dissection, plane: usize) -> String {
     words
 }
 
-/// Returns the records of a block of side information (clause 2.9.8/5).
+/// Describes a block of side information and its records (clause 2.9.8/5).
 fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, Vec<FilePart>) {
     const CLAUSE: &str = "2.9.8/5";
     let (whole, rest) = block.as_chunks::<5>();
@@ -223,17 +223,17 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
         let size = dissection.size;
         let size = size.filter(|size| (position as usize) < size.texels());
-        let place = size.map_or_else(
+        let texel = size.map_or_else(
             || "no texel".to_owned(),
-            |size| place_in_words(size, texel_at(size, position)),
+            |size| describe_position(size, texel_index(size, position)),
         );
-        let value = format!("position {position} ({place}) becomes {value}");
-        child(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
+        let value = format!("position {position} ({texel}) becomes {value}");
+        new_element(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
     };
     let mut parts: Vec<FilePart> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
-        parts.push(child(part, range, CLAUSE, name, joined(rest, " ")));
+        parts.push(new_element(part, range, CLAUSE, name, joined(rest, " ")));
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -244,21 +244,21 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
 }
 
 impl Inspection {
-    /// Returns the fields as a table for a terminal, with colors. `all` shows every entry, segment and record.
+    /// Formats the fields as a colored table for a terminal. Includes every entry, segment and record if `all` is true.
     #[must_use]
     pub fn to_text(&self, name: &str, all: bool) -> String {
         let size = self.width.zip(self.height);
         let size = size.map(|(width, height)| format!("{width} x {height} texels, "));
         let mut out = format!(
-            "{NAME}{name}{NAME:#}: {}, {}{} bytes\n\n{DIM}  offset   length  clause        what{:<29}value{DIM:#}\n",
+            "{NAME_STYLE}{name}{NAME_STYLE:#}: {}, {}{} bytes\n\n{DIM_STYLE}  offset   length  clause        what{:<29}value{DIM_STYLE:#}\n",
             self.format.unwrap_or("no known format"),
             size.unwrap_or_default(),
             self.bytes,
             ""
         );
         let mut fault = self.error.as_ref();
-        let in_one_line = |a: &FilePart, b: &FilePart| !a.list.is_empty() && a.list == b.list;
-        for line in self.fields.chunk_by(in_one_line) {
+        let is_same_list = |a: &FilePart, b: &FilePart| !a.list.is_empty() && a.list == b.list;
+        for line in self.fields.chunk_by(is_same_list) {
             let first = &line[0];
             if first.length == 0 && matches!(first.role, Role::Side(_)) {
                 continue;
@@ -276,7 +276,7 @@ impl Inspection {
             };
             let _ = writeln!(
                 out,
-                "{DIM}{:>8} {:>8}{DIM:#}  {:<12}  {NAME}{why}{NAME:#}  {DIM}{}{DIM:#}",
+                "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {:<12}  {NAME_STYLE}{why}{NAME_STYLE:#}  {DIM_STYLE}{}{DIM_STYLE:#}",
                 rest.offset, rest.length, "", rest.begins
             );
         }
@@ -285,7 +285,7 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if the fault is shown after this line: the line of its byte or, for a stream, of its plane.
+    /// Returns true if the fault should be displayed after this line, which contains its byte or its compressed plane.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {
@@ -300,13 +300,13 @@ fn write_fault(out: &mut String, fault: Option<&Fault>) {
     if let Some(fault) = fault {
         let _ = writeln!(
             out,
-            "{WRONG}{:>8} {:>8}  {:<12}  {}: {}{WRONG:#}",
+            "{ERROR_STYLE}{:>8} {:>8}  {:<12}  {}: {}{ERROR_STYLE:#}",
             fault.offset, "", fault.clause, fault.class, fault.what
         );
     }
 }
 
-/// Writes a row of the table: a field, or all elements of a list.
+/// Writes a row of the table for a field or for all elements of a list.
 fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     let first = &line[0];
     let name = match first.list {
@@ -315,7 +315,7 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     };
     let _ = write!(
         out,
-        "{DIM}{:>8} {:>8}{DIM:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME}{name}{NAME:#}",
+        "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME_STYLE}{name}{NAME_STYLE:#}",
         first.offset,
         line[line.len() - 1].range().end - first.offset,
         first.clause,
@@ -325,22 +325,27 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
         .saturating_sub(indent + name.chars().count())
         .max(1);
     for FilePart { value, gap, .. } in line.iter().filter(|part| !part.value.is_empty()) {
-        let _ = write!(out, "{:space$}{VALUE}{value}{VALUE:#}{DIM}{gap}{DIM:#}", "");
+        let _ = write!(
+            out,
+            "{:space$}{VALUE_STYLE}{value}{VALUE_STYLE:#}{DIM_STYLE}{gap}{DIM_STYLE:#}",
+            ""
+        );
         space = 0;
     }
     if !first.begins.is_empty() {
-        let _ = write!(out, "  {DIM}{}{DIM:#}", first.begins);
+        let _ = write!(out, "  {DIM_STYLE}{}{DIM_STYLE:#}", first.begins);
     }
     out.push('\n');
 }
 
 impl FilePart {
-    /// Writes the entries, segments or records, all or some of them. The segments of an intact stream share one line.
+    /// Writes the entries, segments or records of this part, truncated unless `all` is true. The segments of an intact
+    /// stream share one line unless `all` is true.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
         let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {
             let words: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
-            let _ = writeln!(out, "{:33}{DIM}{}{DIM:#}", "", words.join(", "));
+            let _ = writeln!(out, "{:33}{DIM_STYLE}{}{DIM_STYLE:#}", "", words.join(", "));
             return;
         }
         let hidden = match all || is_stream {
@@ -353,15 +358,15 @@ impl FilePart {
         if hidden > 0 {
             let _ = writeln!(
                 out,
-                "{:33}{DIM}… and {hidden} more; --all shows them{DIM:#}",
+                "{:33}{DIM_STYLE}… and {hidden} more; --all shows them{DIM_STYLE:#}",
                 ""
             );
         }
     }
 }
 
-/// Returns spaces and line feeds as visible symbols.
-fn visible(bytes: &[u8]) -> String {
+/// Replaces spaces and line feeds by visible symbols.
+fn visible_symbols(bytes: &[u8]) -> String {
     let symbol = |byte: &u8| match byte {
         b' ' => '␠',
         b'\n' => '␊',
@@ -371,7 +376,14 @@ fn visible(bytes: &[u8]) -> String {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown = bytes.iter().take(PREVIEW).map(|byte| format!("{byte:02x}"));
-    let more = if bytes.len() > PREVIEW { " …" } else { "" };
+    let shown = bytes
+        .iter()
+        .take(MAX_PREVIEW_BYTES)
+        .map(|byte| format!("{byte:02x}"));
+    let more = if bytes.len() > MAX_PREVIEW_BYTES {
+        " …"
+    } else {
+        ""
+    };
     joined(shown, " ") + more
 }

@@ -1,7 +1,7 @@
-//! Tools for single files: the meaning of their bytes, unusual properties, rendering, and conversion.
+//! Tools for single files: dissection, lint, rendering and conversion.
 //!
-//! dissection → inspect, lint. decode → render, export, diff. decode → generate → convert. Nothing here judges a decoder, and
-//! nothing does I/O; the program does.
+//! Data flow: dissection → inspect, lint; decode → render, export, diff; decode → generate → convert. The tools judge no
+//! decoder. Except for the profiles, they do no I/O, which is left to the program.
 
 use crate::ptm::Size;
 
@@ -19,20 +19,20 @@ pub mod render;
 pub mod repair;
 pub mod segments;
 
-/// Returns the number of the texel, counted from the top left, of a position in the stored raster, whose bottom row is first.
-fn texel_at(size: Size, position: u32) -> usize {
+/// Converts a position in the stored raster, whose first row is the bottom row, to a texel index counted from the top left.
+fn texel_index(size: Size, position: u32) -> usize {
     let (column, row) = (position % size.width, position / size.width);
     ((size.height - 1 - row) * size.width + column) as usize
 }
 
-/// Joins the texts of `items`.
+/// Joins the string representations of `items` with a separator.
 pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>, separator: &str) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
     texts.join(separator)
 }
 
-/// Returns the place of a texel, counted from the top left, in words.
-fn place_in_words(size: Size, texel: usize) -> String {
+/// Formats the column and row of a texel index that is counted from the top left.
+fn describe_position(size: Size, texel: usize) -> String {
     let width = size.width as usize;
     let (column, row) = (texel % width, texel / width);
     format!("column {column}, row {row} from the top")

@@ -1,7 +1,8 @@
-//! The suite as a corpus for other projects: files, right answers as arrays and images, a manifest, and instructions.
+//! Export of the suite as a corpus for other projects: files, expected answers as arrays and images, a manifest, and
+//! instructions.
 //!
-//! `corpus/` is for the tests of this repository; this corpus is for other projects. It needs no protocol: a test loads a file,
-//! decodes it, and compares with an array. The same version and profile give the same bytes.
+//! Unlike `corpus/`, which is for the tests of this repository, an exported corpus needs no protocol: a test loads a file,
+//! decodes it, and compares the result with an array. The same version and profile always produce the same bytes.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -20,41 +21,41 @@ use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
 use crate::suite::corpus::put;
-use crate::tools::export::{exr_of, npy_bytes, npy_floats, stacked_planes};
+use crate::tools::export::{encode_exr, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
-use crate::tools::render::{rgb, to_file};
+use crate::tools::render::{encode_image, rgb};
 
-/// A selection from the suite.
+/// Selection of cases from the suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// One small file to decode and one to refuse for every clause; stored values as arrays.
+    /// One small file to decode and one to refuse for every clause, with stored values as arrays.
     Minimal,
-    /// Every file up to 64 KiB; stored values as arrays and images, and the best view of each case.
+    /// Every file up to 64 KiB, with stored values as arrays and images, and the preferred view of each case.
     Standard,
-    /// Every file, including tables of 65,536 entries; every view of every case, final coefficients as EXR too.
+    /// Every file, including tables of 65,536 entries, with every view of every case, and final coefficients also as EXR.
     Exhaustive,
 }
 
 impl Profile {
-    /// All profiles, each with its name and the maximum number of bytes of a file.
+    /// All profiles with their names and maximum file sizes in bytes.
     const ALL: [(Profile, &'static str, usize); 3] = [
         (Profile::Minimal, "minimal", 4 << 10),
         (Profile::Standard, "standard", 64 << 10),
         (Profile::Exhaustive, "exhaustive", usize::MAX),
     ];
 
-    /// Returns its name.
+    /// Returns the name of the profile.
     #[must_use]
     pub const fn name(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 
-    /// Returns the maximum number of bytes of a file.
-    const fn largest(self) -> usize {
+    /// Returns the maximum size of a file in bytes.
+    const fn max_file_bytes(self) -> usize {
         Self::ALL[self as usize].2
     }
 
-    /// Returns the views for which the right answer of a case is included.
+    /// Returns the views for which expected answers of a case are included.
     fn views(self, case: &Case) -> Vec<View> {
         let of_case = match self {
             Profile::Minimal => &[][..],
@@ -65,16 +66,16 @@ impl Profile {
         std::iter::once(View::Raw).chain(more).collect()
     }
 
-    /// Returns its cases, in the order of the suite.
+    /// Returns the cases of the profile, in suite order.
     #[must_use]
     pub fn cases(self, suite: &Suite) -> Vec<&Case> {
         let size = |case: &Case| case.build(TableSpelling::default()).file.len();
         let cases = suite.cases.iter();
-        let fitting = cases.filter(|case| size(case) <= self.largest());
+        let fitting = cases.filter(|case| size(case) <= self.max_file_bytes());
         if self != Profile::Minimal {
             return fitting.collect();
         }
-        // The first case of each expectation for every clause and format, and their twins.
+        // Select the first case of each expectation for every clause and format, and its twin.
         let mut covered = BTreeSet::new();
         let mut ids = BTreeSet::new();
         for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
@@ -104,72 +105,73 @@ impl FromStr for Profile {
     }
 }
 
-/// The manifest of the corpus.
+/// Manifest of an exported corpus.
 #[derive(Debug, Serialize)]
 pub struct Manifest {
-    /// `ptm-conform`
+    /// Name of the suite: `ptm-conform`.
     pub suite: &'static str,
-    /// The version that wrote it.
+    /// Version of the program that wrote the corpus.
     pub version: &'static str,
-    /// The profile.
+    /// Name of the profile.
     pub profile: &'static str,
-    /// The files, in the order of the suite.
+    /// Cases in suite order.
     pub cases: Vec<ProfileCase>,
 }
 
-/// A file and the expected results of a decoder.
+/// File and the expected results of a decoder.
 #[derive(Debug, Serialize)]
 pub struct ProfileCase {
-    /// The case; permanent.
+    /// Permanent id of the case.
     pub id: String,
     /// Path of the file.
     pub file: String,
-    /// Its size.
+    /// Size of the file in bytes.
     pub bytes: usize,
-    /// Its digest.
+    /// SHA-256 digest of the file.
     pub sha256: String,
-    /// Its format, or that of the file before it was damaged.
+    /// Format of the file, or of the undamaged file.
     pub format: &'static str,
-    /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
+    /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: &'static str,
-    /// The purpose of the case.
+    /// Purpose of the case.
     pub because: String,
-    /// The clauses that it tests.
+    /// Clauses that the case tests.
     pub clauses: Vec<String>,
-    /// The ruling that it shows.
+    /// Ruling that the case is about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruling: Option<String>,
-    /// The accepted file that it was edited from.
+    /// Id of the valid case that was damaged to create this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
-    /// The effect of the edit.
+    /// Effect of the damage.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<&'static str>,
-    /// The code of `ptm-conform lint`, if it must be refused.
+    /// Lint code, if the file must be refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lint: Option<&'static str>,
-    /// The right answers.
+    /// Expected answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub expected: Vec<ProfiledAnswer>,
 }
 
-/// A right answer in a file.
+/// Expected answer that is stored in a file.
 #[derive(Debug, Serialize)]
 pub struct ProfiledAnswer {
-    /// `raw`, `coef` or `rgb:LU,LV`.
+    /// View: `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
     /// Path of the file.
     pub file: String,
-    /// `npy`, `png` or `exr`.
+    /// File format: `npy`, `png` or `exr`.
     pub encoding: &'static str,
-    /// Rows, columns, channels.
+    /// Numbers of rows, columns and channels.
     pub shape: [usize; 3],
-    /// Its digest.
+    /// SHA-256 digest of the file.
     pub sha256: String,
-    /// An array of the same shape: the additional tolerance of each value, because inverse DCTs differ.
+    /// Path of an array of the same shape that contains the additional tolerance of each value, because inverse DCTs
+    /// differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
-    /// Open choices that affect it: other readings of these rulings have other right answers.
+    /// Rulings that affect the answer. Decoders that follow other readings of these rulings have other correct answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shows: Vec<&'static str>,
 }
@@ -179,7 +181,7 @@ type ProfileFile = (String, Vec<u8>);
 /// Writes the corpus below `directory`, which must be empty or missing. The output does not depend on `jobs`.
 ///
 /// # Errors
-/// Errors of the file system, with the path; or a directory that is not empty.
+/// Returns an error with the path if the directory is not empty or a file cannot be written.
 pub fn write(
     suite: &Suite,
     directory: &Path,
@@ -230,7 +232,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
     let damage = case.damage();
     let code = damage.filter(|_| refused);
-    let code = code.and_then(|damage| Code::of_refused(&damage.name));
+    let code = code.and_then(|damage| Code::for_rejected_file(&damage.name));
     let entry = ProfileCase {
         id: case.id.clone(),
         file,
@@ -249,7 +251,8 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
     Ok((entry, outputs))
 }
 
-/// Returns one right answer in all its forms: always an array; images and EXR if they are equivalent; and their files.
+/// Adds the files of an expected answer to `outputs`: an array, and depending on profile and view an image or an EXR file.
+/// Returns their manifest entries.
 fn answers(
     case: &Case,
     view: &View,
@@ -285,14 +288,15 @@ fn answers(
     Ok(answers)
 }
 
-/// Returns an answer as NPY, and as the image or EXR of the profile, each with its suffix.
+/// Encodes an answer as NPY and, depending on the profile, as an image or EXR. Returns pairs of file suffix and bytes.
 fn encoded(
     expected: &Expected,
     description: &str,
     profile: Profile,
 ) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
     let (size, channels) = (expected.size, expected.channels);
-    let png = |image: DynamicImage| Ok::<_, String>(("png", to_file(image, ImageFormat::Png)?));
+    let png =
+        |image: DynamicImage| Ok::<_, String>(("png", encode_image(image, ImageFormat::Png)?));
     let values = &expected.values;
     let floats = ("npy", npy_floats(values, size, channels));
     Ok(match expected.view {
@@ -308,7 +312,7 @@ fn encoded(
         }
         ViewKind::Coef => match profile {
             Profile::Exhaustive => {
-                let exr = exr_of(values, size, channels, description)?;
+                let exr = encode_exr(values, size, channels, description)?;
                 vec![floats, ("exr", exr)]
             }
             _ => vec![floats],
@@ -320,10 +324,10 @@ fn encoded(
     })
 }
 
-/// Git must not change any bytes.
+/// Git attributes that prevent changes to the bytes of the files.
 const GITATTRIBUTES: &str = include_str!("../../spec-cases/profile.gitattributes");
 
-/// Instructions for the corpus.
+/// Instructions for users of the corpus.
 const README: &str = include_str!("../../spec-cases/profile.md");
 
 #[cfg(test)]
@@ -341,7 +345,7 @@ mod tests {
             asked.flat_map(|case| case.clauses.clone()).collect()
         };
         let size = |case: &Case| case.build(TableSpelling::default()).file.len();
-        let is_small = |case: &&Case| size(case) <= Profile::Minimal.largest();
+        let is_small = |case: &&Case| size(case) <= Profile::Minimal.max_file_bytes();
         let small: Vec<&Case> = suite.cases.iter().filter(is_small).collect();
         assert_eq!(clauses(&minimal), clauses(&small));
     }

@@ -1,4 +1,4 @@
-//! Images of a map: under one light, under many, or its surface normals.
+//! Rendering of a map under one light, under many lights, or as surface normals.
 
 use std::io::Cursor;
 
@@ -9,28 +9,28 @@ use image::{DynamicImage, GenericImageView, ImageFormat, Rgb, RgbImage, imageops
 use crate::evaluate::Coefficients;
 use crate::ptm::{Ptm, Shape, Size};
 
-/// At this quality the encoder uses small steps and no chroma subsampling.
+/// JPEG quality at which the encoder uses small quantization steps and no chroma subsampling.
 const JPEG_QUALITY: u8 = 95;
 /// Number of pixels between the images of a contact sheet.
 const MARGIN: u32 = 4;
-/// A gray that differs from black and white images.
+/// Background gray, which is distinguishable from black and white images.
 const BACKGROUND: Rgb<u8> = Rgb([48; 3]);
-/// Maximum number of bytes of a contact sheet, or of an enlarged image.
+/// Maximum size in bytes of a contact sheet or an enlarged image.
 const MAX_IMAGE_BYTES: u64 = 1 << 30;
-/// The radius of the lights at the edge of a contact sheet; at 1 they would be in the plane of the map.
+/// Radius of the light directions at the edge of a contact sheet. At 1, the lights would be in the plane of the map.
 const RIM_RADIUS: f64 = 0.9;
 
-/// Returns a map under one light.
+/// Renders a map under one light.
 #[must_use]
 pub fn lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
     rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 
-/// Returns images under `side` × `side` lights over the hemisphere, from the right on the right and from above at the top;
-/// those at the edge have lights at `RIM_RADIUS`. Images larger than `cell` are reduced.
+/// Renders a contact sheet under `side` × `side` lights that cover the hemisphere. The position of an image corresponds to
+/// the direction of its light; at the edge, lights are at `RIM_RADIUS`. Images larger than `cell` are downscaled.
 ///
 /// # Errors
-/// If the sheet needs more than 1 GiB.
+/// Returns an error if the sheet needs more than 1 GiB.
 pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     let coefficients = ptm.coefficients();
     let step = |at: u32| match side {
@@ -51,7 +51,7 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     for row in 0..side {
         for column in 0..side {
             let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
-            let small = shrunk(&lit(&coefficients, lu, lv), factor);
+            let small = downscale(&lit(&coefficients, lu, lv), factor);
             let (x, y) = (place(column, width), place(row, height));
             imageops::replace(&mut sheet, &small, x.into(), y.into());
         }
@@ -59,7 +59,7 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     Ok(sheet)
 }
 
-/// Maps the square from −1 to 1 to the disc of the lights, its edge to the rim.
+/// Maps the square from −1 to 1 to the disc of light directions. The edge is mapped to `RIM_RADIUS`.
 fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
     (
         x * (1.0 - y * y / 2.0).sqrt() * RIM_RADIUS,
@@ -67,9 +67,9 @@ fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
     )
 }
 
-/// Returns the normals as colors: x, y and z from −1 to 1 as 0 to 255, x to the right, y up, z towards the viewer.
+/// Renders the normals as colors: x, y and z from −1 to 1 become 0 to 255. x points right, y up, and z toward the viewer.
 ///
-/// A normal points to the light under which its texel is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
+/// The normal of a texel is the light direction under which it is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
 #[must_use]
 pub fn normals(ptm: &Ptm) -> RgbImage {
     let coefficients = ptm.coefficients();
@@ -87,10 +87,10 @@ pub fn normals(ptm: &Ptm) -> RgbImage {
     rgb(coefficients.size, texels.flat_map(color).collect())
 }
 
-/// Returns the direction of the light under which the polynomial is largest.
+/// Returns the light direction at which the polynomial is largest.
 ///
-/// That is the point where its gradient is zero, if it has a maximum there within the hemisphere, and else a point on the rim.
-/// Of several equally bright directions the one nearest to the zenith is taken; a flat polynomial has the zenith.
+/// This is the point of zero gradient if it is a maximum within the hemisphere, or else a point on the rim. If several
+/// directions are equally bright, the one nearest to the zenith is returned. For a constant polynomial, that is the zenith.
 #[must_use]
 pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     let largest = a[..5].iter().map(|a| a.abs()).fold(0.0, f64::max);
@@ -115,7 +115,7 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     [u, v, 0.0]
 }
 
-/// Returns the angle on the circle at which `brightness` is largest, by repeated refinement.
+/// Finds the angle on the circle at which `brightness` is largest by repeated refinement.
 fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 64;
     let mut step = std::f64::consts::TAU / STEPS as f64;
@@ -131,25 +131,28 @@ fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     best
 }
 
-/// Returns an image of three samples per pixel.
+/// Creates an image from three samples per pixel.
 ///
 /// # Panics
-/// If the number of samples does not match the size.
+/// Panics if the number of samples does not match the size.
 #[must_use]
 pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
     let image = RgbImage::from_raw(size.width, size.height, samples);
     image.expect("three samples per pixel")
 }
 
-/// Returns a file of that format; JPEG has the quality that `check` accepts in answers.
+/// Encodes an image in the given file format. JPEG files use [`JPEG_QUALITY`].
 ///
 /// # Errors
-/// If the image is too large for the format.
-pub fn to_file(image: impl Into<DynamicImage>, format: ImageFormat) -> Result<Vec<u8>, String> {
+/// Returns an error if the image is too large for the format.
+pub fn encode_image(
+    image: impl Into<DynamicImage>,
+    format: ImageFormat,
+) -> Result<Vec<u8>, String> {
     let (image, mut out) = (image.into(), Cursor::new(Vec::new()));
     let written = match format {
         ImageFormat::Pnm => {
-            // By default it would write the newer variant P7, which few programs read.
+            // The default is the newer variant P7, which few programs read.
             let subtype = PnmSubtype::Pixmap(SampleEncoding::Binary);
             image.write_with_encoder(PnmEncoder::new(&mut out).with_subtype(subtype))
         }
@@ -162,11 +165,11 @@ pub fn to_file(image: impl Into<DynamicImage>, format: ImageFormat) -> Result<Ve
     Ok(out.into_inner())
 }
 
-/// Returns every pixel as a square of `factor` × `factor`.
+/// Enlarges an image: every pixel becomes a square of `factor` × `factor` pixels.
 ///
 /// # Errors
-/// If the image needs more than 1 GiB.
-pub fn enlarged(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
+/// Returns an error if the image needs more than 1 GiB.
+pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     let area = u64::from(factor) * u64::from(factor);
     let bytes = area.saturating_mul(image.len() as u64);
     if bytes > MAX_IMAGE_BYTES {
@@ -179,8 +182,8 @@ pub fn enlarged(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     Ok(RgbImage::from_fn(width, height, pixel))
 }
 
-/// Returns an image in which every pixel is the mean of `factor` × `factor` pixels, fewer at the right and bottom edges.
-fn shrunk(image: &RgbImage, factor: u32) -> RgbImage {
+/// Downscales an image. Every pixel is the mean of `factor` × `factor` pixels, or fewer at the right and bottom edges.
+fn downscale(image: &RgbImage, factor: u32) -> RgbImage {
     let (width, height) = image.dimensions();
     RgbImage::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {
         let (x, y) = (x * factor, y * factor);
@@ -199,9 +202,10 @@ fn shrunk(image: &RgbImage, factor: u32) -> RgbImage {
 mod tests {
     use super::*;
 
-    /// Polynomials and their normals. The first two have a summit: −(u − 0.3)² − (v + 0.4)² up to a constant, and with a
-    /// mixed term −u² − v² + uv + 0.3u, highest at (0.2, 0.1). Then the rim: slopes, a summit below the horizon, and the
-    /// saddle u² − v² + 0.1u, which is largest at the right. Where nothing decides, it is the zenith.
+    /// Polynomials and their normals. The first two have a maximum inside the disc: −(u − 0.3)² − (v + 0.4)² up to a
+    /// constant, and −u² − v² + uv + 0.3u with its maximum at (0.2, 0.1). The next four are largest on the rim: two linear
+    /// polynomials, one with a maximum outside the disc, and the saddle u² − v² + 0.1u. The last two are ties, for which
+    /// the zenith is returned.
     const NORMALS: [([f64; 6], [f64; 3]); 8] = [
         ([-1.0, -1.0, 0.0, 0.6, -0.8, 7.0], [0.3, -0.4, 0.866_025_4]),
         ([-1.0, -1.0, 1.0, 0.3, 0.0, 0.0], [0.2, 0.1, 0.974_679_4]),
@@ -238,26 +242,26 @@ mod tests {
     fn image_is_encoded_in_every_file_format() {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let image = RgbImage::from_pixel(1, 1, Rgb([7; 3]));
-        let file = |format| to_file(image.clone(), format).expect("a small picture");
+        let file = |format| encode_image(image.clone(), format).expect("a small image");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);
-            let read = read.expect("a picture").into_rgb8();
+            let read = read.expect("a image").into_rgb8();
             assert_eq!(read.into_raw(), [7, 7, 7], "{format:?}");
         }
     }
 
     #[test]
-    fn enlarging_repeats_and_shrinking_averages_pixels() {
+    fn upscaling_repeats_and_downscaling_averages_pixels() {
         let gray = |width, height, values: &[u8]| {
             let samples = values.iter().flat_map(|&value| [value; 3]);
             rgb(Size { width, height }, samples.collect())
         };
         let image = gray(3, 2, &[10, 20, 31, 30, 41, 33]);
-        assert_eq!(shrunk(&image, 2), gray(2, 1, &[25, 32]));
+        assert_eq!(downscale(&image, 2), gray(2, 1, &[25, 32]));
         let image = gray(2, 2, &[1, 2, 3, 4]);
         let samples = [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
-        assert_eq!(enlarged(&image, 2), Ok(gray(4, 4, &samples)));
-        assert!(enlarged(&image, u32::MAX).is_err());
+        assert_eq!(upscale(&image, 2), Ok(gray(4, 4, &samples)));
+        assert!(upscale(&image, u32::MAX).is_err());
     }
 }

@@ -1,12 +1,12 @@
-//! Repairs of a file that need no guess: the file is rewritten, with a sentence for each change.
+//! Repair of faults that have only one correction:
 //!
-//! - blanks and line ends of the header that the text does not allow
-//! - wrong compressed sizes, if the streams themselves show where they end
+//! - blanks and line ends in the header that the specification does not allow
+//! - wrong compressed sizes, if the streams determine the correct ones
 //! - bytes after the last value
-//! - records of side information that a later one of the same texel overrides
+//! - records of side information that a later record for the same texel overrides
 //!
-//! A file that the reference reads has the same values afterwards. Nothing is repaired if two readings are possible: a file
-//! that was copied in text mode has changed bytes in its payload too, and nobody knows which.
+//! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is
+//! ambiguous. For example, copying a file in text mode also changes payload bytes, which cannot be identified afterwards.
 
 use std::collections::HashSet;
 
@@ -16,20 +16,20 @@ use super::segments::{EOI, SegmentKind, segments};
 use crate::decode::decode;
 use crate::ptm::Format;
 
-/// A repaired file.
+/// Repaired file.
 #[derive(Debug)]
 pub struct Repaired {
-    /// The new file.
+    /// Bytes of the repaired file.
     pub bytes: Vec<u8>,
-    /// The changes, a sentence each.
+    /// Descriptions of the changes.
     pub changes: Vec<String>,
 }
 
-/// The words of a header by lines, and the rest of the file.
-struct Loose<'a> {
-    /// One list per line, as in files of HP's programs.
+/// Header of a file, split into words by lenient rules, and the payload.
+struct LenientHeader<'a> {
+    /// Words of each line, in the layout of files from HP's programs.
     lines: Vec<Vec<String>>,
-    /// The line end: `\n`, `\r\n` or `\r`.
+    /// Line end: `\n`, `\r\n` or `\r`.
     line_end: &'static str,
     payload: &'a [u8],
     format: Format,
@@ -38,17 +38,17 @@ struct Loose<'a> {
 /// Repairs a file.
 ///
 /// # Errors
-/// The reason, in a sentence: there is nothing to repair, or nothing that can be repaired without guessing.
+/// Returns a message if there is nothing to repair, or if the faults cannot be repaired without guessing.
 pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let before = decode(file);
     let mut changes = Vec::new();
     let mut bytes = file.to_vec();
     if before.is_err() {
-        let loose = Loose::read(file)?;
-        bytes = loose.legal(&mut changes)?;
+        let loose = LenientHeader::read(file)?;
+        bytes = loose.into_legal_file(&mut changes)?;
     }
-    bytes = without_rest(bytes, &mut changes);
-    bytes = without_overridden_records(bytes, &mut changes)?;
+    bytes = remove_trailing_bytes(bytes, &mut changes);
+    bytes = remove_overridden_records(bytes, &mut changes)?;
     if changes.is_empty() {
         return Err("there is nothing to repair".to_owned());
     }
@@ -61,15 +61,15 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     Ok(Repaired { bytes, changes })
 }
 
-impl<'a> Loose<'a> {
-    /// Reads a header with any white space between its words.
-    fn read(file: &'a [u8]) -> Result<Loose<'a>, String> {
+impl<'a> LenientHeader<'a> {
+    /// Reads a header with arbitrary white space between its words.
+    fn read(file: &'a [u8]) -> Result<LenientHeader<'a>, String> {
         let mut at = 0;
         let version = next_word(file, &mut at)?;
         if version != "PTM_1.2" {
             return Err("it does not begin with PTM_1.2".to_owned());
         }
-        let line_end = match after_blanks(&file[at..]) {
+        let line_end = match strip_leading_blanks(&file[at..]) {
             [b'\r', b'\n', ..] => "\r\n",
             [b'\r', ..] => "\r",
             _ => "\n",
@@ -91,9 +91,9 @@ impl<'a> Loose<'a> {
             let words = (0..count).map(|_| next_word(file, &mut at));
             lines.push(words.collect::<Result<_, _>>()?);
         }
-        let rest = after_blanks(&file[at..]);
+        let rest = strip_leading_blanks(&file[at..]);
         let payload = rest.strip_prefix(line_end.as_bytes());
-        Ok(Loose {
+        Ok(LenientHeader {
             lines,
             line_end,
             payload: payload.ok_or("the end of its header cannot be found")?,
@@ -101,10 +101,10 @@ impl<'a> Loose<'a> {
         })
     }
 
-    /// Returns the file as the text requires it.
-    fn legal(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+    /// Returns a file with a legal header, and describes the changes.
+    fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const BLANKS: &str = "the numbers in the header are now separated by single spaces, and its lines end in line feeds";
-        let as_lines = self.written();
+        let as_lines = self.to_bytes();
         if let Ok(ptm) = decode(&as_lines) {
             let is_exact = Dissection::parse(&as_lines).end() == as_lines.len();
             if self.line_end != "\n" && !is_exact {
@@ -122,16 +122,16 @@ impl<'a> Loose<'a> {
             );
         }
         self.measure_streams(changes)?;
-        Ok(self.written())
+        Ok(self.to_bytes())
     }
 
-    fn written(&self) -> Vec<u8> {
+    fn to_bytes(&self) -> Vec<u8> {
         let lines = self.lines.iter().map(|line| line.join(" ") + "\n");
         let header: String = lines.collect();
         [header.as_bytes(), self.payload].concat()
     }
 
-    /// Sets sizes to those of the streams, if the streams fill the file, each beginning at the end of the previous one.
+    /// Corrects the compressed sizes if the streams and their side information fill the payload without gaps.
     fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
         const SIZES: usize = 12;
         let unsettled = "the streams do not determine the correct sizes";
@@ -157,7 +157,7 @@ impl<'a> Loose<'a> {
     }
 }
 
-/// Returns the next word of a header, after any white space; `at` becomes its end.
+/// Skips white space and returns the next word of a header. Advances `at` to the end of the word.
 fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
     let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
     *at += file[*at..].iter().take_while(is_blank).count();
@@ -171,13 +171,13 @@ fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
     }
 }
 
-/// Returns the bytes without leading spaces and tabs.
-fn after_blanks(bytes: &[u8]) -> &[u8] {
+/// Strips leading spaces and tabs.
+fn strip_leading_blanks(bytes: &[u8]) -> &[u8] {
     let blanks = bytes.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
     &bytes[blanks.count()..]
 }
 
-/// Returns the length from SOI to EOI, if nothing between them is out of place.
+/// Returns the length of a stream from SOI to EOI. Returns `None` if there are stray bytes between them.
 fn stream_length(stream: &[u8]) -> Option<usize> {
     let parts = segments(stream);
     let first = |kind| parts.iter().position(|part| part.kind == kind);
@@ -186,8 +186,8 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
     (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
 }
 
-/// Removes the bytes after the last value.
-fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
+/// Removes trailing bytes after the last value.
+fn remove_trailing_bytes(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     let dissection = Dissection::parse(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
@@ -198,11 +198,8 @@ fn without_rest(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
     bytes
 }
 
-/// Removes records that are overridden by a later one of the same texel.
-fn without_overridden_records(
-    bytes: Vec<u8>,
-    changes: &mut Vec<String>,
-) -> Result<Vec<u8>, String> {
+/// Removes records that a later record for the same texel overrides.
+fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
     let dissection = Dissection::parse(&bytes);
     if let Err(error) = &dissection.outcome {
         return Err(error.to_string());
@@ -230,7 +227,7 @@ fn without_overridden_records(
             edits.push((side, kept));
         }
     }
-    // From the end, so that the positions of earlier edits remain valid.
+    // Apply edits from the end, so that the ranges of earlier edits remain valid.
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
     let mut bytes = bytes;
     for (range, with) in edits {

@@ -1,37 +1,37 @@
-//! The marker segments of a plane's stream (T.81 Annex B, T.87 Annex C), as far as they can be distinguished.
+//! Marker segments of the stream of a compressed plane (T.81 Annex B, T.87 Annex C).
 //!
-//! This walk over a stream never refuses: damaged parts are shown as they are. The codecs decide if a stream is valid.
+//! This parser never fails: damaged parts are returned as they are. The codecs decide whether a stream is valid.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::tools::joined;
 
-/// A part of a stream.
+/// Part of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Segment<'a> {
-    /// Its kind.
+    /// Kind of the part.
     pub kind: SegmentKind,
-    /// Its position, relative to the beginning of the stream.
+    /// Byte range, relative to the beginning of the stream.
     pub range: Range<usize>,
-    /// Its bytes.
+    /// Bytes of the part.
     pub bytes: &'a [u8],
-    /// A description; empty if there is none.
+    /// Description; may be empty.
     pub says: String,
 }
 
-/// The kind of a part of a stream.
+/// Kind of a part of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SegmentKind {
-    /// A marker of this code, with its segment if it has one.
+    /// Marker with this code, including its segment if it has one.
     Marker(u8),
-    /// Bytes FF before a marker (T.81 B.1.1.2).
+    /// Fill bytes FF before a marker (T.81 B.1.1.2).
     Fill,
     /// Entropy-coded data.
     Data,
     /// Bytes after the end of the image.
     Trailing,
-    /// Bytes in place of a marker.
+    /// Stray bytes where a marker is expected.
     Stray,
 }
 
@@ -41,7 +41,7 @@ const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
 impl SegmentKind {
-    /// Returns its name in its standard, and the clause of the standard that describes it.
+    /// Returns the name in the standard and the clause that defines it.
     #[must_use]
     pub fn label(self) -> (Cow<'static, str>, &'static str) {
         let (name, clause) = match self {
@@ -71,7 +71,7 @@ impl SegmentKind {
     }
 }
 
-/// Returns the parts of `stream` in sequence, without gaps.
+/// Splits `stream` into consecutive parts without gaps.
 #[must_use]
 pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
     let mut parts: Vec<Segment> = Vec::new();
@@ -99,7 +99,7 @@ pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
     parts
 }
 
-/// Returns the part with which `rest` begins, outside the data, and its length.
+/// Returns the kind and length of the part at the beginning of `rest`, which is not entropy-coded data.
 fn marker_or_gap(rest: &[u8]) -> (SegmentKind, usize) {
     match *rest {
         [0xff, 0xff, ..] => {
@@ -107,7 +107,7 @@ fn marker_or_gap(rest: &[u8]) -> (SegmentKind, usize) {
             (SegmentKind::Fill, fill)
         }
         [0xff, code, ..] if has_no_segment(code) => (SegmentKind::Marker(code), 2),
-        // A length counts its own two bytes and not the marker (T.81 B.1.1.4).
+        // The length includes its own two bytes but not the marker (T.81 B.1.1.4).
         [0xff, code, high, low, ..] if code != 0 => {
             let length = usize::from(u16::from_be_bytes([high, low]));
             (SegmentKind::Marker(code), 2 + length.max(2))
@@ -125,8 +125,8 @@ const fn has_no_segment(code: u8) -> bool {
     matches!(code, 0x01 | 0xd0..=0xd9)
 }
 
-/// Returns the length of the data up to the next marker that is not a restart: in data, FF is followed by 00 (T.81) or by a
-/// byte below 80 (T.87).
+/// Returns the length of the entropy-coded data up to the next marker other than RST. In the data, FF is followed by 00
+/// (T.81) or by a byte below 80 (T.87).
 fn data_length(rest: &[u8], is_jpeg_ls: bool) -> usize {
     let is_in_data = |byte| match byte {
         0 | 0xd0..=0xd7 => true,
@@ -136,7 +136,7 @@ fn data_length(rest: &[u8], is_jpeg_ls: bool) -> usize {
     rest.windows(2).position(ends).unwrap_or(rest.len())
 }
 
-/// Returns values of the frame header among `parts`: its code, precision, height, width and number of components.
+/// Finds the frame header and returns its marker code, precision, height, width and number of components.
 #[must_use]
 pub fn frame(parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
     parts.iter().find_map(|part| match (part.kind, part.bytes) {
@@ -164,7 +164,7 @@ pub fn near(parts: &[Segment]) -> Option<u8> {
     body.get(1 + 2 * components).copied()
 }
 
-/// Describes a part of a stream; the text is empty if there is nothing to say.
+/// Describes a part of a stream. Returns an empty string if there is nothing to describe.
 fn describe(kind: SegmentKind, bytes: &[u8], is_jpeg_ls: bool) -> String {
     match (kind, bytes) {
         (SegmentKind::Data, _) => {
@@ -232,7 +232,7 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     }
 }
 
-/// Describes the tables of a DHT segment (T.81 B.2.4.2): class, number, number of codes.
+/// Describes the class, number and code count of each table in a DHT segment (T.81 B.2.4.2).
 fn huffman_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
     while let [kind, rest @ ..] = body
@@ -246,7 +246,7 @@ fn huffman_tables(mut body: &[u8]) -> String {
     words.join(", ")
 }
 
-/// Describes the tables of a DQT segment (T.81 B.2.4.1): number, width, and the step of the DC coefficient.
+/// Describes the number, element width and DC step of each table in a DQT segment (T.81 B.2.4.1).
 fn quantization_tables(mut body: &[u8]) -> String {
     let mut words = Vec::new();
     while let [kind, rest @ ..] = body {
@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn segments_of_any_bytes_end() {
+    fn segments_of_arbitrary_bytes_cover_the_stream() {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
         let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
         for at in 0..stream.len() {

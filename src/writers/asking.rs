@@ -1,4 +1,4 @@
-//! Requests to a program to write a file.
+//! Requests to writers.
 
 use crate::protocol::frame::Answer;
 use crate::ptm::Format;
@@ -13,33 +13,33 @@ use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
 use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
 
-/// Values of a request that a template can name, in addition to `{in}` and `{out}`.
+/// Names of request values that a template can refer to, in addition to `{in}` and `{out}`.
 pub const VALUES: [&str; 10] = [
     "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
 ];
 
-/// A case whose answer is a file.
+/// Case whose answer is a file.
 pub trait WritingCase: Reported<View = WriteView, Output = WrittenFile> {
-    /// The verb of the command line.
+    /// Verb on the command line of the program.
     const VERB: &'static str;
 
     /// Returns the requested format.
     fn format(&self) -> Format;
-    /// Returns true if it is in the smoke subset.
+    /// Returns true if the case is in the smoke subset.
     fn is_smoke(&self) -> bool {
         true
     }
-    /// Returns the input of the program.
-    fn sent(built: &Self::Built) -> Sent;
+    /// Returns the input for the program.
+    fn sent(built: &Self::Built) -> RequestInput;
 }
 
-/// The input of a program.
-pub struct Sent {
-    /// The request, in which paths of attachments are names in braces.
+/// Input for a writer or fitter.
+pub struct RequestInput {
+    /// Request in JSON, with names in braces as placeholders for the paths of attachments.
     pub json: String,
-    /// The files that it names, and the files that these name.
+    /// Files that the request refers to, directly or indirectly.
     pub attachments: Vec<Attachment>,
-    /// Values that a template can name.
+    /// Values that a template can refer to.
     pub values: Vec<(&'static str, String)>,
 }
 
@@ -54,20 +54,20 @@ impl WritingCase for WriterCase {
         self.smoke
     }
 
-    fn sent(built: &BuiltRequest) -> Sent {
-        Sent {
+    fn sent(built: &BuiltRequest) -> RequestInput {
+        RequestInput {
             json: String::from_utf8_lossy(&built.json).into_owned(),
             attachments: vec![Attachment {
                 name: "planes".to_owned(),
                 file_name: "planes.npy".to_owned(),
-                bytes: built.request.array(),
+                bytes: built.request.to_npy(),
             }],
             values: values(&built.request.header),
         }
     }
 }
 
-/// Sends one request for the file of a case; the timeout is multiplied by `timeout_factor`.
+/// Requests the file of a case. The timeout is multiplied by `timeout_factor`.
 #[must_use]
 pub fn ask<C: WritingCase>(
     writer: &Decoder,
@@ -101,7 +101,7 @@ pub fn ask<C: WritingCase>(
     }
 }
 
-/// Returns the values of a header as words of a command line; elements of lists are separated by commas.
+/// Formats the values of a header for a command line. Elements of lists are separated by commas.
 fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
     let list = |numbers: &[f64]| joined(numbers, ",");
     let matrix = header.matrix.map_or(String::new(), |matrix| list(&matrix));
@@ -117,7 +117,7 @@ fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Rewords the remarks on a program that is not a writer, so that they describe writers instead of decoders.
+/// Rewords the reason why a program is not a writer, so that it describes writers instead of decoders.
 pub fn reword<C: WritingCase>(run: &mut Run<C>) {
     let Some(reason) = &run.not_a_decoder else {
         return;

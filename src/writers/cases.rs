@@ -1,4 +1,4 @@
-//! Cases: one request each, with the expected result of its writer.
+//! Cases of the writer suite: requests with expected results.
 
 use std::collections::BTreeMap;
 
@@ -14,29 +14,29 @@ use crate::suite::recipes::MakeRecord;
 use crate::suite::words::Words;
 use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
 
-/// The embedded requests.
+/// Embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
-/// One request, with the expected result of its writer.
+/// Request to a writer, with the expected result.
 #[derive(Clone, Debug)]
 pub struct WriterCase {
-    /// A permanent slug.
+    /// Permanent slug.
     pub id: String,
-    /// The clauses that it tests.
+    /// Clauses that the case tests.
     pub clauses: Vec<String>,
-    /// The purpose of the case, in a sentence.
+    /// Purpose of the case, in a sentence.
     pub because: String,
-    /// The expected result: a file with the values, or a refusal.
+    /// Expected result: a file with the values, or a refusal.
     pub expect: Expect,
-    /// True if it is requested before all others.
+    /// True if the case is requested before all others.
     pub first: bool,
-    /// True if it is in the smoke subset.
+    /// True if the case is in the smoke subset.
     pub smoke: bool,
-    /// The contents of the file.
+    /// Contents of the requested file.
     recipe: Recipe,
 }
 
-/// A request as it is written: one, or with `for_each` one for every combination of the listed words.
+/// Request as written in YAML. With `for_each`, it expands to one case for every combination of the listed words.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RequestRecord {
@@ -49,7 +49,7 @@ struct RequestRecord {
     expect: Expect,
     #[serde(default)]
     first: bool,
-    /// Ids of the smoke subset among those of `for_each`; all of them if it is `[all]`.
+    /// Ids of expanded cases in the smoke subset, or `[all]` for all of them.
     #[serde(default)]
     smoke: Vec<String>,
 }
@@ -58,7 +58,7 @@ impl Suite<WriterCase> {
     /// Loads the embedded suite of requests.
     ///
     /// # Errors
-    /// A sentence that names the line or the request at fault.
+    /// Returns a message that names the line or the request with the error.
     pub fn load_writer_requests() -> Result<Suite<WriterCase>, String> {
         let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
         let mut cases: Vec<WriterCase> = Vec::new();
@@ -68,7 +68,7 @@ impl Suite<WriterCase> {
                 let id = words.id(&record.id);
                 let named = |error| format!("requests.yaml: line {line}: {id}: {error}");
                 if cases.iter().any(|case| case.id == id) {
-                    return Err(named("is there twice".to_owned()));
+                    return Err(named("duplicate request".to_owned()));
                 }
                 cases.push(record.case(&words).map_err(named)?);
             }
@@ -81,7 +81,7 @@ impl RequestRecord {
     fn case(&self, words: &Words) -> Result<WriterCase, String> {
         let mut recipe = self.make.recipe(words)?;
         if recipe.format.has_table() {
-            // Every entry occurs in the planes, if there are enough texels.
+            // Use every entry in the planes, if there are enough texels.
             recipe.indices = Indices::These((0..recipe.entries).collect());
         }
         recipe.compression.residuals = Residuals::Natural;
@@ -105,14 +105,14 @@ impl WriterCase {
         self.recipe.format
     }
 
-    /// Returns the number of distinct polynomials in the planes, for formats with a table.
+    /// Returns the number of distinct polynomials in the planes for formats with a table, or `None` for other formats.
     #[must_use]
     pub fn entries(&self) -> Option<u32> {
         let has_table = self.recipe.format.has_table();
         has_table.then_some(self.recipe.entries)
     }
 
-    /// Returns the request, whose planes have the path `{planes}`.
+    /// Returns the request, with the placeholder `{planes}` as the path of the planes.
     #[must_use]
     pub fn request(&self) -> WriteRequest {
         let recipe = &self.recipe;
@@ -143,7 +143,7 @@ impl WriterCase {
         }
     }
 
-    /// Returns the painted samples, before any compression.
+    /// Returns the generated samples before compression.
     fn samples(&self) -> Vec<u8> {
         let mut plain = self.recipe.clone();
         if plain.format.coding().is_some() {

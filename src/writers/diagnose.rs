@@ -1,8 +1,9 @@
-//! From wrong files to causes: mistakes with which a writer would have written these files.
+//! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from it, or if the file has the values
-//! that such a reader gets from the right one. It is contradicted by every correctly written request whose reference file such
-//! a reader misreads. Single mistakes come first, then pairs of mistakes, then descriptions.
+//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file has
+//! the values that such a reader gets from the right file. A correctly written file contradicts the mistake if such a
+//! reader would misread the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are
+//! only described.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -21,33 +22,33 @@ use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::written;
 use crate::writers::request::WriteRequest;
-use crate::writers::seen::{SeenFile, explains, is_right_under};
+use crate::writers::seen::{MisreadFile, explains, is_right_under};
 use crate::writers::test_case::{WrittenFile, wrong_file};
 
-/// The size of the largest file that is searched.
-const MAX_FILE_SIZE: usize = 100_000;
+/// Maximum size in bytes of a file that is searched.
+const MAX_FILE_BYTES: usize = 100_000;
 
-/// The number of smallest wrong files of each format that are searched first. A mistake must explain one of them.
+/// Number of wrong files per format that are searched first, smallest first. A mistake must explain one of them.
 const SCREENED_FILES: usize = 3;
 
-/// The number of smallest unexplained files for which a pair of mistakes is searched.
+/// Number of unexplained files for which pairs of mistakes are tried, smallest first.
 const PAIR_SEARCHED_FILES: usize = 4;
 
-/// A cause of a writer's failures.
+/// Cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
-/// A request and the file that was written for it.
+/// Request and the file that was written for it.
 struct Exhibit {
     request: WriteRequest,
-    /// The reference's file.
+    /// File that the reference writes.
     right: Vec<u8>,
     file: Vec<u8>,
 }
 
-/// The exhibits that are small enough to be searched, by their indices in the suite.
+/// Exhibits that are small enough to be searched, by case index.
 type Exhibits = BTreeMap<usize, Exhibit>;
 
-/// Returns the causes of the failures of `run`; the one that explains most is first.
+/// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 #[must_use]
 pub fn diagnose(
     suite: &Suite<WriterCase>,
@@ -63,10 +64,10 @@ pub fn diagnose(
     let exhibits = exhibits.into_iter().enumerate();
     let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
-    let single = single(&exhibits, &failing, &passing, threads);
+    let single = single_mistakes(&exhibits, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
-    let pairs = pairs(&exhibits, &failing, threads);
+    let pairs = mistake_pairs(&exhibits, &failing, threads);
     diagnoses.extend(cover(pairs, &mut failing).into_iter().map(|pair| {
         let (misreading, second) = pair.cause;
         let cause = Cause::Misreading {
@@ -80,13 +81,13 @@ pub fn diagnose(
     diagnoses
 }
 
-/// Returns the file that was written for a request, if it is small enough to be searched.
+/// Returns the exhibit for a request, or `None` if the file is too large or missing.
 fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Option<Exhibit> {
     let request = suite.cases[place].request();
     let right = written(&request).ok()?;
     let wrong = wrong_file(run.observations[place].as_ref());
     let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
-    let is_small = right.len().max(file.len()) <= MAX_FILE_SIZE;
+    let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
     is_small.then_some(Exhibit {
         request,
         right,
@@ -94,7 +95,7 @@ fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Op
     })
 }
 
-/// Returns the smallest files of failing requests, a few of each format.
+/// Returns the smallest files of failing requests, at most [`SCREENED_FILES`] per format.
 fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
     let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
     smallest.sort_by_key(|exhibit| exhibit.right.len());
@@ -107,8 +108,8 @@ fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a E
     smallest
 }
 
-/// Returns the mistakes that explain failures.
-fn single(
+/// Returns single mistakes that explain failures and that no passing case contradicts.
+fn single_mistakes(
     exhibits: &Exhibits,
     failing: &[usize],
     passing: &[usize],
@@ -119,9 +120,9 @@ fn single(
     let candidate = |i: usize| {
         let mistake = mistakes[i];
         let explains = |one: &Exhibit| explains(&one.request, &one.right, &one.file, mistake.at);
-        // A reader with this misreading misreads the right file, so a writer with it would have written another.
+        // If a reader with this mistake misreads the right file, a writer with the mistake would have written another file.
         let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
-            !SeenFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
+            !MisreadFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
         };
         if !screen.iter().any(|exhibit| explains(exhibit)) {
             return None;
@@ -134,8 +135,8 @@ fn single(
     found.into_iter().flatten().collect()
 }
 
-/// Returns pairs of mistakes that explain the smallest failures.
-fn pairs(
+/// Returns pairs of mistakes that explain the smallest failing files.
+fn mistake_pairs(
     exhibits: &Exhibits,
     failing: &[usize],
     threads: usize,
@@ -166,7 +167,7 @@ fn pairs(
         .collect()
 }
 
-/// Describes the failures that no mistake of the catalog explains, by the clause of their first difference.
+/// Describes the failures that no mistake of the catalog explains, grouped by the clause of the first difference.
 pub(super) fn describe_differences<C>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -187,7 +188,7 @@ where
         .map(|(clause, faults)| {
             let (place, fault) = faults[0];
             let example = format!("for example {}: {fault}", suite.cases[place].id());
-            let cause = describe(clause, words_of(clause, fault), example);
+            let cause = describe(clause, effect_and_fix(clause, fault), example);
             Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
         })
         .collect();
@@ -195,7 +196,7 @@ where
     diagnoses
 }
 
-/// Returns a cause in words: an effect and its fix.
+/// Creates a described cause from an effect and a fix.
 pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: String) -> Cause<A> {
     Cause::Described {
         category: Category::Difference,
@@ -207,8 +208,8 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
-/// Returns the behavior of a writer whose files differ in this clause, and a fix.
-fn words_of(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
+/// Returns the effect and the fix for files that differ in the given clause.
+fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = match fault.says.starts_with("the reference refuses") {
         true => "refused",
         false => clause,

@@ -1,13 +1,13 @@
-//! The fault of a written file.
+//! Faults of written files.
 
 use std::fmt;
 
-/// The fault of a file.
+/// Fault of a written file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriterFault {
-    /// The clause that it is about.
+    /// Clause that the file violates.
     pub clause: String,
-    /// The difference, in words.
+    /// Description of the difference.
     pub says: String,
 }
 

@@ -1,7 +1,7 @@
-//! Comparison of a file with the requested values.
+//! Comparison of a written file with the requested values.
 //!
-//! The reference must decode the file. Header and planes must be those of the request; planes of lossy formats have a tolerance
-//! that depends on the quality. `lint` must find no error.
+//! The reference must be able to decode the file, and `lint` must find no error. Header and planes must equal the request.
+//! For planes of lossy formats, the tolerance depends on the quality.
 
 use std::fmt::Write;
 
@@ -15,13 +15,13 @@ use crate::tools::lint::lint;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// The relative tolerance of a number in the header: one rounding to `f32`.
+/// Relative tolerance of a number in the header, which allows one rounding to `f32`.
 pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 
 /// Judges the file that was written for `request`.
 ///
 /// # Errors
-/// The fault of the file.
+/// Returns the fault of the file.
 pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     let dissection = Dissection::parse(file);
     let ptm = match &dissection.outcome {
@@ -53,7 +53,7 @@ pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     }
 }
 
-/// Returns the reason why the reference refuses a file, and the bytes at that place.
+/// Describes why the reference refuses a file, including the bytes at the error.
 pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
     let from = error.offset().min(file.len());
     let shown = &file[from..file.len().min(from + 16)];
@@ -97,7 +97,7 @@ fn compare_headers(request: &WriteRequest, ptm: &Ptm) -> Result<(), WriterFault>
     }
 }
 
-/// Compares two lists of numbers.
+/// Compares two lists of numbers within [`NUMBER_TOLERANCE`].
 fn compare_numbers(
     clause: &str,
     name: &str,
@@ -156,7 +156,7 @@ fn compare_planes(
         found[first],
         wanted.len()
     );
-    if let Some(at) = byte_of(request, dissection, (x, y), channel) {
+    if let Some(at) = value_offset(request, dissection, (x, y), channel) {
         let byte = dissection.file.get(at).copied().unwrap_or_default();
         let _ = write!(
             says,
@@ -170,8 +170,8 @@ fn compare_planes(
     Err(WriterFault::new(clause, says))
 }
 
-/// Returns the offset of a value in an uncompressed file.
-fn byte_of(
+/// Returns the offset of a value in an uncompressed file, or `None` for other formats.
+fn value_offset(
     request: &WriteRequest,
     dissection: &Dissection,
     (x, y): (usize, usize),

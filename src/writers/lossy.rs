@@ -1,12 +1,12 @@
 //! Tolerances for the requested planes in lossy formats.
 //!
-//! The error of a coefficient of the cosine transform is at most half its quantization step, and the transform preserves the
-//! sum of squares; so the sum of squared errors of a block of 8 × 8 samples is at most a quarter of the sum of squared steps,
-//! for every encoder. In JPEG-LS, no sample is off by more than NEAR.
+//! In JPEG, the error of a DCT coefficient is at most half its quantization step, and the transform preserves the sum of
+//! squares. The sum of squared errors of a block is therefore at most a quarter of the sum of squared steps, for every
+//! encoder. In JPEG-LS, no sample is off by more than NEAR.
 //!
 //! Format notes
-//! - Residuals wrap around, so errors are counted modulo 256; but a texel that wraps to the other end of
-//!   the range is wrong, and a record of side information must correct it (clause 2.9.8/4).
+//! - Residuals wrap around, so errors are measured modulo 256. A texel that wraps to the other end of the range is
+//!   nevertheless wrong, and a record of side information must correct it (clause 2.9.8/4).
 //! - A corrected texel has exactly the requested value.
 
 use std::collections::HashSet;
@@ -17,21 +17,21 @@ use crate::ptm::channel_name;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// Additional tolerance for each sample: the integer transforms of an encoder and of a decoder.
+/// Additional tolerance per sample for rounding in the integer transforms of encoder and decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;
 
-/// Returns true if the samples are the requested ones, within the loss of the format; side information is not considered.
-pub(super) fn is_within(request: &WriteRequest, decoded: &[u8]) -> bool {
+/// Returns true if the samples equal the requested samples within the loss of the format. Ignores side information.
+pub(super) fn matches_within_loss(request: &WriteRequest, decoded: &[u8]) -> bool {
     match request.is_lossy() {
         true => check(request, decoded, |_| &[]).is_ok(),
         false => decoded == request.samples,
     }
 }
 
-/// Compares all planes with the requested ones; `side` returns their side information.
+/// Compares all planes with the requested planes. `side` returns the side information of a plane.
 ///
 /// # Errors
-/// The first fault.
+/// Returns the first fault.
 pub(super) fn check<'a>(
     request: &WriteRequest,
     decoded: &[u8],
@@ -39,7 +39,7 @@ pub(super) fn check<'a>(
 ) -> Result<(), WriterFault> {
     (0..request.format.channels()).try_for_each(|plane| {
         let lossy = LossyPlane::new(request, plane, decoded, side(plane));
-        lossy.check_ends()?;
+        lossy.check_wraparound()?;
         match request.header.quality {
             Some(quality) => lossy.check_blocks(quality),
             None => lossy.check_near(request.header.near.unwrap_or_default()),
@@ -47,7 +47,7 @@ pub(super) fn check<'a>(
     })
 }
 
-/// Returns the samples of a plane in the stored raster, the bottom row first.
+/// Returns the samples of a plane in stored order, bottom row first.
 fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8> {
     let channels = request.format.channels();
     let row = request.header.width as usize * channels;
@@ -57,15 +57,15 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
         .collect()
 }
 
-/// A plane of a lossy file.
+/// Plane of a lossy file.
 struct LossyPlane<'a> {
     request: &'a WriteRequest,
     plane: usize,
-    /// The requested samples, in the stored raster.
+    /// Requested samples, in stored order.
     wanted: Vec<u8>,
-    /// The samples that the reference decodes.
+    /// Samples that the reference decodes, in stored order.
     found: Vec<u8>,
-    /// Texels that have a record.
+    /// Indices of texels that have a record of side information.
     corrected: HashSet<usize>,
 }
 
@@ -77,36 +77,36 @@ impl<'a> LossyPlane<'a> {
             plane,
             wanted: stored_plane(request, &request.samples, plane),
             found: stored_plane(request, decoded, plane),
-            corrected: records.iter().map(|&(place, _)| place as usize).collect(),
+            corrected: records.iter().map(|&(index, _)| index as usize).collect(),
         }
     }
 
-    /// Checks that corrected texels are right, and that no other is at the wrong end of the range.
-    fn check_ends(&self) -> Result<(), WriterFault> {
+    /// Checks that corrected texels are right, and that no other texel wraps to the wrong end of the range.
+    fn check_wraparound(&self) -> Result<(), WriterFault> {
         let pairs = self.wanted.iter().zip(&self.found).enumerate();
-        for (place, (&wanted, &found)) in pairs {
-            if self.corrected.contains(&place) && wanted != found {
+        for (index, (&wanted, &found)) in pairs {
+            if self.corrected.contains(&index) && wanted != found {
                 let why = "its record of side information has another value";
-                return Err(self.fault("2.9.8/8", place, why));
+                return Err(self.fault("2.9.8/8", index, why));
             }
             if wanted.abs_diff(found) > 128 {
                 let why =
                     "the loss makes it wrap around, and no record of side information corrects it";
-                return Err(self.fault("2.9.8/4", place, why));
+                return Err(self.fault("2.9.8/4", index, why));
             }
         }
         Ok(())
     }
 
-    /// Checks in JPEG-LS that no sample is off by more than `near`.
+    /// Checks that no sample of a JPEG-LS plane is off by more than `near`.
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
         let mut pairs = self.wanted.iter().zip(&self.found);
-        let place = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
+        let index = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
         let why = format!("a loss of at most {near} was requested");
-        place.map_or(Ok(()), |place| Err(self.fault("2.9.1/1", place, &why)))
+        index.map_or(Ok(()), |index| Err(self.fault("2.9.1/1", index, &why)))
     }
 
-    /// Checks in JPEG that no block is off by more than the quantization steps of `quality` allow.
+    /// Checks that no block of a JPEG plane is off by more than the quantization steps of `quality` allow.
     fn check_blocks(&self, quality: u8) -> Result<(), WriterFault> {
         let steps = scaled_steps(quality, false).map(f64::from);
         let of_steps = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
@@ -115,27 +115,27 @@ impl<'a> LossyPlane<'a> {
         let columns = width.div_ceil(8);
         let rows = (self.request.header.height as usize).div_ceil(8);
         let mut lost = vec![0.0; columns * rows];
-        for (place, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
-            let block = place / width / 8 * columns + place % width / 8;
+        for (index, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
+            let block = index / width / 8 * columns + index % width / 8;
             lost[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
         let Some(block) = lost.iter().position(|&lost| lost > allowed) else {
             return Ok(());
         };
-        let place = block / columns * 8 * width + block % columns * 8;
+        let index = block / columns * 8 * width + block % columns * 8;
         let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
         let why = format!(
             "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
         );
-        Err(self.fault("2.9.1/1", place, &why))
+        Err(self.fault("2.9.1/1", index, &why))
     }
 
-    /// Returns a fault at a place of the stored raster.
-    fn fault(&self, clause: &str, place: usize, why: &str) -> WriterFault {
+    /// Creates a fault at an index in stored order.
+    fn fault(&self, clause: &str, index: usize, why: &str) -> WriterFault {
         let width = self.request.header.width as usize;
         let height = self.request.header.height as usize;
-        let (x, y) = (place % width, height - 1 - place / width);
-        let (wanted, found) = (self.wanted[place], self.found[place]);
+        let (x, y) = (index % width, height - 1 - index / width);
+        let (wanted, found) = (self.wanted[index], self.found[index]);
         let name = channel_name(self.request.format.channels(), self.plane);
         WriterFault::new(
             clause,

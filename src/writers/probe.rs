@@ -1,4 +1,4 @@
-//! Guides the author of a writer through the protocol: one request for each format, and the faults of each file.
+//! Checklist for authors of writers: one request per format, and the fault of each file.
 
 use crate::kit::last_message::last_message;
 use crate::misreadings::writing;
@@ -14,10 +14,10 @@ use crate::writers::reference::written;
 use crate::writers::seen::explains;
 use crate::writers::test_case::WrittenFile;
 
-/// Takes all steps with `writer`.
+/// Runs all steps of the checklist with `writer`.
 ///
 /// # Errors
-/// The error in the requests.
+/// Returns an error if the embedded requests cannot be loaded.
 pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::load_writer_requests()?;
     let mut list = Checklist::default();
@@ -27,15 +27,15 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
         match &reply.answer {
             Answer::Decoded(file) => {
                 list.answers = true;
-                look_at(&mut list, case, file);
+                check_file(&mut list, case, file);
             }
             Answer::Unsupported => list.add_absent(format!("it does not write {format}: 69")),
             _ => {
-                let (says, next) = explain(&reply);
+                let (says, next) = explain_answer(&reply);
                 list.add_bad(format!("{format}: {says}"), next);
             }
         }
-        // A program that cannot be started, or never ends, does so for every format.
+        // A program that cannot be started or that hangs does so for every format.
         if matches!(reply.answer, Answer::NotStarted(_) | Answer::Hung(_)) {
             return Ok(list);
         }
@@ -47,8 +47,8 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     Ok(list)
 }
 
-/// Reports that a file is right, or its fault and the mistake that explains it.
-fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
+/// Adds a step to the checklist: the file is right, or has a fault with a likely cause.
+fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     let (request, format) = (case.request(), case.format().short_name());
     let fault = match judge(&request, &file.0) {
         Ok(()) => return list.add_good(format!("{format}: the file has the values")),
@@ -66,8 +66,8 @@ fn look_at(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     list.add_bad(format!("{format}: {fault}"), next);
 }
 
-/// Explains an answer that is not a file, with a fix.
-fn explain(reply: &Reply<WrittenFile>) -> (String, &'static str) {
+/// Explains an answer that is not a file, and suggests a fix.
+fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
     let next = match &reply.answer {
         Answer::ProtocolError(_) if reply.stdout.starts_with(b"PTM_1.") => {
             "write to the file OUT, not to standard output"

@@ -1,42 +1,47 @@
-//! The reference as a writer: the generator's file for a request, in the spelling that every known reader accepts.
+//! Reference writer: generates the file for a request, in the spelling that every known reader accepts.
 
 use crate::generate::plan::{Compression, Residuals};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::Format;
 use crate::writers::request::WriteRequest;
 
-/// The reason why a file was not written.
+/// Reason why a file was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotWritten {
-    /// No file can hold these values: exit status 65.
+    /// No file can represent these values; exit status 65.
     Impossible(String),
-    /// The reference does not write such a file: exit status 69.
+    /// The reference does not support such a file; exit status 69.
     Unsupported(String),
 }
 
-/// Returns the file that the reference writes.
+/// Writes the file for a request.
 ///
 /// # Errors
-/// The reason why there is none.
+/// Returns the reason why the file cannot be written.
 pub fn written(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
     let recipe = recipe(request)?;
     let model = Model::new(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
     Ok(write(&recipe, &model).bytes)
 }
 
-/// Returns the recipe for the generator.
+/// Converts a request to a recipe for the generator.
 ///
 /// # Errors
-/// The reason why the reference does not write such a file.
+/// Returns the reason why the reference does not support such a file.
 pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     let WriteRequest { header, format, .. } = request;
     let mut recipe = Recipe::ordinary(*format, request.size());
     let numbers = "numbers were written";
-    recipe.scale = header.scale.map(decimal).join(" ").parse().expect(numbers);
+    recipe.scale = header
+        .scale
+        .map(format_decimal)
+        .join(" ")
+        .parse()
+        .expect(numbers);
     let bias = header.bias.map(|bias| bias.to_string());
     recipe.bias = bias.join(" ").parse().expect(numbers);
     if let Some(matrix) = header.matrix {
-        recipe.matrix = matrix.map(decimal).join(" ").parse().expect(numbers);
+        recipe.matrix = matrix.map(format_decimal).join(" ").parse().expect(numbers);
     }
     if format.coding().is_some() {
         recipe.compression = compression(request, *format)?;
@@ -65,8 +70,8 @@ fn compression(request: &WriteRequest, format: Format) -> Result<Compression, No
     Ok(plan)
 }
 
-/// Returns a number with all its digits, without an exponent if that is readable.
-fn decimal(number: f64) -> String {
+/// Formats a number with all significant digits, without an exponent if the result is readable.
+fn format_decimal(number: f64) -> String {
     match number.abs() {
         0.0 | 1e-20..1e20 => number.to_string(),
         _ => format!("{number:e}"),

@@ -1,4 +1,4 @@
-//! The part of the writer suite that only reports need.
+//! Parts of the writer suite that only reports need.
 
 use maud::{Markup, html};
 
@@ -15,13 +15,13 @@ use crate::writers::cases::WriterCase;
 use crate::writers::diagnose::diagnose;
 use crate::writers::test_case::wrong_file;
 
-/// Maximum number of bytes of a wrong file that a page shows.
-const MAX_SHOWN: usize = 512;
+/// Maximum number of bytes of a wrong file that a page displays.
+const MAX_DISPLAYED_BYTES: usize = 512;
 
 impl Reported for WriterCase {
     const SUITE: SuiteName = SuiteName::Writers;
 
-    type Place = &'static Misreading;
+    type MisreadingPoint = &'static Misreading;
 
     fn suite() -> Result<Suite<WriterCase>, String> {
         Suite::load_writer_requests()
@@ -41,8 +41,8 @@ impl Reported for WriterCase {
             p.label { "The request" }
             pre.bytes tabindex="0" { (self.request().header.to_json()) }
             @if let Some(file) = file {
-                p.label { "The file, " (file.len()) " bytes" @if file.len() > MAX_SHOWN { ", its beginning" } }
-                pre.bytes tabindex="0" { (file[..file.len().min(MAX_SHOWN)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+                p.label { "The file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { ", its beginning" } }
+                pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
                 (download(&format!("{}.ptm", self.id), file))
             }
             @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }

@@ -1,4 +1,4 @@
-//! Requests to a writer: the values of a header in JSON, and the planes in a separate NumPy array.
+//! Requests to a writer: header values in JSON, and the planes in a separate NumPy array.
 //!
 //! ```json
 //! {
@@ -9,11 +9,11 @@
 //! }
 //! ```
 //!
-//! - `matrix`: sixteen numbers in the order of the file, for LUM only.
-//! - `quality`: for JPEG formats, 20 to 100. `near`: for JPEG-LS formats, the maximum error, 0 for lossless.
-//! - `prediction`: a prediction of planes from each other that a writer may use: five lists with a number for each
-//!   plane, `references`, `order`, `transforms`, `motion_x`, `motion_y`, with the meanings of 2.9.2 to 2.9.5.
-//! - `planes`: the stored values, height × width × channels, u8, the top row first.
+//! - `matrix`: sixteen numbers in file order, for LUM only.
+//! - `quality`: 20 to 100, for JPEG formats. `near`: maximum error, 0 for lossless, for JPEG-LS formats.
+//! - `prediction`: an optional prediction between planes that a writer may use. It consists of five lists with a number per
+//!   plane, `references`, `order`, `transforms`, `motion_x` and `motion_y`, with the meanings of 2.9.2 to 2.9.5.
+//! - `planes`: path of the stored values, height × width × channels, u8, top row first.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,60 +22,60 @@ use crate::protocol::npy;
 use crate::ptm::{Coding, ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
 use crate::tools::export::npy_bytes;
 
-/// A request to write a file.
+/// Request to write a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WriteRequest {
-    /// The values of the header.
+    /// Header values.
     pub header: RequestHeader,
-    /// The format, as `header` names it.
+    /// Format that `header` names.
     pub format: Format,
-    /// `height * width * channels` stored values, texel after texel, top row first.
+    /// Stored values, `height * width * channels`, interleaved, top row first.
     pub samples: Vec<u8>,
 }
 
-/// The JSON of a request: everything except the planes.
+/// JSON part of a request: everything except the planes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RequestHeader {
-    /// The name in 2.2.
+    /// Format name from 2.2.
     pub format: String,
-    /// Number of texels in a row.
+    /// Number of texels per row.
     pub width: u32,
     /// Number of rows.
     pub height: u32,
-    /// The six scales of 2.4.
+    /// Six scales (2.4).
     pub scale: [f64; 6],
-    /// The six biases of 2.4.
+    /// Six biases (2.4).
     pub bias: [i64; 6],
-    /// The matrix of 2.6, in the order of the file.
+    /// Color matrix (2.6), in file order.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub matrix: Option<[f64; 16]>,
-    /// The quality of JPEG planes (2.9.1).
+    /// Quality of JPEG planes (2.9.1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub quality: Option<u8>,
-    /// The maximum error of JPEG-LS planes (2.9.1).
+    /// Maximum error of JPEG-LS planes (2.9.1).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near: Option<u8>,
-    /// A possible prediction of planes.
+    /// Suggested prediction between planes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prediction: Option<PredictionAdvice>,
-    /// The path of the planes.
+    /// Path of the planes.
     pub planes: String,
 }
 
-/// A possible prediction of planes from each other; every list has a number for each plane.
+/// Suggested prediction between planes. Every list contains one number per plane.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PredictionAdvice {
-    /// The reference of each plane, −1 for none (2.9.5).
+    /// Reference of each plane, −1 for none (2.9.5).
     pub references: Vec<i64>,
-    /// The rank of each plane (2.9.4).
+    /// Rank of each plane (2.9.4).
     pub order: Vec<i64>,
-    /// The transform of the reference (2.9.2).
+    /// Transform of the reference of each plane (2.9.2).
     pub transforms: Vec<u32>,
-    /// Motion along rows, in half texels (2.9.3).
+    /// Horizontal motion in half texels (2.9.3).
     pub motion_x: Vec<i32>,
-    /// Motion across rows, in half texels.
+    /// Vertical motion in half texels (2.9.3).
     pub motion_y: Vec<i32>,
 }
 
@@ -83,12 +83,12 @@ impl RequestHeader {
     /// Reads the JSON of a request.
     ///
     /// # Errors
-    /// A sentence that names the error.
+    /// Returns a message that describes the error.
     pub fn read(json: &[u8]) -> Result<RequestHeader, String> {
         serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))
     }
 
-    /// Returns the JSON, one line for each key.
+    /// Serializes the header as indented JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
         let text =
@@ -96,10 +96,10 @@ impl RequestHeader {
         text + "\n"
     }
 
-    /// Joins the header with the planes of `array`, a NumPy file.
+    /// Combines the header with planes from a NumPy file.
     ///
     /// # Errors
-    /// A sentence that names the part of the array or of the header that does not fit the format.
+    /// Returns a message if the array or the header does not fit the format.
     pub fn with_planes(self, array: &[u8]) -> Result<WriteRequest, String> {
         let format: Format = self.format.parse()?;
         let frame =
@@ -119,12 +119,12 @@ impl RequestHeader {
             format,
             samples,
         }
-        .checked()
+        .validate()
     }
 }
 
-/// Returns the map with these values. A matrix makes it a LUM map.
-pub(super) fn map_of(
+/// Creates a map from its values. LUM maps need a matrix.
+pub(super) fn new_map(
     format: Format,
     size: Size,
     scale_bias: ScaleBias,
@@ -149,7 +149,7 @@ pub(super) fn map_of(
 }
 
 impl WriteRequest {
-    /// Returns the values of an uncompressed map.
+    /// Creates a request for the values of an uncompressed map.
     #[must_use]
     pub fn from_ptm(ptm: &Ptm) -> WriteRequest {
         let Header {
@@ -179,7 +179,7 @@ impl WriteRequest {
         }
     }
 
-    /// Returns width and height.
+    /// Returns the width and height.
     #[must_use]
     pub fn size(&self) -> Size {
         Size {
@@ -188,14 +188,14 @@ impl WriteRequest {
         }
     }
 
-    /// Returns the planes as a NumPy file.
+    /// Encodes the planes as a NumPy file.
     #[must_use]
-    pub fn array(&self) -> Vec<u8> {
+    pub fn to_npy(&self) -> Vec<u8> {
         npy_bytes(&self.samples, self.size(), self.format.channels())
     }
 
-    /// Returns the request, if a file of its format has all values that it names and no others.
-    fn checked(self) -> Result<WriteRequest, String> {
+    /// Returns the request if it contains exactly the values that its format needs.
+    fn validate(self) -> Result<WriteRequest, String> {
         let (format, header) = (self.format, &self.header);
         let has = |coding| format.coding() == Some(coding);
         let needs = [

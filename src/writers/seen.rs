@@ -1,7 +1,7 @@
-//! A file as a reader with mistakes reads it, compared with the requested values.
+//! Comparison of requested values with a file as seen by a reader with mistakes.
 //!
-//! A writer misreads a clause in the same way as a reader. Either only such a reader gets the right values from its file, or
-//! the file has the values that such a reader gets from the right one.
+//! A writer can misread a clause in the same way as a reader. Then either only such a reader gets the right values from the
+//! file, or the file has the values that such a reader gets from the right file.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
@@ -12,10 +12,10 @@ use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
 use crate::writers::judge::is_same_number;
-use crate::writers::lossy::is_within;
-use crate::writers::request::{WriteRequest, map_of};
+use crate::writers::lossy::matches_within_loss;
+use crate::writers::request::{WriteRequest, new_map};
 
-/// Colors under these lights differ if any coefficient differs.
+/// Views whose colors differ if any coefficient differs.
 const LIGHTS: [&str; 4] = [
     "rgb:0.3125,-0.4375",
     "rgb:0,0",
@@ -23,62 +23,68 @@ const LIGHTS: [&str; 4] = [
     "rgb:0.125,0.75",
 ];
 
-/// A file as a reader sees it.
-pub(super) struct SeenFile {
+/// File as seen by a reader with mistakes.
+pub(super) struct MisreadFile {
     reading: Reading,
     edits: Vec<&'static Edit>,
-    /// The last stage at which the reader's mistakes act.
+    /// Last stage at which a mistake of the reader takes effect.
     stage: Stage,
     ptm: Ptm,
 }
 
-/// Returns true if a writer with this mistake would have written `file`. `right` is the reference's file.
+/// Returns true if a writer with this mistake would write `file`. `right` is the file of the reference.
 pub(super) fn explains(
     request: &WriteRequest,
     right: &[u8],
     file: &[u8],
     mistake: &Misreading,
 ) -> bool {
-    is_right_under(request, file, &[mistake]) || is_lost(right, file, mistake)
+    is_right_under(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader with these mistakes, and only such a reader, has the right values of `file`.
+/// Returns true if a reader with these mistakes, and only such a reader, gets the right values from `file`.
 pub(super) fn is_right_under(
     request: &WriteRequest,
     file: &[u8],
     mistakes: &[&Misreading],
 ) -> bool {
-    tells(file, mistakes, |seen| seen.is_right(request))
+    requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` has the values that a reader with this mistake, and only such a reader, gets from the right file.
-fn is_lost(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
-    if let Some(seen) = edited(right, mistake)
+/// Returns true if `file` contains the values that a reader with this mistake, and only such a reader, gets from the right
+/// file.
+fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
+    if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)
         && payload(&seen) == payload(file)
     {
-        // The payload is wrong, unless the header ends before the last bias.
+        // The payload is misplaced only if the header is complete up to the last bias.
         let (fields, _) = fields(file);
         let biases = fields.iter().filter(|field| field.clause == "2.4/4");
         return biases.count() == 6;
     }
-    // A decoding mistake gives the same values when it is repeated as when it is undone.
+    // For a decoding mistake, applying it twice is the same as undoing it.
     mistake.at.stage() != Stage::Decoding
-        && tells(right, &[mistake], |seen| seen.is_written_as_seen(file))
+        && requires_mistakes(right, &[mistake], |seen| seen.is_written_as_seen(file))
 }
 
-/// Returns true if `is_so` holds for a reader with these mistakes and not for one without them.
-fn tells(file: &[u8], mistakes: &[&Misreading], is_so: impl Fn(&SeenFile) -> bool) -> bool {
-    let Some(seen) = SeenFile::new(file, mistakes).filter(&is_so) else {
+/// Returns true if `predicate` is true for a reader with these mistakes and false for a reader without them.
+fn requires_mistakes(
+    file: &[u8],
+    mistakes: &[&Misreading],
+    predicate: impl Fn(&MisreadFile) -> bool,
+) -> bool {
+    let Some(seen) = MisreadFile::new(file, mistakes).filter(&predicate) else {
         return false;
     };
     let stage = seen.stage;
-    let plain = SeenFile::new(file, &[]).map(|plain| SeenFile { stage, ..plain });
-    !plain.as_ref().is_some_and(is_so)
+    let plain = MisreadFile::new(file, &[]).map(|plain| MisreadFile { stage, ..plain });
+    !plain.as_ref().is_some_and(predicate)
 }
 
-/// Returns the bytes that a reader with this mistake sees in place of the file, if the mistake acts on bytes.
-pub(super) fn edited(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
+/// Returns the bytes that a reader with this mistake sees instead of the file. Returns `None` if the mistake does not act
+/// on bytes.
+pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
     let At::Bytes(edit) = mistake.at else {
         return None;
     };
@@ -93,15 +99,15 @@ fn payload(file: &[u8]) -> &[u8] {
     &file[Anatomy::new(file, &Reading::SPEC).payload()..]
 }
 
-impl SeenFile {
-    /// Reads `file` with these mistakes. Returns `None` if such a reader refuses it.
-    pub fn new(file: &[u8], mistakes: &[&Misreading]) -> Option<SeenFile> {
+impl MisreadFile {
+    /// Reads `file` with these mistakes. Returns `None` if such a reader refuses the file.
+    pub fn new(file: &[u8], mistakes: &[&Misreading]) -> Option<MisreadFile> {
         let (mut ptm, reading) = read(mistakes, Reading::SPEC, file).ok()?;
         for edit in plane_edits(mistakes) {
             edit(&mut ptm);
         }
         let stages = mistakes.iter().map(|mistake| mistake.at.stage());
-        Some(SeenFile {
+        Some(MisreadFile {
             reading,
             edits: formula_edits(mistakes),
             stage: stages.max().unwrap_or(Stage::File),
@@ -109,34 +115,36 @@ impl SeenFile {
         })
     }
 
-    /// Returns true if these are the values of `request`: the stored values, or values computed from them if a mistake acts
-    /// later.
+    /// Returns true if the values equal the values of `request`. Compares stored values, or derived values if a mistake
+    /// takes effect later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
-            && is_within(request, &self.ptm.planes.samples)
-            && self.has_numbers_of(&SeenFile::wanted(request), self.stage)
+            && matches_within_loss(request, &self.ptm.planes.samples)
+            && self.has_equal_numbers(&MisreadFile::wanted(request), self.stage)
     }
 
-    /// Returns true if `file`, read without mistakes, has exactly the values that this reader sees.
+    /// Returns true if `file`, read without mistakes, contains exactly the values that this reader sees.
     fn is_written_as_seen(&self, file: &[u8]) -> bool {
-        SeenFile::new(file, &[]).is_some_and(|found| {
+        MisreadFile::new(file, &[]).is_some_and(|found| {
             found.ptm.planes.samples == self.ptm.planes.samples
-                && found.has_numbers_of(self, self.stage)
+                && found.has_equal_numbers(self, self.stage)
         })
     }
 
-    /// Returns true if both have the same size and the same numbers in the header, or the same derived values up to a stage.
-    fn has_numbers_of(&self, other: &SeenFile, stage: Stage) -> bool {
+    /// Returns true if both have the same size and, depending on `stage`, the same header numbers or the same derived
+    /// values.
+    fn has_equal_numbers(&self, other: &MisreadFile, stage: Stage) -> bool {
         self.ptm.header.size == other.ptm.header.size
             && match stage {
-                Stage::Coefficients => self.shows(other, "coef"),
-                Stage::Color => LIGHTS.iter().all(|light| self.shows(other, light)),
-                _ => has_numbers(&self.ptm, &other.ptm),
+                Stage::Coefficients => self.equals_in_view(other, "coef"),
+                Stage::Color => LIGHTS.iter().all(|light| self.equals_in_view(other, light)),
+                _ => equal_header_numbers(&self.ptm, &other.ptm),
             }
     }
 
-    /// Returns the map with the scales and biases by which this reader's final coefficients follow from the raw values.
+    /// Returns the map with effective scales and biases, which relate the raw values to the final coefficients of this
+    /// reader.
     pub fn into_effective_map(self) -> Ptm {
         let mut map = self.ptm;
         if self.stage == Stage::Coefficients {
@@ -155,26 +163,26 @@ impl SeenFile {
         map
     }
 
-    /// Returns the values of a request, as a reader without mistakes has them.
-    pub fn wanted(request: &WriteRequest) -> SeenFile {
+    /// Creates the file that a reader without mistakes should see for a request.
+    pub fn wanted(request: &WriteRequest) -> MisreadFile {
         let (header, size) = (&request.header, request.size());
         let scale_bias = ScaleBias {
             scale: header.scale,
             bias: header.bias.map(|bias| bias as f64),
         };
         let samples = request.samples.clone();
-        SeenFile {
+        MisreadFile {
             reading: Reading::SPEC,
             edits: Vec::new(),
             stage: Stage::File,
-            ptm: map_of(request.format, size, scale_bias, header.matrix, samples),
+            ptm: new_map(request.format, size, scale_bias, header.matrix, samples),
         }
     }
 
-    /// Returns true if both look the same in a view, within the rounding of `f32`.
-    fn shows(&self, other: &SeenFile, view: &str) -> bool {
+    /// Returns true if both give the same values in a view, up to rounding to `f32`.
+    fn equals_in_view(&self, other: &MisreadFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
-        let frame = |of: &SeenFile| {
+        let frame = |of: &MisreadFile| {
             Frame::render_edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples
         };
         match (frame(self), frame(other)) {
@@ -191,8 +199,8 @@ impl SeenFile {
     }
 }
 
-/// Returns true if scales, biases and matrix are equal within the tolerance of the judge.
-fn has_numbers(found: &Ptm, wanted: &Ptm) -> bool {
+/// Returns true if scales, biases and matrix are equal within [`NUMBER_TOLERANCE`](super::judge::NUMBER_TOLERANCE).
+fn equal_header_numbers(found: &Ptm, wanted: &Ptm) -> bool {
     let same = |wanted: &[f64], found: &[f64]| {
         let mut pairs = wanted.iter().zip(found);
         pairs.all(|(wanted, found)| is_same_number(*wanted, *found))

@@ -1,4 +1,4 @@
-//! The suite of requests as a run uses it: the answer to a request is a file.
+//! Test case implementation for requests to writers. The answer to a request is a file.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -17,7 +17,7 @@ use crate::writers::fault::WriterFault;
 use crate::writers::judge::judge;
 use crate::writers::request::WriteRequest;
 
-/// The only view of a writer.
+/// The only view of a writer: `write`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WriteView;
 
@@ -27,18 +27,18 @@ impl fmt::Display for WriteView {
     }
 }
 
-/// The file that a writer wrote.
+/// File that a writer wrote.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenFile(pub Vec<u8>);
 
 impl WrittenFile {
-    /// Returns true if both files decode to the same values, or neither decodes.
-    pub(super) fn has_values_of(&self, other: &WrittenFile) -> bool {
+    /// Returns true if both files decode to the same values, or neither can be decoded.
+    pub(super) fn decodes_equally(&self, other: &WrittenFile) -> bool {
         self == other || decode(&self.0).ok() == decode(&other.0).ok()
     }
 }
 
-/// Returns the file that answers a request, if it is wrong, with its fault.
+/// Returns the wrong file in an observation and its fault, if there is one.
 pub(super) fn wrong_file<C>(observation: Option<&Observation<C>>) -> Option<(&[u8], &WriterFault)>
 where
     C: TestCase<Output = WrittenFile, Difference = WriterFault>,
@@ -67,11 +67,11 @@ impl<'de> Deserialize<'de> for WrittenFile {
     }
 }
 
-/// A request in the form in which it is sent.
+/// Request in the form in which it is sent.
 pub struct BuiltRequest {
-    /// The request.
+    /// Request with all values.
     pub request: WriteRequest,
-    /// Its JSON, in which the path of the planes is still a name in braces.
+    /// JSON of the request, with a placeholder as the path of the planes.
     pub json: Vec<u8>,
 }
 
@@ -144,7 +144,7 @@ impl TestCase for WriterCase {
         &built.json
     }
 
-    /// Twice the size of the planes, plus the largest header.
+    /// Returns twice the size of the planes plus the maximum size of a header.
     fn largest_answer(&self, built: &BuiltRequest) -> usize {
         2 * built.request.samples.len() + 65_536
     }
@@ -167,7 +167,7 @@ impl TestCase for WriterCase {
     }
 
     fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one.has_values_of(other)
+        one.decodes_equally(other)
     }
 
     fn expected_text(&self) -> Option<String> {

@@ -1,6 +1,6 @@
-//! Wrong files for tests: the files of a writer with a misreading.
+//! Generation of wrong files for tests, as written by a writer with a misreading.
 //!
-//! Three rules cover all misreadings; if none makes a file that shows the misreading, there is no such file.
+//! Three rules cover all misreadings. If none produces a file that reveals the misreading, there is no such file.
 //!
 //! - *Lost*: the writer writes the values that a reader with this misreading gets from the right file.
 //! - *Moved*: the writer puts each value where such a reader looks for it.
@@ -10,46 +10,46 @@ use crate::misreadings::Misreading;
 use crate::ptm::Ptm;
 use crate::writers::reference::written;
 use crate::writers::request::{RequestHeader, WriteRequest};
-use crate::writers::seen::{SeenFile, edited, explains};
+use crate::writers::seen::{MisreadFile, edit_bytes, explains};
 
-/// The number of repairs: planes may predict each other in a chain.
+/// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
 const MAX_REPAIRS: usize = 20;
 
-/// The headers from which a repair starts: the right one, and those of a writer who negates biases or divides by scales.
+/// Changes of the header from which repairs start: none, negated biases, and reciprocal scales.
 const STARTING_HEADERS: [fn(&mut RequestHeader); 3] = [
     |_| (),
     |header| header.bias = header.bias.map(|bias| -bias),
     |header| header.scale = header.scale.map(|scale| 1.0 / scale),
 ];
 
-/// Returns the file that a writer with this mistake writes, or `None` if no rule makes one.
+/// Returns the file that a writer with this mistake would write, or `None` if no rule produces one.
 #[must_use]
 pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let right = written(request).ok()?;
-    let lost = || file(&with_values(request, &misread(request, mistake)?));
-    let repaired = |start: &fn(&mut RequestHeader)| repaired(request, *start, mistake);
+    let lost = || reference_file(&with_values(request, &misread(request, mistake)?));
+    let repaired = |start: &fn(&mut RequestHeader)| repair_values(request, *start, mistake);
     let is_right =
-        |file: &[u8]| SeenFile::new(file, &[]).is_some_and(|seen| seen.is_right(request));
+        |file: &[u8]| MisreadFile::new(file, &[]).is_some_and(|seen| seen.is_right(request));
     let shows = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
-    let found = edited(&right, mistake).filter(shows);
+    let found = edit_bytes(&right, mistake).filter(shows);
     let found = found.or_else(|| lost().filter(shows));
-    let found = found.or_else(|| moved(request, mistake).filter(shows));
+    let found = found.or_else(|| move_values(request, mistake).filter(shows));
     found.or_else(|| STARTING_HEADERS.iter().filter_map(repaired).find(shows))
 }
 
-/// Returns the reference's file of a request, if there is one.
-fn file(request: &WriteRequest) -> Option<Vec<u8>> {
+/// Returns the file of the reference for a request, if there is one.
+fn reference_file(request: &WriteRequest) -> Option<Vec<u8>> {
     let is_finite = request.header.scale.iter().all(|scale| scale.is_finite());
     is_finite.then(|| written(request).ok())?
 }
 
-/// Returns the map that a reader with this mistake gets from the reference's file.
+/// Returns the map that a reader with this mistake gets from the file of the reference.
 fn misread(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
-    let map = SeenFile::new(&file(request)?, &[mistake])?.into_effective_map();
+    let map = MisreadFile::new(&reference_file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
 }
 
-/// Returns the request with the numbers and the samples of `map`.
+/// Returns the request with header numbers and samples from `map`.
 fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
     let (values, mut other) = (WriteRequest::from_ptm(map), request.clone());
     other.samples = values.samples;
@@ -58,11 +58,11 @@ fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
     other
 }
 
-/// Returns a file with each value at the place where the reader expects it, if the reader only moves values.
-fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
+/// Returns a file with each value at the position where the reader expects it, if the reader only moves values.
+fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let count = request.samples.len();
     let mut other = request.clone();
-    // Three files of addresses, low bytes first, show the source of each value.
+    // Determine the source of each value with three files that contain the bytes of the addresses.
     let mut from = vec![0; count];
     for shift in [0, 8, 16] {
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
@@ -76,11 +76,11 @@ fn moved(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     for (&from, value) in from.iter().zip(&request.samples) {
         *other.samples.get_mut(from)? = *value;
     }
-    file(&other)
+    reference_file(&other)
 }
 
-/// Returns a file from which the reader gets the right numbers, if repairs lead to one.
-fn repaired(
+/// Repairs a request until the reader gets the right values from its file. Returns `None` if the repairs do not converge.
+fn repair_values(
     request: &WriteRequest,
     start: fn(&mut RequestHeader),
     mistake: &Misreading,
@@ -99,8 +99,8 @@ fn repaired(
             let missing = request.header.bias[i] as f64 - seen.bias[i];
             header.bias[i] = header.bias[i].saturating_add(missing.round() as i64);
         }
-        let file = file(&other)?;
-        if SeenFile::new(&file, &[mistake]).is_some_and(|seen| seen.is_right(request)) {
+        let file = reference_file(&other)?;
+        if MisreadFile::new(&file, &[mistake]).is_some_and(|seen| seen.is_right(request)) {
             return Some(file);
         }
     }

@@ -1,4 +1,4 @@
-//! Runs the program as its users do.
+//! Helpers that run the program from the command line.
 
 use std::fs;
 use std::io::Read;
@@ -14,9 +14,9 @@ use tempfile::TempDir;
 
 pub use crate::table::rows;
 
-/// A temporary directory in which the program runs, so that command lines name files without a path.
+/// Temporary working directory of the program, so that command lines can use file names without a path.
 ///
-/// Command lines are split into words as a shell splits them; they do not name the program itself.
+/// Command lines are split into words like in a shell. They do not include the program itself.
 pub struct Workspace(TempDir);
 
 impl Workspace {
@@ -28,19 +28,19 @@ impl Workspace {
         self.0.path().join(name)
     }
 
-    /// Returns the program with the words of a command line, to be run in this directory.
+    /// Returns a command that runs the program in this directory with the words of a command line.
     pub fn command(&self, line: &str) -> Command {
         let mut command = program();
         command.current_dir(&self.0).args(words(line));
         command
     }
 
-    /// Runs the program; returns its exit status, and standard output followed by standard error.
+    /// Runs the program. Returns the exit status, and standard output followed by standard error.
     pub fn run(&self, line: &str) -> (i32, String) {
         outcome(&self.command(line).output().expect("the program starts"))
     }
 
-    /// Runs the program, which must exit with this status; returns its output.
+    /// Runs the program, asserts its exit status, and returns its output.
     #[track_caller]
     pub fn exits(&self, status: i32, line: &str) -> String {
         let (found, text) = self.run(line);
@@ -48,13 +48,14 @@ impl Workspace {
         text
     }
 
-    /// Runs the program, which must exit with 0; returns its output.
+    /// Runs the program, asserts that it exits with 0, and returns its output.
     #[track_caller]
     pub fn succeeds(&self, line: &str) -> String {
         self.exits(0, line)
     }
 
-    /// Runs the command lines of a table. Each row has the exit status, the command line, and parts of the output.
+    /// Runs the command lines of a table. Each row contains the expected exit status, the command line, and parts of the
+    /// output.
     #[track_caller]
     pub fn assert_lines(&self, table: &str) {
         for [status, line, says] in rows(table) {
@@ -76,7 +77,7 @@ impl Workspace {
         Checked::new(status, text, &self.path("report.yaml"))
     }
 
-    /// Writes a file, and its directory if that is missing.
+    /// Writes a file, and creates its directory if necessary.
     pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         fs::create_dir_all(path.parent().expect("a directory")).expect("a directory");
@@ -84,7 +85,7 @@ impl Workspace {
         path
     }
 
-    /// Writes a file that can be executed.
+    /// Writes an executable file.
     pub fn write_program(&self, name: &str, text: impl AsRef<[u8]>) -> PathBuf {
         let path = self.write(name, text);
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("permissions");
@@ -99,26 +100,26 @@ impl Workspace {
         String::from_utf8(self.read(name)).expect("a text")
     }
 
-    /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, under its last name.
+    /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, to this directory.
     pub fn corpus(&self, file: &str) {
         let name = file.rsplit('/').next().expect("a last part");
         fs::copy(repository(&format!("corpus/{file}")), self.path(name)).expect("a copy");
     }
 }
 
-/// Splits a command line as a shell does.
+/// Splits a command line like a shell.
 pub fn words(line: &str) -> Vec<String> {
     shlex::split(line).unwrap_or_else(|| panic!("quotation marks in {line}"))
 }
 
-/// The exit status of a program, and standard output followed by standard error.
+/// Returns the exit status of a program, and standard output followed by standard error.
 pub fn outcome(output: &Output) -> (i32, String) {
     let text = [&output.stdout[..], &output.stderr].concat();
     let text = String::from_utf8_lossy(&text).into_owned();
     (output.status.code().unwrap_or(-1), text)
 }
 
-/// Runs a command of another program, which must succeed; returns its standard output.
+/// Runs a command of another program, asserts that it succeeds, and returns its standard output.
 #[track_caller]
 pub fn stdout(command: &mut Command) -> String {
     let output = command.output().expect("it starts");
@@ -126,7 +127,7 @@ pub fn stdout(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("a text")
 }
 
-/// Asserts that a text contains each of several parts, which are separated by ` && `.
+/// Asserts that a text contains all given parts, which are separated by ` && `.
 #[track_caller]
 pub fn assert_says(text: &str, parts: &str) {
     for part in parts.split(" && ") {
@@ -134,14 +135,14 @@ pub fn assert_says(text: &str, parts: &str) {
     }
 }
 
-/// Replaces the only occurrence of `find`.
+/// Replaces `find`, which must occur exactly once.
 #[track_caller]
 pub fn edited(text: &str, find: &str, replace: &str) -> String {
     assert_eq!(text.matches(find).count(), 1, "{find}");
     text.replace(find, replace)
 }
 
-/// Waits until a condition holds; returns false if it does not within some seconds.
+/// Waits until a condition is true. Returns false if it is still false after the given number of seconds.
 pub fn eventually(seconds: u64, condition: impl Fn() -> bool) -> bool {
     let deadline = Instant::now() + Duration::from_secs(seconds);
     while !condition() {
@@ -168,7 +169,7 @@ pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> 
     entries.filter_map(process).collect()
 }
 
-/// Returns true if /proc lists processes; says SKIPPED if not.
+/// Returns true if /proc lists processes. Prints SKIPPED if not.
 pub fn have_proc() -> bool {
     let there = Path::new("/proc/self/environ").exists();
     if !there {
@@ -177,13 +178,13 @@ pub fn have_proc() -> bool {
     there
 }
 
-/// The result of a `check`.
+/// Result of a `check`.
 pub struct Checked {
-    /// The exit status.
+    /// Exit status.
     pub status: i32,
-    /// Standard output, then standard error.
+    /// Standard output, followed by standard error.
     pub text: String,
-    /// The report, or null if there is none.
+    /// Report, or null if there is none.
     pub report: Value,
 }
 
@@ -198,20 +199,20 @@ impl Checked {
         }
     }
 
-    /// Asserts the exit status, and that the output contains parts separated by ` && `.
+    /// Asserts the exit status, and that the output contains all parts, which are separated by ` && `.
     #[track_caller]
     pub fn ends(&self, status: i32, parts: &str) {
         assert_eq!(self.status, status, "{}", self.text);
         assert_says(&self.text, parts);
     }
 
-    /// Returns the report's entry about a case, or null.
+    /// Returns the entry of the report for a case, or null.
     pub fn case(&self, id: &str) -> &Value {
         let mut cases = self.report["cases"].as_array().into_iter().flatten();
         cases.find(|case| case["id"] == id).unwrap_or(&Value::Null)
     }
 
-    /// Returns the ids of the cases with this outcome.
+    /// Returns the ids of the cases with the given outcome.
     pub fn cases(&self, outcome: &str) -> Vec<String> {
         let cases = self.report["cases"].as_array().into_iter().flatten();
         let with = cases.filter(|case| case["outcome"] == outcome);
@@ -219,7 +220,7 @@ impl Checked {
             .collect()
     }
 
-    /// Returns the misreadings that are named or would look the same, the most telling first.
+    /// Returns the diagnosed misreadings and their equivalents, most important first.
     pub fn diagnoses(&self) -> Vec<String> {
         let causes = self.report["diagnoses"].as_array().into_iter().flatten();
         let slugs = causes.flat_map(|cause| {
@@ -232,12 +233,12 @@ impl Checked {
     }
 }
 
-/// The program under test.
+/// Returns a command for the program under test.
 pub fn program() -> Command {
     Command::new(PROGRAM)
 }
 
-/// The path of the program under test.
+/// Path of the program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_ptm-conform");
 
 /// Runs `check` with the rest of a command line in a new workspace.
@@ -250,8 +251,8 @@ pub fn check_writer(line: &str) -> Checked {
     Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` with the report `report`; returns its peak memory in KiB too, or 0 without /proc.
-pub fn measured(mut command: Command, report: &Path) -> (Checked, u64) {
+/// Runs a `check` with the report `report`. Also returns the peak memory in KiB, or 0 without /proc.
+pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
     let mut child = command
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -289,9 +290,9 @@ fn read_in_background(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8
     })
 }
 
-/// Asserts that a value conforms to a schema of `spec-cases/schema`.
+/// Asserts that a value conforms to a schema in `spec-cases/schema`.
 #[track_caller]
-pub fn conforms(value: &Value, schema: &str) {
+pub fn assert_conforms(value: &Value, schema: &str) {
     let text = repository_text(&format!("spec-cases/schema/{schema}.schema.json"));
     let schema = serde_json::from_str(&text).expect("a schema is JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema is a schema");
@@ -302,11 +303,11 @@ pub fn conforms(value: &Value, schema: &str) {
     assert!(errors.is_empty(), "{errors:#?}");
 }
 
-/// Keeps processors busy as long as it lives.
+/// Keeps processors busy until it is dropped.
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// Keeps this many processors busy.
+    /// Starts to keep the given number of processors busy.
     pub fn new(processors: usize) -> Load {
         let busy = |_| {
             let mut shell = Command::new("sh");
@@ -325,35 +326,35 @@ impl Drop for Load {
     }
 }
 
-/// Returns the command line of a program from the zoo of wrong decoders.
+/// Returns the command line of a decoder from the zoo of wrong decoders.
 pub fn zoo(kind: &str) -> String {
     let directory = Path::new(PROGRAM).parent().expect("a directory");
     format!("{}/examples/zoo {kind}", directory.display())
 }
 
-/// Returns the command line of an example in Python, such as `decoders/ptm_decoder.py`.
+/// Returns the command line of a Python example, such as `decoders/ptm_decoder.py`.
 pub fn python_example(name: &str) -> String {
     format!("python3 {}", repository(&format!("examples/{name}")))
 }
 
-/// Returns the absolute path of a file of the repository.
+/// Returns the absolute path of a file in the repository.
 pub fn repository(path: &str) -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     root.join(path).to_string_lossy().into_owned()
 }
 
-/// Reads a text of the repository.
+/// Reads a text file of the repository.
 pub fn repository_text(path: &str) -> String {
     fs::read_to_string(repository(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// Returns true if a program can be started; says SKIPPED if not.
+/// Returns true if a program can be started. Prints SKIPPED if not.
 pub fn have(program: &str) -> bool {
     let there = Command::new(program).arg("--version").output().is_ok();
     there || skipped(&format!("{program} is not there"))
 }
 
-/// Returns true if the compiler has the libraries of a target; says SKIPPED if not.
+/// Returns true if the standard library is installed for a compiler target. Prints SKIPPED if not.
 pub fn have_target(target: &str) -> bool {
     let libraries = Command::new("rustc")
         .args(["--print", "target-libdir", "--target", target])
@@ -362,7 +363,7 @@ pub fn have_target(target: &str) -> bool {
         || skipped(&format!("rustc has no {target}"))
 }
 
-/// Returns true if python3 has these packages; says SKIPPED if not.
+/// Returns true if the packages are installed for python3. Prints SKIPPED if not.
 pub fn have_python(packages: &[&str]) -> bool {
     let imports = packages.join(", ");
     let imported = Command::new("python3")
@@ -372,8 +373,8 @@ pub fn have_python(packages: &[&str]) -> bool {
         || skipped(&format!("python3 with {imports} is not there"))
 }
 
-/// Says why a test does nothing, and returns false. A skip is a failure if `PTM_CONFORM_SKIP_NOTHING` is set, as where
-/// everything is installed.
+/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set, because then everything
+/// should be installed.
 fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(

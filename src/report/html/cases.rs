@@ -1,4 +1,4 @@
-//! Failing cases, grouped by cause, each with its evidence.
+//! Failing cases with their evidence, grouped by cause.
 
 use std::collections::HashMap;
 
@@ -14,15 +14,15 @@ use crate::suite::cases::Suite;
 use crate::suite::name::SuiteName;
 
 /// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
-/// error. Evidence that does not fit is left out, and the page says so.
-pub const MAX_EVIDENCE: usize = 3_500_000;
+/// error. Evidence that does not fit is omitted, and the page mentions the omission.
+pub const MAX_EVIDENCE_BYTES: usize = 3_500_000;
 
-/// Number of cases of a group that are visible initially.
+/// Number of cases per group that are initially visible.
 const INITIALLY_VISIBLE_CASES: usize = 12;
 
-/// Failing cases with the cause that explains them; unexplained ones are last.
+/// Failing cases that share a cause, or all failing cases without a cause.
 pub(super) struct Group<'a> {
-    /// The suite.
+    /// Suite of the cases.
     pub suite: SuiteName,
     pub cause: Option<&'a LikelyCause>,
     pub cases: Vec<&'a CaseResult>,
@@ -36,7 +36,7 @@ impl Group<'_> {
         }
     }
 
-    /// Returns the anchor of its cases on the page.
+    /// Returns the HTML anchor of this group.
     pub(super) fn anchor(&self) -> String {
         match self.cause {
             // Two causes of one kind may misread different clauses.
@@ -46,7 +46,7 @@ impl Group<'_> {
     }
 }
 
-/// Returns the failing cases of a report by cause.
+/// Groups the failing cases of a report by cause. The unexplained cases come last.
 pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     let mut groups = Vec::new();
     for cause in report.diagnoses.iter().map(Some).chain([None]) {
@@ -65,7 +65,8 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     groups
 }
 
-/// Returns the evidence of each failing case, within the allowance: the first case of every group, then the second.
+/// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
+/// second of every group, and so on.
 pub(super) fn evidence<'a, C: Reported>(
     suite: &Suite<C>,
     run: Option<&Run<C>>,
@@ -81,7 +82,7 @@ pub(super) fn evidence<'a, C: Reported>(
     let longest = groups.iter().map(|group| group.cases.len()).max();
     let in_turn = (0..longest.unwrap_or_default())
         .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
-    let mut left = MAX_EVIDENCE;
+    let mut left = MAX_EVIDENCE_BYTES;
     let mut evidence = HashMap::new();
     for case in in_turn {
         let Some((known, Some(observation))) = observed.get(case.id.as_str()) else {
@@ -97,12 +98,12 @@ pub(super) fn evidence<'a, C: Reported>(
     evidence
 }
 
-/// Returns the section of failing cases, and the filter over all cases.
+/// Renders the section of failing cases and the filter for all cases.
 pub(super) fn failures<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
     groups: &[Group],
-    pictures: bool,
+    has_images: bool,
     evidence: &HashMap<&str, Markup>,
 ) -> Markup {
     let card = |case: &CaseResult, open: bool| {
@@ -119,12 +120,12 @@ pub(super) fn failures<C: Reported>(
                 button #open type="button" { "Open all" }
                 button #close type="button" { "Close all" }
             }
-            @if failures > 0 && !pictures {
+            @if failures > 0 && !has_images {
                 p.note { "This page was made from a report in YAML, which contains no images. Use “ptm-conform check --html” for a page with images." }
             } @else if evidence.len() < failures {
                 p.note {
                     "Images and bytes are shown for " (evidence.len()) " of " (failures)
-                    " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE / 1000) " kB of them."
+                    " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
@@ -146,7 +147,7 @@ pub(super) fn failures<C: Reported>(
     }
 }
 
-/// Returns the card of a failing case.
+/// Renders the card of a failing case.
 fn card<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
@@ -155,7 +156,7 @@ fn card<C: Reported>(
     open: bool,
 ) -> Markup {
     let says = &case.says;
-    // The end of a difference says which part of the image it affects; the evidence shows the texel.
+    // The last part of the message names the affected part of the image; the evidence contains the texel.
     let short = says.rsplit("; ").next().unwrap_or_default();
     let long = match (evidence, says.split_once("texel (")) {
         (Some(_), Some((before, _))) => format!("{before}{short}"),
@@ -191,14 +192,14 @@ fn card<C: Reported>(
     }
 }
 
-/// Returns clauses with links to the site.
+/// Renders clause ids as links to the site.
 fn clauses(suite: SuiteName, ids: &[String]) -> Markup {
     html! {
         @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (linked(suite.clause_page(id), &html! { (id) })) }
     }
 }
 
-/// Returns the command that requests only this case, with the decoder's words quoted for a shell.
+/// Returns the command that repeats a single case, with the decoder command quoted for a shell.
 fn repeat_command(report: &Report, id: &str) -> String {
     let command = &report.decoder.command;
     let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);

@@ -1,4 +1,4 @@
-//! Every clause of the text, colored by the results of the run.
+//! Map of all clauses of the specification, colored by the results of the run.
 
 use std::collections::BTreeMap;
 
@@ -10,19 +10,19 @@ use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus};
 use crate::suite::name::SuiteName;
 
-/// The results of a run for a clause.
+/// Results of a run for one clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct ClauseTally {
-    /// Its cases that passed.
+    /// Number of cases that passed.
     pub passed: usize,
-    /// Its cases that failed.
+    /// Number of cases that failed.
     pub failed: usize,
-    /// Its cases without evidence: unsupported, inconclusive, not judged, not run.
+    /// Number of cases without evidence: unsupported, inconclusive, not judged or not run.
     pub open: usize,
 }
 
 impl ClauseTally {
-    /// Counts the results for each clause that a case of `report` tests.
+    /// Counts the results of `report` by clause.
     pub(super) fn count(report: &Report) -> BTreeMap<&str, ClauseTally> {
         let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
         for case in &report.cases {
@@ -38,7 +38,7 @@ impl ClauseTally {
         tallies
     }
 
-    /// Returns a word and a symbol.
+    /// Returns the state of the clause as a word and a symbol.
     pub(super) fn state(self) -> (&'static str, &'static str) {
         match self {
             ClauseTally { failed: 1.., .. } => ("fail", "✗"),
@@ -49,8 +49,8 @@ impl ClauseTally {
     }
 }
 
-/// Returns clauses section by section, in order.
-pub(super) fn by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
+/// Groups clauses by section, in order.
+pub(super) fn group_by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
     let mut sections: Vec<(&str, Vec<&Clause>)> = Vec::new();
     for clause in clauses {
         let section = section_of(&clause.id);
@@ -66,7 +66,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     let tallies = ClauseTally::count(report);
     let is_misread = |id: &str| {
         let mut causes = report.diagnoses.iter();
-        causes.any(|cause| cause.blames_its_clause() && cause.clause == id)
+        causes.any(|cause| cause.blames_clause() && cause.clause == id)
     };
     html! {
         section aria-labelledby="clauses" {
@@ -82,7 +82,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
                 span.tile data-state="none" { "·" } " not testable"
             }
             div.map {
-                @for (section, clauses) in by_section(clauses) {
+                @for (section, clauses) in group_by_section(clauses) {
                     div.row {
                         span.section { (section) }
                         div {
@@ -106,7 +106,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     }
 }
 
-/// Returns a table of the clauses with their rules.
+/// Renders a table of the clauses and their rules.
 fn table(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {

@@ -1,4 +1,4 @@
-//! The causes in words, each with a fix; and next steps for programs that are not decoders.
+//! Descriptions of the causes with fixes, and next steps for programs that are not decoders.
 
 use maud::{Markup, html};
 
@@ -10,7 +10,7 @@ use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
 use crate::suite::clauses::Clause;
 
-/// Returns the causes, the one that explains most first.
+/// Renders the causes, sorted by the number of cases that each explains.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {
     let failures = report.with_outcome(Outcome::Fail).count();
     html! {
@@ -24,7 +24,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             }
             @for group in groups {
                 @match group.cause {
-                    Some(cause) => (diagnosed(cause, group, failures, clauses)),
+                    Some(cause) => (render_cause(cause, group, failures, clauses)),
                     None => article.cause.unexplained {
                         p.share { b { (group.cases.len()) } " of " (failures) " failures" }
                         div {
@@ -38,7 +38,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
     }
 }
 
-fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
+fn render_cause(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
     let rule = clauses.iter().find(|clause| clause.id == cause.clause);
     html! {
         article.cause {
@@ -46,7 +46,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
             div {
                 h3 { "The " (group.suite.subject()) " " (cause.effect) "." }
                 p.fix { b { "Fix: " } (cause.fix) "." }
-                @if cause.blames_its_clause() {
+                @if cause.blames_clause() {
                     p.rule {
                         b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
@@ -64,7 +64,7 @@ fn diagnosed(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Cla
     }
 }
 
-/// Returns the next steps for a program that is not a decoder.
+/// Renders the next steps for a program that is not a decoder.
 pub(super) fn next_steps(report: &Report) -> Markup {
     let called = how_it_is_called(report.suite, &report.decoder.command);
     html! {

@@ -1,4 +1,4 @@
-//! The evidence of a failing case: the texel, the images, the bytes, the preview.
+//! Evidence of a failing case: texel values, images, bytes of the file, and a preview.
 
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ use crate::suite::dialect::Right;
 use crate::suite::origin::{self, Origin};
 use crate::suite::texture::cases::TextureCase;
 
-/// Returns the evidence for a PTM file.
-pub(in crate::report) fn of_case(
+/// Renders the evidence for a PTM file.
+pub(in crate::report) fn case_evidence(
     case: &Case,
     table: TableSpelling,
     observation: &Observation,
@@ -30,9 +30,9 @@ pub(in crate::report) fn of_case(
             difference: Some(difference),
             frame: Some(frame),
             ..
-        } => of_picture(case, &built, &observation.view, difference, frame),
-        Response::Image { .. } => accepted(&built),
-        _ => beginning(&built),
+        } => image_evidence(case, &built, &observation.view, difference, frame),
+        Response::Image { .. } => accepted_file_evidence(&built),
+        _ => render_file_beginning(&built),
     };
     html! {
         @if let Response::Image { right: Right::In { .. }, .. } = &observation.response {
@@ -44,14 +44,14 @@ pub(in crate::report) fn of_case(
     }
 }
 
-/// Maximum size of a file that is embedded in a page, in bytes.
-const MAX_DOWNLOAD: usize = 4 << 10;
+/// Maximum size in bytes of a file that is embedded in a page.
+const MAX_DOWNLOAD_BYTES: usize = 4 << 10;
 
-/// Returns a file to download, or its size if it is large.
+/// Renders a download link for a file, or the size of the file if it is too large to embed.
 pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     html! {
         p.download {
-            @if file.len() <= MAX_DOWNLOAD {
+            @if file.len() <= MAX_DOWNLOAD_BYTES {
                 a download=(name) href={ "data:application/octet-stream;base64," (BASE64.encode(file)) } { "Download " (name) }
                 ", " (file.len()) " bytes"
             } @else { (name) " has " (file.len()) " bytes: too large for this page." }
@@ -59,8 +59,8 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     }
 }
 
-/// Returns the evidence for a texture question.
-pub(in crate::report) fn of_question(
+/// Renders the evidence for a texture question.
+pub(in crate::report) fn question_evidence(
     case: &TextureCase,
     observation: &Observation<TextureCase>,
 ) -> Markup {
@@ -81,10 +81,10 @@ pub(in crate::report) fn of_question(
     }
 }
 
-/// Returns the end of the decoder's standard error.
+/// Renders the end of the decoder's standard error.
 pub(crate) fn standard_error(stderr: &str) -> Markup {
-    const SHOWN: usize = 700;
-    let skipped = stderr.chars().count().saturating_sub(SHOWN);
+    const MAX_CHARS: usize = 700;
+    let skipped = stderr.chars().count().saturating_sub(MAX_CHARS);
     let end: String = stderr.chars().skip(skipped).collect();
     html! {
         p.label { "Its standard error" @if skipped > 0 { ", the end" } }
@@ -92,7 +92,7 @@ pub(crate) fn standard_error(stderr: &str) -> Markup {
     }
 }
 
-fn of_picture(
+fn image_evidence(
     case: &Case,
     built: &Built,
     view: &View,
@@ -101,7 +101,7 @@ fn of_picture(
 ) -> Markup {
     let expected = Expected::new(&built.values, view);
     let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, difference) else {
-        return beginning(built);
+        return render_file_beginning(built);
     };
     let first = (y * expected.size.width as usize + x) * expected.channels;
     let received = |i: usize| frame.samples.real(i);
@@ -140,21 +140,21 @@ fn of_picture(
             p.arithmetic { code { (name) " = " (steps) (ends) (number(expected.values[first + channel])) } }
         }
         @if let Some(figure) = pictures::figure(expected, frame, (*x, *y, channel)) { (figure) }
-        (origins(&name, &built.file, &of_sample(case, built, view, expected.size, (*x, *y), channel)))
+        (origins(&name, &built.file, &sample_origins(case, built, view, expected.size, (*x, *y), channel)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
     }
 }
 
-/// Returns the bytes that a sample of `view` is computed from.
-fn of_sample(
+/// Returns the byte ranges that a sample of `view` is computed from.
+fn sample_origins(
     case: &Case,
     built: &Built,
     view: &View,
     size: Size,
-    place: (usize, usize),
+    position: (usize, usize),
     channel: usize,
 ) -> Vec<Origin> {
-    let stored = |channels| origin::origin_of_samples(case, &built.file, size, place, channels);
+    let stored = |channels| origin::origin_of_samples(case, &built.file, size, position, channels);
     let shape = decode(&built.file).map(|ptm| ptm.planes.shape);
     match (view, shape) {
         (View::Raw, _) => stored(channel..channel + 1),
@@ -190,22 +190,22 @@ fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     }
 }
 
-/// Shows a file that must be refused: the error that the reference finds, and its place.
-fn accepted(built: &Built) -> Markup {
+/// Renders the evidence for a file that should be refused: the error of the reference and its location.
+fn accepted_file_evidence(built: &Built) -> Markup {
     match decode(&built.file) {
         Err(error) => html! {
             p.label { "Error of the reference" }
             p.origin { (error) }
             (excerpt(&built.file, &(error.offset()..error.offset() + 1)))
         },
-        Ok(_) => beginning(built),
+        Ok(_) => render_file_beginning(built),
     }
 }
 
-/// Shows the beginning of a file for which no image came.
-fn beginning(built: &Built) -> Markup {
-    const SHOWN: usize = 320;
-    let begins = &built.file[..built.file.len().min(SHOWN)];
+/// Renders the beginning of a file for which the decoder returned no image.
+fn render_file_beginning(built: &Built) -> Markup {
+    const MAX_BYTES: usize = 320;
+    let begins = &built.file[..built.file.len().min(MAX_BYTES)];
     let lines = begins.split_inclusive(|&byte| byte == b'\n');
     let shown = lines.map(|line| line.escape_ascii().to_string().replace("\\n", "↵\n"));
     html! {
@@ -214,7 +214,7 @@ fn beginning(built: &Built) -> Markup {
     }
 }
 
-/// Returns a number in its shortest form.
+/// Formats a number with up to four decimals, or in scientific notation if it is very small or large.
 pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");
@@ -223,7 +223,7 @@ pub(crate) fn number(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Shows lines of sixteen bytes with those of `range` marked; of a long range only the beginning.
+/// Renders a hex dump around `range` with its bytes highlighted. Only the beginning of a long range is included.
 fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
     let first = range.start / 16 * 16;
     let last = (range.end.max(range.start + 1) - 1).min(range.start + 31) / 16 * 16 + 16;

@@ -1,17 +1,17 @@
-//! Many decoders on one page: implementation × clause.
+//! Matrix of implementations and clauses: many decoders on one page.
 
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
-use crate::report::html::clause_map::{ClauseTally, by_section};
+use crate::report::html::clause_map::{ClauseTally, group_by_section};
 use crate::report::html::shell::{linked, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
-/// Returns a table with a column for each of `reports`, all on one suite of `all` cases, and a row for each of its `clauses`
-/// that a case tests.
+/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same
+/// suite, which has `all` cases.
 ///
 /// # Errors
-/// A sentence if the reports are of different suites.
+/// Returns an error if there are no reports or they are for different suites.
 pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<String, String> {
     let suite = reports.first().ok_or("no reports")?.suite;
     if reports.iter().any(|report| report.suite != suite) {
@@ -49,7 +49,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                         (row("robustness", reports, |report| html! { (report.scores.robustness) }))
                         (row("likely mistakes", reports, |report| mistakes(&report.diagnoses)))
                     }
-                    @for (section, clauses) in by_section(clauses) {
+                    @for (section, clauses) in group_by_section(clauses) {
                         tbody {
                             tr.section { th colspan=(reports.len() + 1) scope="rowgroup" { "Section " (section) } }
                             @for clause in clauses {
@@ -70,21 +70,21 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
     Ok(page_with_head(&title, &body))
 }
 
-/// Returns the command of report `i`, with a number if others have the same.
+/// Renders the command of report `i`, followed by a number if several reports have the same command.
 fn name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
-    let is_alike = |report: &&Report| report.decoder.command == *command;
-    let alike = |reports: &[Report]| reports.iter().filter(is_alike).count();
+    let has_same_command = |report: &&Report| report.decoder.command == *command;
+    let alike = |reports: &[Report]| reports.iter().filter(has_same_command).count();
     html! {
         code { (command) }
         @if alike(reports) > 1 { " " span.quiet { "(" (alike(&reports[..=i])) ")" } }
     }
 }
 
-/// Maximum number of causes of one report that are shown; the page of the report has all of them.
+/// Maximum number of causes displayed per report. The page of the report lists all of them.
 const MAX_CAUSES: usize = 4;
 
-/// Lists the first causes: misreadings of the catalog by their names, others in words.
+/// Renders the first causes: the slug for misreadings of the catalog, a description for other causes.
 fn mistakes(causes: &[LikelyCause]) -> Markup {
     html! {
         @for cause in causes.iter().take(MAX_CAUSES) {

@@ -1,7 +1,7 @@
-//! The report as a web page: one file that needs only a browser, without network, server or other programs.
+//! Reports as web pages. Each page is one self-contained file that needs no network or server.
 //!
-//! [`page()`] is the table of contents. All output of a decoder is untrusted: `maud` escapes it, and the policy in the head
-//! forbids every request and every script except that of the page, which it identifies by its digest.
+//! Start reading at [`page()`]. All output of a decoder is untrusted. `maud` escapes it, and the content security policy of
+//! the page forbids all requests and all scripts except the page's own script, which is identified by digest.
 
 mod cases;
 mod clause_map;

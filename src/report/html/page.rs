@@ -1,4 +1,4 @@
-//! The page of one report.
+//! Page of a single report.
 
 use maud::{Markup, html};
 
@@ -16,10 +16,10 @@ use crate::suite::address::SITE;
 use crate::suite::cases::Suite;
 use crate::suite::name::SuiteName;
 
-/// Returns the page of a report, with the images of `run` if the run is available.
+/// Renders the page of a report. Images are included if `run` is available.
 ///
 /// # Errors
-/// No error that depends on the report.
+/// Returns an error if the embedded clauses or rulings cannot be read, which does not depend on the report.
 pub fn page<C: Reported>(
     suite: &Suite<C>,
     report: &Report,
@@ -42,7 +42,7 @@ pub fn page<C: Reported>(
                 (failures(suite, report, &groups, run.is_some(), &evidence))
                 (clause_map::section(report, &clauses))
                 (dialect::<C>(report)?)
-                (others(report))
+                (other_cases(report))
             }
             (footer(report))
         }
@@ -50,7 +50,7 @@ pub fn page<C: Reported>(
     Ok(page_with_head(&title, &body))
 }
 
-fn header<C: Reported>(suite: &Suite<C>, report: &Report, lit: Option<&LitScene>) -> Markup {
+fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
     html! {
         header.top {
             div.bar {
@@ -73,12 +73,12 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, lit: Option<&LitScene>
                 p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.says) }
             }
             @if !report.cases.is_empty() { (results(suite, report)) }
-            @if let Some(lit) = lit { (scene::figure(lit)) }
+            @if let Some(scene) = scene { (scene::figure(scene)) }
         }
     }
 }
 
-/// Returns the scores, and the number of cases with each outcome.
+/// Renders the scores and the number of cases with each outcome.
 fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     let of = report.cases.len();
     html! {
@@ -104,7 +104,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     }
 }
 
-/// Returns the value of the filter for an outcome, in one word.
+/// Returns the filter value for an outcome, without spaces.
 fn slug(outcome: Outcome) -> String {
     outcome.name().replace(' ', "-")
 }
@@ -121,8 +121,8 @@ fn score(name: &str, score: Fraction, means: &str) -> Markup {
     }
 }
 
-/// Returns everything that did not fail, outcome by outcome.
-fn others(report: &Report) -> Markup {
+/// Renders the cases that did not fail, grouped by outcome.
+fn other_cases(report: &Report) -> Markup {
     html! {
         section aria-labelledby="others" {
             h2 #others { "All other cases" }
@@ -135,7 +135,7 @@ fn others(report: &Report) -> Markup {
                             thead { tr { th scope="col" { "case" } th scope="col" { "view" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "remark" } } }
                             tbody {
                                 @for case in cases {
-                                    tr { td { (of_case(report.suite, &case.id)) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
+                                    tr { td { (case_link(report.suite, &case.id)) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
                                 }
                             }
                         }
@@ -146,12 +146,12 @@ fn others(report: &Report) -> Markup {
     }
 }
 
-/// Returns the id of a case with a link to its page.
-fn of_case(suite: SuiteName, id: &str) -> Markup {
+/// Renders the id of a case as a link to its page.
+fn case_link(suite: SuiteName, id: &str) -> Markup {
     linked(suite.case_page(id), &html! { code { (id) } })
 }
 
-/// Returns the decoder's reading of open questions, and the features that it decodes.
+/// Renders the decoder's readings of open questions and the features that it decodes.
 fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
     let rulings = (C::RULINGS)()?;
     Ok(html! {

@@ -1,8 +1,8 @@
-//! Planes side by side: expected, received, and their difference.
+//! Images of planes side by side: expected, received, and their difference.
 //!
-//! - raw shows samples as gray levels, coef each plane from its minimum to its maximum, and rgb the colors.
-//! - The difference is: raw, modulo 256; rgb, absolute; coef, as a fraction of the range of the plane.
-//!   Differences within the tolerance are blank.
+//! - The raw view is displayed as gray levels, rgb in color, and coef as gray levels scaled to the range of each plane.
+//! - The difference is modulo 256 for raw, absolute for rgb, and a fraction of the range of the plane for coef. Differences
+//!   within the tolerance are blank.
 
 use std::ops::Range;
 
@@ -10,28 +10,28 @@ use maud::{Markup, html};
 
 use crate::protocol::frame::{Frame, ViewKind};
 use crate::ptm::channel_name;
-use crate::report::html::compare::{Compared, png};
+use crate::report::html::compare::{ImagePair, png_data_url};
 use crate::suite::compare::Expected;
 
-/// Maximum number of columns and rows of a plane that are shown.
+/// Maximum number of columns and rows of a plane that are displayed.
 const MAX_SIDE: usize = 48;
 
-/// Two frames of one shape, compared sample by sample.
+/// Two frames of the same shape that are compared sample by sample.
 struct ImageComparison<'a> {
     expected: &'a Expected,
     received: Vec<f64>,
-    /// The first texel that differs, and its first channel that does.
+    /// Position of the first difference: column, row and channel.
     spot: (usize, usize, usize),
-    /// The columns that are shown.
+    /// Columns that are displayed.
     columns: Range<usize>,
-    /// The rows that are shown.
+    /// Rows that are displayed.
     rows: Range<usize>,
-    /// For coef, the minimum and maximum of each plane in both frames.
+    /// Minimum and maximum of each plane over both frames, for views with real samples.
     spans: Vec<(f64, f64)>,
 }
 
-/// Returns the images of a frame that differs from the expected one, first at texel and channel `spot`. None if the two cannot
-/// be shown side by side.
+/// Renders the images of a frame whose first difference from the expected frame is at `spot` (column, row, channel).
+/// Returns `None` if the frames have different shapes.
 pub(super) fn figure(
     expected: &Expected,
     frame: &Frame,
@@ -44,7 +44,7 @@ pub(super) fn figure(
     {
         return None;
     }
-    // The texel in question is in the middle, as far as the edges allow.
+    // Center the texel as far as the edges allow.
     let shown = |spot: usize, all: u32| {
         let (spot, all) = (spot.saturating_sub(MAX_SIDE / 2), all as usize);
         let from = spot.min(all.saturating_sub(MAX_SIDE));
@@ -62,42 +62,42 @@ pub(super) fn figure(
         pair.spans = (0..channels).map(|channel| pair.span(channel)).collect();
     }
     Some(match expected.view {
-        ViewKind::Rgb if channels == 3 => pair.colored(),
+        ViewKind::Rgb if channels == 3 => pair.multiply_by_color(),
         _ => pair.planes(),
     })
 }
 
 impl ImageComparison<'_> {
-    /// Returns the images in color.
-    fn colored(&self) -> Markup {
-        let places = || {
+    /// Renders the images in color.
+    fn multiply_by_color(&self) -> Markup {
+        let positions = || {
             self.rows
                 .clone()
                 .flat_map(|y| self.columns.clone().map(move |x| (x, y)))
         };
         let image = |row: &str| -> Vec<u8> {
             let color = |(x, y)| [0, 1, 2].map(|channel| self.texel(row, x, y, channel)[0]);
-            places().flat_map(color).collect()
+            positions().flat_map(color).collect()
         };
         let worst = |(x, y)| {
             let apart = (0..3).map(|channel| self.difference_at(x, y, channel));
-            heat(apart.fold(0.0, f64::max))
+            heat_color(apart.fold(0.0, f64::max))
         };
-        let pictures = Compared {
+        let images = ImagePair {
             width: self.columns.len(),
             height: self.rows.len(),
             expected: &image(EXPECTED),
             received: &image(RECEIVED),
-            difference: Some(&places().flat_map(worst).collect::<Vec<u8>>()),
+            difference: Some(&positions().flat_map(worst).collect::<Vec<u8>>()),
         };
         html! {
             figure.colors {
-                (pictures.markup(RECEIVED))
-                (self.scale())
+                (images.markup(RECEIVED))
+                (self.color_scale())
                 figcaption {
-                    (self.part())
+                    (self.cropped_area())
                     @for (channel, name) in COLORS.into_iter().enumerate() {
-                        @if channel > 0 { ", " } (name) " differs in " (self.wrong(channel))
+                        @if channel > 0 { ", " } (name) " differs in " (self.wrong_count(channel))
                     }
                     " of " (self.expected.size.texels()) " texels; the first is (" (self.spot.0) ", " (self.spot.1) ")."
                 }
@@ -105,10 +105,12 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Returns the planes, those of each color in a table; colors without a difference are only named.
+    /// Renders the planes, one table per color. Colors without a difference are only mentioned.
     fn planes(&self) -> Markup {
         let channels = self.expected.channels;
-        let wrong: Vec<usize> = (0..channels).map(|channel| self.wrong(channel)).collect();
+        let wrong: Vec<usize> = (0..channels)
+            .map(|channel| self.wrong_count(channel))
+            .collect();
         let each = if channels == 18 { 6 } else { channels };
         let groups = (0..channels).step_by(each).map(|from| from..from + each);
         let (shown, equal): (Vec<_>, Vec<_>) =
@@ -118,9 +120,9 @@ impl ImageComparison<'_> {
         html! {
             figure.planes {
                 @for group in shown { (self.table(&group, &wrong)) }
-                (self.scale())
+                (self.color_scale())
                 figcaption {
-                    (self.part())
+                    (self.cropped_area())
                     @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is correct. " }
                     "The frame marks texel (" (self.spot.0) ", " (self.spot.1) "), the first that differs."
                 }
@@ -128,8 +130,8 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Names the part of the image that is shown, if it is not all of it.
-    fn part(&self) -> Markup {
+    /// Describes the displayed part of the image if the image is cropped.
+    fn cropped_area(&self) -> Markup {
         let ImageComparison { columns, rows, .. } = self;
         html! {
             @if columns.len() * rows.len() < self.expected.size.texels() {
@@ -138,8 +140,8 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Explains the colors of a difference.
-    fn scale(&self) -> Markup {
+    /// Renders the legend of the difference colors.
+    fn color_scale(&self) -> Markup {
         let (least, most) = match self.expected.view {
             ViewKind::Raw => ("1", "128, around the circle of 256 values"),
             view if view.sample_type() == "u8" => ("1", "255"),
@@ -148,21 +150,21 @@ impl ImageComparison<'_> {
         html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
     }
 
-    /// Returns the indices of the samples of a plane.
-    fn plane(&self, channel: usize) -> impl Iterator<Item = usize> {
+    /// Returns the sample indices of a plane.
+    fn plane_indices(&self, channel: usize) -> impl Iterator<Item = usize> {
         (channel..self.received.len()).step_by(self.expected.channels)
     }
 
-    /// Returns the number of wrong samples in the whole plane.
-    fn wrong(&self, channel: usize) -> usize {
+    /// Returns the number of wrong samples in a plane.
+    fn wrong_count(&self, channel: usize) -> usize {
         let is_wrong = |&i: &usize| !self.expected.is_near(i, self.received[i]);
-        self.plane(channel).filter(is_wrong).count()
+        self.plane_indices(channel).filter(is_wrong).count()
     }
 
-    /// Returns the minimum and maximum finite value of a plane in both frames.
+    /// Returns the minimum and maximum finite value of a plane over both frames.
     fn span(&self, channel: usize) -> (f64, f64) {
         let values = |i: usize| [self.expected.values[i], self.received[i]];
-        let both = self.plane(channel).flat_map(values);
+        let both = self.plane_indices(channel).flat_map(values);
         let nothing = (f64::INFINITY, f64::NEG_INFINITY);
         both.filter(|value| value.is_finite())
             .fold(nothing, |(low, high), value| {
@@ -170,14 +172,14 @@ impl ImageComparison<'_> {
             })
     }
 
-    /// Returns the index of a sample.
-    fn place(&self, x: usize, y: usize, channel: usize) -> usize {
+    /// Returns the index of a sample in a frame.
+    fn sample_index(&self, x: usize, y: usize, channel: usize) -> usize {
         (y * self.expected.size.width as usize + x) * self.expected.channels + channel
     }
 
-    /// Returns the difference of a sample, from 0 (within tolerance) to 1.
+    /// Returns the relative difference of a sample, from 0 (within tolerance) to 1.
     fn difference_at(&self, x: usize, y: usize, channel: usize) -> f64 {
-        let i = self.place(x, y, channel);
+        let i = self.sample_index(x, y, channel);
         let (expected, received) = (self.expected.values[i], self.received[i]);
         if self.expected.is_near(i, received) {
             return 0.0;
@@ -188,7 +190,7 @@ impl ImageComparison<'_> {
             None if self.expected.view == ViewKind::Raw => apart.min(256.0 - apart) / 128.0,
             None => apart / 255.0,
         };
-        // The smallest difference is visible, and a NaN has the largest one.
+        // Keep small differences visible, and treat NaN as the largest difference.
         if part.is_finite() {
             part.clamp(0.02, 1.0)
         } else {
@@ -196,13 +198,13 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Returns the color of a sample in a row of the table.
+    /// Returns the RGBA color of a sample in the given row of the table.
     fn texel(&self, row: &str, x: usize, y: usize, channel: usize) -> [u8; 4] {
-        let i = self.place(x, y, channel);
+        let i = self.sample_index(x, y, channel);
         let value = match row {
             EXPECTED => self.expected.values[i],
             RECEIVED => self.received[i],
-            _ => return heat(self.difference_at(x, y, channel)),
+            _ => return heat_color(self.difference_at(x, y, channel)),
         };
         let gray = match self.spans.get(channel) {
             Some((low, high)) if high > low => ((value - low) / (high - low) * 255.0) as u8,
@@ -212,7 +214,7 @@ impl ImageComparison<'_> {
         [gray, gray, gray, 255]
     }
 
-    /// Returns a table with a column for each plane of `group`.
+    /// Renders a table with one column per plane of `group`.
     fn table(&self, group: &Range<usize>, wrong: &[usize]) -> Markup {
         let (x, y, channel) = self.spot;
         let (width, height) = (self.columns.len(), self.rows.len());
@@ -240,7 +242,7 @@ impl ImageComparison<'_> {
                             td colspan=(group.len()) { span.strip {
                                 img width=(total * scale) height=(height * scale)
                                     alt={ (row) ", " (first) " to " (last) }
-                                    src=(png(total, height, &self.strip(row, group)));
+                                    src=(png_data_url(total, height, &self.strip(row, group)));
                                 @if group.contains(&channel) {
                                     @let column = (channel - group.start) * (width + 1) + x - self.columns.start;
                                     i.spot style={
@@ -256,7 +258,7 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Returns planes side by side, separated by an empty column, four bytes per texel.
+    /// Returns the RGBA texels of planes side by side, separated by an empty column.
     fn strip(&self, row: &str, group: &Range<usize>) -> Vec<u8> {
         let mut pixels = Vec::new();
         for y in self.rows.clone() {
@@ -278,8 +280,9 @@ const EXPECTED: &str = "expected";
 const RECEIVED: &str = "received";
 const DIFFERENCE: &str = "difference";
 
-/// Returns transparent for 0, then from amber over red to violet, which is visible in light and dark mode.
-fn heat(apart: f64) -> [u8; 4] {
+/// Maps a difference to an RGBA color: transparent for 0, then amber, red and violet, which are visible in light and dark
+/// mode.
+fn heat_color(apart: f64) -> [u8; 4] {
     if apart <= 0.0 {
         return [0; 4];
     }

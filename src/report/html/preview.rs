@@ -1,7 +1,7 @@
-//! The map under a movable light: expected next to received.
+//! Interactive preview: the expected and received map under a movable light.
 //!
-//! The page contains the stored values and evaluates the polynomial (1.0) itself; the received image is drawn with the
-//! decoder's values.
+//! The script of the page evaluates the polynomial (1.0): with the stored values for the expected image, and with the
+//! decoder's values for the received image.
 
 use data_encoding::BASE64;
 use maud::{Markup, html};
@@ -12,11 +12,11 @@ use crate::ptm::{ColorMatrix, Ptm, Shape};
 use crate::suite::cases::Built;
 use crate::suite::compare::Expected;
 
-/// Maximum number of samples of a preview; larger maps have none.
+/// Maximum number of samples of a map with a preview. Larger maps have no preview.
 const MAX_SAMPLES: usize = 24 << 10;
 
-/// Returns a preview of `frame` next to the expected map; None for images under one light, which cannot be relit, for other
-/// shapes, and for large maps.
+/// Renders a preview of `frame` next to the expected map. Returns `None` if the frame is lit from one fixed direction, has
+/// another shape, or is too large.
 pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     let expected = Expected::new(&built.values, &View::Raw)?;
     let Samples::U8(stored) = expected.frame().samples else {
@@ -32,7 +32,7 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     }
     let Ptm { header, planes } = decode(&built.file).ok()?;
     let matrix = match planes.shape {
-        Shape::Lum(ColorMatrix(elements)) => numbers(&elements),
+        Shape::Lum(ColorMatrix(elements)) => join_numbers(&elements),
         _ => String::new(),
     };
     let received = match &frame.samples {
@@ -45,14 +45,14 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     };
     Some(html! {
         figure.preview data-width=(frame.width) data-height=(frame.height) data-channels=(frame.channels)
-            data-scale=(numbers(&header.scale_bias.scale)) data-bias=(numbers(&header.scale_bias.bias))
+            data-scale=(join_numbers(&header.scale_bias.scale)) data-bias=(join_numbers(&header.scale_bias.bias))
             data-matrix=(matrix) data-expected=(BASE64.encode(&stored)) data-kind=(frame.view) data-received=(received) {
             figcaption { "To move the light, drag over an image or use the sliders." }
         }
     })
 }
 
-fn numbers(values: &[f64]) -> String {
+fn join_numbers(values: &[f64]) -> String {
     let words: Vec<String> = values.iter().map(f64::to_string).collect();
     words.join(" ")
 }

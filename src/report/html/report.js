@@ -1,7 +1,7 @@
-// The page works without this: it adds the tone, the filter and the light.
+// The page works without this script, which adds the color scheme, the filter and the movable light.
 "use strict";
 
-// Dark or light: what the system says, until one is chosen.
+// Dark or light mode follows the system until the user chooses one.
 {
   const root = document.documentElement;
   const button = document.getElementById("theme");
@@ -9,17 +9,17 @@
   const isDark = () => (root.style.colorScheme || (system.matches ? "dark" : "light")) === "dark";
   const show = () => button.setAttribute("aria-pressed", String(isDark()));
   const choose = (scheme) => { root.style.colorScheme = scheme; show(); };
-  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* no memory, no harm */ }
+  try { root.style.colorScheme = localStorage.getItem("ptm-conform-scheme") || ""; } catch { /* storage is optional */ }
   button.addEventListener("click", () => {
     choose(isDark() ? "light" : "dark");
-    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* as above */ }
+    try { localStorage.setItem("ptm-conform-scheme", root.style.colorScheme); } catch { /* storage is optional */ }
   });
   system.addEventListener("change", show);
   show();
 }
 
-// The filter: every word must occur; a clause or section also matches what lies below it, and is:fail an outcome. It stands
-// in the address, and all counts follow it.
+// Filter: every word must occur. A clause or section also matches everything below it, and is:fail matches an outcome. The
+// filter is part of the URL, and all counts reflect it.
 {
   const input = document.getElementById("filter");
   if (input) {
@@ -40,7 +40,7 @@
       ? entry.clauses.some((id) => id === word || id.startsWith(word + "/") || id.startsWith(word + "."))
       : entry.text.includes(word);
     const chips = [...document.querySelectorAll("button[data-filter]")];
-    // Whatever counts cases, with the cases that it counts.
+    // Elements that display a count, with the cases that they count.
     const counts = [...document.querySelectorAll(".count")].map((count) => {
       const chip = count.closest("button[data-filter]");
       const around = count.closest("details.more, details.others, section.group");
@@ -48,7 +48,7 @@
       return { count, counted };
     }).filter(({ counted }) => counted.length);
     const inView = () => { const { top, bottom } = input.getBoundingClientRect(); return top >= 0 && bottom <= innerHeight; };
-    // Which folds were open before the filter opened and closed them.
+    // Open state of the details elements before the filter changed it.
     let before;
     const apply = () => {
       const stuck = input.form.getBoundingClientRect().top <= 0;
@@ -77,7 +77,7 @@
       if (address !== location.hash) { history.replaceState(null, "", address || "#"); }
       for (const group of groups) { group.hidden = !group.querySelector("details.case:not([hidden])"); }
       found.textContent = !words.length ? `${all.length} cases` : count ? `${count} of ${all.length} cases` : "No case matches. Esc clears the filter.";
-      // What is found begins below the filter.
+      // Scroll so that the results begin below the filter.
       if (stuck || !inView()) { heading.scrollIntoView(); }
     };
     let waiting;
@@ -85,7 +85,7 @@
     input.form.addEventListener("submit", (event) => { event.preventDefault(); apply(); });
     input.addEventListener("keydown", (event) => { if (event.key === "Escape") { input.value = ""; apply(); } });
     document.addEventListener("keydown", (event) => {
-      // A slider takes no text, and a button none either.
+      // Sliders and buttons accept no text.
       if (event.key !== "/" || document.activeElement.matches("textarea, input:not([type=range])")) { return; }
       event.preventDefault();
       if (!inView()) { heading.scrollIntoView(); }
@@ -102,7 +102,7 @@
         apply();
       });
     }
-    // What the address asks for.
+    // Apply the filter in the URL.
     const asked = () => {
       const [, words] = /^#filter=(.*)$/.exec(location.hash) ?? [];
       try { if (words !== undefined) { input.value = decodeURIComponent(words); apply(); } } catch { /* no filter */ }
@@ -115,7 +115,7 @@
   }
 }
 
-// A link to a case opens it and what it lies in, and no filter hides it.
+// A link to a case opens the case and its containers, and resets a filter that would hide it.
 {
   const reveal = () => {
     if (location.hash.startsWith("#filter=")) { return; }
@@ -127,22 +127,22 @@
       input.form.requestSubmit();
     }
     for (let at = target; at; at = at.parentElement) { if (at.tagName === "DETAILS") { at.open = true; } }
-    // The size of what was never drawn is a guess, so that one look is not enough.
+    // The size of elements that were never rendered is an estimate, so scroll repeatedly.
     const look = (more) => { target.scrollIntoView(); if (more) { requestAnimationFrame(() => look(more - 1)); } };
     look(8);
   };
   addEventListener("hashchange", reveal);
-  // The same link again changes no hash.
+  // Following the same link again does not change the hash.
   addEventListener("click", (event) => { if (event.target.closest("a[href^='#']")) { setTimeout(reveal); } });
   reveal();
 }
 
-// The light: the polynomial of 1.0 for every texel, expected beside received.
+// Movable light: evaluates the polynomial of 1.0 for every texel of the expected and received map.
 {
   const numbers = (text) => text.split(" ").filter(Boolean).map(Number);
   const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
-  // Final values: (raw − bias) · scale for coefficients (2.4), all else as it is.
+  // Final values: (raw − bias) · scale for coefficients (2.4); all other values are unchanged.
   const final = (raw, channels, scale, bias) => {
     const polynomials = channels === 18 ? 18 : 6;
     return Float64Array.from(raw, (value, i) => {
@@ -245,7 +245,7 @@
     light(Number(u.value), Number(v.value));
   };
 
-  // Only what is looked at is drawn; on paper that is all.
+  // Render only visible previews. When printing, render all of them.
   const begin = (card) => {
     const figure = card.open && card.querySelector("figure.preview:not([data-lit])");
     if (figure) { figure.dataset.lit = ""; start(figure); }
@@ -263,7 +263,7 @@
   addEventListener("afterprint", () => { for (const fold of closed) { fold.open = false; } });
 }
 
-// Expected and received in one place, with a border to move between them.
+// Expected and received image in one view, with a movable divider between them.
 for (const pictures of document.querySelectorAll(".compare")) {
   const [expected, received] = ["expected", "received"].map((role) => pictures.querySelector(`[data-role=${role}] img`));
   const box = Object.assign(document.createElement("div"), { className: "picture" });
@@ -285,7 +285,7 @@ for (const pictures of document.querySelectorAll(".compare")) {
   pictures.prepend(box);
 }
 
-// Commands are copied by a button, where the browser lets a page do so; else they are selected.
+// A button copies a command if the browser allows it, or selects the command otherwise.
 for (const command of document.querySelectorAll("pre.command")) {
   const button = Object.assign(document.createElement("button"), { type: "button", className: "copy", textContent: "Copy" });
   button.addEventListener("click", async () => {

@@ -1,17 +1,17 @@
-//! The scene at the top: a lit ball as the decoder shows it, with visible mistakes named.
+//! Lit ball at the top of the page, as rendered by the decoder, with a description of visible mistakes.
 
 use maud::{Markup, html};
 
-use crate::report::html::compare::Compared;
+use crate::report::html::compare::ImagePair;
 use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
 
-/// Two images look the same if their samples differ by less than this on average.
+/// Maximum mean difference of samples at which two images look the same.
 const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;
 
-/// Returns the scene next to the right one.
+/// Renders the received scene next to the correct one.
 pub(super) fn figure(scene: &LitScene) -> Markup {
     let side = SIDE as usize;
-    let pictures = Compared {
+    let images = ImagePair {
         width: side,
         height: side,
         expected: &scene.right,
@@ -20,25 +20,28 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
     };
     html! {
         figure.scene {
-            (pictures.markup("this decoder"))
+            (images.markup("this decoder"))
             figcaption {
-                b { (fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
+                b { (describe_fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
                 ", asked for " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
     }
 }
 
-const LAST: usize = SIDE as usize - 1;
+/// Index of the last row and column.
+const LAST_INDEX: usize = SIDE as usize - 1;
 
-/// Changes of the image: in words, and the source of each texel and channel.
+/// Common transforms of the image: a description, and the source of each texel and channel.
 const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
     ("This decoder shows it almost correctly.", |x, y, c| {
         (x, y, c)
     }),
-    ("It is upside down.", |x, y, c| (x, LAST - y, c)),
-    ("It is mirrored.", |x, y, c| (LAST - x, y, c)),
-    ("It is turned by 180°.", |x, y, c| (LAST - x, LAST - y, c)),
+    ("It is upside down.", |x, y, c| (x, LAST_INDEX - y, c)),
+    ("It is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
+    ("It is turned by 180°.", |x, y, c| {
+        (LAST_INDEX - x, LAST_INDEX - y, c)
+    }),
     ("Rows and columns are exchanged.", |x, y, c| (y, x, c)),
     ("Red and blue are exchanged.", |x, y, c| (x, y, 2 - c)),
     ("Red and green are exchanged.", |x, y, c| {
@@ -49,11 +52,11 @@ const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
     }),
     (
         "It is upside down, and red and blue are exchanged.",
-        |x, y, c| (x, LAST - y, 2 - c),
+        |x, y, c| (x, LAST_INDEX - y, 2 - c),
     ),
 ];
 
-/// Changes of the light: in words, and factors of u and v.
+/// Common changes of the light direction: a description, and factors of u and v.
 const LIGHTS: &[(&str, f64, f64)] = &[
     ("It is lit from below: v points down.", 1.0, -1.0),
     ("It is lit from the right: u points to the left.", -1.0, 1.0),
@@ -64,8 +67,8 @@ const LIGHTS: &[(&str, f64, f64)] = &[
     ),
 ];
 
-/// Returns the visible mistake of the image, in words.
-fn fault(scene: &LitScene) -> &'static str {
+/// Describes the visible mistake of the received image.
+fn describe_fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.right, &scene.received);
     if right == received {
         return "This decoder shows it correctly.";
@@ -88,7 +91,7 @@ fn fault(scene: &LitScene) -> &'static str {
     if let Some((says, _)) = changes.chain(lights).find(is_alike) {
         return says;
     }
-    let mean = |picture: &[u8]| picture.iter().map(|&byte| f64::from(byte)).sum::<f64>();
+    let mean = |image: &[u8]| image.iter().map(|&byte| f64::from(byte)).sum::<f64>();
     match mean(received) / mean(right) {
         ..0.85 => "It is too dark, or darker where it is wrong.",
         1.15.. => "It is too bright, or brighter where it is wrong.",
@@ -132,7 +135,7 @@ mod tests {
                 };
                 scene.right = scene.render(LIGHT.0, LIGHT.1);
                 scene.received = change(&scene);
-                let said = fault(&scene);
+                let said = describe_fault(&scene);
                 assert!(said.contains(says), "{format}: {says}: {said}");
             }
         }

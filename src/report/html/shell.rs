@@ -1,4 +1,4 @@
-//! A page with its head, and the symbols for outcomes.
+//! HTML page skeleton, and the symbols for outcomes.
 
 use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -7,11 +7,11 @@ use sha2::{Digest, Sha256};
 use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
 
-/// The style of reports and of the site.
+/// Style sheet of the reports and of the site.
 pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("report.js");
 
-/// Returns a page with its head.
+/// Renders a complete page with the given title and body.
 pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
     let digest = BASE64.encode(&Sha256::digest(SCRIPT));
     let policy = format!(
@@ -43,7 +43,8 @@ pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
     markup.into_string()
 }
 
-/// Returns a link to a page of the published site, or only the words if there is none. Names in a report are untrusted.
+/// Wraps `words` in a link to a page of the published site, or returns `words` if there is no page. Names in a report are
+/// untrusted.
 pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
     match page {
         Some(page) => html! { a href=(published_url(&page)) { (words) } },

@@ -13,7 +13,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("cells", |r| r),
             ("points", |r| Rules {
-                closest: sample::point,
+                closest: sample::point_index,
                 neighbors: sample::points_around,
                 ..r
             }),
@@ -47,15 +47,15 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("rightward", |r| r),
             ("leftward", |r| Rules {
-                vrc_azimuth: |s| (1.0 - parameterize::half_turns(s)).fract(),
+                vrc_azimuth: |s| (1.0 - parameterize::half_turn_fraction(s)).fract(),
                 ..r
             }),
             ("cosine", |r| Rules {
-                vrc_azimuth: parameterize::along_x,
+                vrc_azimuth: parameterize::azimuth_proportional_to_x,
                 ..r
             }),
             ("rear half mirrored", |r| Rules {
-                vrc_azimuth: |[x, y, z]| parameterize::half_turns([x, y, z.abs()]),
+                vrc_azimuth: |[x, y, z]| parameterize::half_turn_fraction([x, y, z.abs()]),
                 ..r
             }),
         ],
@@ -65,11 +65,11 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("angle", |r| r),
             ("linear", |r| Rules {
-                vrc_height: parameterize::by_y,
+                vrc_height: parameterize::height_by_y,
                 ..r
             }),
             ("downward", |r| Rules {
-                vrc_height: parameterize::downward,
+                vrc_height: parameterize::height_from_top,
                 ..r
             }),
         ],
@@ -79,7 +79,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("counter-clockwise", |r| r),
             ("clockwise", |r| Rules {
-                wc_azimuth: |s| (1.0 - parameterize::whole_turn(s)).fract(),
+                wc_azimuth: |s| (1.0 - parameterize::full_turn_fraction(s)).fract(),
                 ..r
             }),
         ],
@@ -89,11 +89,11 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("angle", |r| r),
             ("linear", |r| Rules {
-                wc_height: parameterize::by_y,
+                wc_height: parameterize::height_by_y,
                 ..r
             }),
             ("downward", |r| Rules {
-                wc_height: parameterize::downward,
+                wc_height: parameterize::height_from_top,
                 ..r
             }),
         ],
@@ -129,13 +129,13 @@ pub fn find(reading: &str) -> Option<fn(Rules) -> Rules> {
         "clockwise" => return listed("wc-azimuth", 1),
         "float-texels" => return listed("ptm-texels", 1),
         "t1-linear-in-height" => |r| Rules {
-            vrc_height: parameterize::by_y,
-            wc_height: parameterize::by_y,
+            vrc_height: parameterize::height_by_y,
+            wc_height: parameterize::height_by_y,
             ..r
         },
         "t1-downward" => |r| Rules {
-            vrc_height: parameterize::downward,
-            wc_height: parameterize::downward,
+            vrc_height: parameterize::height_from_top,
+            wc_height: parameterize::height_from_top,
             ..r
         },
         "half-goes-up" => |r| Rules {

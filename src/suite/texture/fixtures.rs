@@ -23,7 +23,7 @@ pub fn expand_maps(given: &Value) -> Value {
             let fields = fields.iter().filter(is_sent);
             let spelled = fields.map(|(name, value)| {
                 let value = match name.as_str() {
-                    "map" => map_of(value),
+                    "map" => new_map(value),
                     _ => expand_maps(value),
                 };
                 (name.clone(), value)
@@ -45,7 +45,7 @@ pub fn readings(given: &Value) -> Vec<&str> {
     named.filter_map(|field| given[*field].as_str()).collect()
 }
 
-fn map_of(value: &Value) -> Value {
+fn new_map(value: &Value) -> Value {
     if let Some(map) = value.as_str().and_then(|name| MAPS.get(name)) {
         return map.clone();
     }

@@ -14,8 +14,8 @@ use serde_json::{Map, Value, json};
 use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
     self, Boundary, Color, Correction, Entry, Fetched, Footprint, Frequency, Interpolation, Level,
-    Lit, Matrix, NoValue, Place, Point, Rounding, Rules, Selection, Shade, SplinePoint, Surface,
-    Table, Texel, TexelKind, TextureMap, Vector,
+    LitPrimitive, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint, Surface,
+    Table, Texel, TexelKind, TextureMap, Vector, VertexData,
 };
 
 /// A question to a texture stage.
@@ -287,7 +287,7 @@ impl TextureStep {
                 let footprint = Footprint { dt_dx, dt_dy };
                 let hints = padded(freq, 1.0);
                 let depth = texture::sample_depth(size, &footprint, *bias, hints);
-                let mode = match texture::magnifies(size, &footprint) {
+                let mode = match texture::is_magnified(size, &footprint) {
                     true => "mag",
                     false => "min",
                 };
@@ -459,8 +459,8 @@ impl TryFrom<Map<String, Value>> for PointGiven {
             fields.remove(name).map(serde_json::from_value).transpose()
         };
         let (sight, reflection) = (vector("i")?, vector("s")?);
-        let mut place = |system: &str| -> serde_json::Result<Place> {
-            Ok(Place {
+        let mut place = |system: &str| -> serde_json::Result<VertexData> {
+            Ok(VertexData {
                 position: vector(system)?,
                 eye: vector(&format!("eye_{system}"))?,
                 normal: vector(&format!("{system}_normal"))?,
@@ -650,8 +650,8 @@ struct SurfaceGiven {
 }
 
 impl SurfaceGiven {
-    fn lighting(&self) -> Lit {
-        Lit {
+    fn lighting(&self) -> LitPrimitive {
+        LitPrimitive {
             surface: Shade {
                 color: self.color,
                 alpha: self.alpha,

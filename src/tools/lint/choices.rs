@@ -1,6 +1,6 @@
-//! The effect of other readings of the open points on the file: rulings of kind *choice*.
+//! Effects of alternative readings of open questions on a file (rulings of kind *choice*).
 //!
-//! Each other reading is tried, and differences are reported; nothing is guessed from the appearance of the file.
+//! Every alternative reading is tried and differences are reported. Nothing is guessed from the content of the image.
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
@@ -9,13 +9,13 @@ use crate::evaluate;
 use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
 use crate::suite::choices::CHOICES;
+use crate::tools::describe_position;
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::place_in_words;
 
-/// Lights under which colors are compared.
+/// Light directions under which colors are compared.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 
-/// Number of texels whose colors are in memory at a time.
+/// Number of texels whose colors are computed at a time.
 const PIECE_TEXELS: usize = 4096;
 
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
@@ -23,11 +23,11 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let Ok(ptm) = &dissection.outcome else {
         return;
     };
-    tables(findings, ptm);
+    diagnose_tables(findings, ptm);
     for choice in CHOICES.iter() {
         let mut codes = codes::ALL.iter();
         let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling));
-        let Some((code, place)) = code.zip(subject(dissection, choice.ruling)) else {
+        let Some((code, place)) = code.zip(affected_role(dissection, choice.ruling)) else {
             continue;
         };
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
@@ -42,8 +42,9 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the position of the numbers that the ruling is about; None if the file has none, so that all readings agree.
-fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
+/// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers, so all readings
+/// agree.
+fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
         (0..dissection.compressed_planes())
             .any(|plane| dissection.number(role(plane)).is_some_and(is))
@@ -68,8 +69,8 @@ fn subject(dissection: &Dissection, ruling: &str) -> Option<Role> {
     is_there.then_some(place)
 }
 
-/// Reports the spelling of the count of a lookup table, and the bytes after the table.
-fn tables(findings: &mut Findings, ptm: &Ptm) {
+/// Reports the spelling of the entry count of a lookup table, and the effect of a line feed after the table.
+fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
     let dissection = findings.dissection;
     if dissection.part(Role::Count).is_none() {
         return;
@@ -87,28 +88,28 @@ fn tables(findings: &mut Findings, ptm: &Ptm) {
     }
 }
 
-/// Returns the difference of the file under another reading, if any.
+/// Describes how the file differs under another reading. Returns `None` if it does not.
 fn difference(
     dissection: &Dissection,
     ptm: &Ptm,
     streams: Option<&Streams>,
     reading: &Reading,
 ) -> Option<String> {
-    // Planes of LUM are equal under all readings; their colors are not.
+    // The planes of LUM are equal under all readings, but the colors may differ.
     if let Shape::Lum(_) = ptm.planes.shape {
-        return describe_texels(ptm, &colors_differ(ptm, reading));
+        return describe_texels(ptm, &differing_colors(ptm, reading));
     }
     let other = match streams {
         Some(streams) => streams.reconstruct_map(reading),
         None => open_as(dissection.file, reading, &Limits::default()),
     };
     match other {
-        Ok(other) => describe_texels(ptm, &planes_differ(ptm, &other)),
+        Ok(other) => describe_texels(ptm, &differing_planes(ptm, &other)),
         Err(error) => Some(format!("it is malformed: {error}")),
     }
 }
 
-/// Describes the number of texels that differ, and the first one; None if there are none.
+/// Describes the number of differing texels and the first one. Returns `None` if there are none.
 fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
@@ -116,12 +117,12 @@ fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
         "{count} of {} texels {}, the first at {}",
         differing.len(),
         if count == 1 { "differs" } else { "differ" },
-        place_in_words(ptm.planes.size, first)
+        describe_position(ptm.planes.size, first)
     ))
 }
 
-/// Returns true for each texel with other stored values.
-fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
+/// Returns one flag per texel: true if the stored values differ.
+fn differing_planes(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     let channels = ptm.planes.shape.channels();
     let mut texels = ptm.planes.samples.chunks(channels);
     let mut differing = Vec::new();
@@ -132,9 +133,9 @@ fn planes_differ(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     differing
 }
 
-/// Returns true for each texel with another color under some light. Works piece by piece, because colors need far more memory
-/// than stored values.
-fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
+/// Returns one flag per texel: true if the color differs under any of [`LIGHTS`]. Works in chunks, because colors need far
+/// more memory than stored values.
+fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
     let mut all = Vec::new();
     for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
@@ -147,7 +148,7 @@ fn colors_differ(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
             shape,
             samples: samples.to_vec(),
         };
-        // Readings of LUM differ in their use of coefficients, not in the coefficients.
+        // The readings of LUM differ in the use of coefficients, not in the coefficients themselves.
         let finals =
             evaluate::compute_coefficients(&ptm.header.scale_bias, &planes, &Reading::SPEC);
         let mut differing = vec![false; size.texels()];

@@ -1,4 +1,4 @@
-//! The problems that lint can report: a permanent code for each, with its text from `spec-cases/lint-codes.yaml`.
+//! Problems that lint can report. Each has a permanent code with a description in `spec-cases/lint-codes.yaml`.
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::kit::yaml::from_yaml;
 
-/// The severity of a problem.
+/// Severity of a problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -14,12 +14,12 @@ pub enum Severity {
     Error,
     /// Some readers refuse the file or show another image.
     Warning,
-    /// For information.
+    /// The finding is for information only.
     Info,
 }
 
 impl Severity {
-    /// Returns the severity in one word.
+    /// Returns the name of the severity.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -30,10 +30,10 @@ impl Severity {
     }
 }
 
-/// A problem that lint can find in a file; [`Problem::code`] has its text.
+/// Problem that lint can find in a file. [`Problem::code`] returns its description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs)] // the text says what each is
+#[allow(missing_docs)] // the codes describe the variants
 pub enum Problem {
     NotAPtm,
     OtherVersion,
@@ -107,7 +107,7 @@ impl Problem {
     /// Returns the code of the problem.
     ///
     /// # Panics
-    /// Never: a test finds every problem in a file.
+    /// Never panics, because every problem has a code.
     #[must_use]
     pub fn code(self) -> &'static Code {
         let code = ALL.iter().find(|code| code.problem == self);
@@ -115,63 +115,63 @@ impl Problem {
     }
 }
 
-/// The code of a problem, and its text.
+/// Code of a problem and its description.
 #[derive(Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Code {
-    /// The permanent identifier, for example `PTM-E001`.
-    #[serde(rename = "code", deserialize_with = "leaked")]
+    /// Permanent identifier, for example `PTM-E001`.
+    #[serde(rename = "code", deserialize_with = "deserialize_static")]
     pub id: Text,
-    /// The problem.
+    /// Problem that the code stands for.
     #[serde(skip_serializing)]
     pub problem: Problem,
-    /// Its severity.
+    /// Default severity.
     pub severity: Severity,
-    /// The clause that it is about.
-    #[serde(deserialize_with = "leaked")]
+    /// Clause that the problem is about.
+    #[serde(deserialize_with = "deserialize_static")]
     pub clause: Text,
-    /// The problem in a sentence.
-    #[serde(deserialize_with = "leaked")]
+    /// Description of the problem.
+    #[serde(deserialize_with = "deserialize_static")]
     pub says: Text,
-    /// The suggested fix for a writer; empty if there is nothing to do.
-    #[serde(default, deserialize_with = "leaked")]
+    /// Suggested fix for a writer; empty if there is nothing to do.
+    #[serde(default, deserialize_with = "deserialize_static")]
     pub fix: Text,
-    /// The ruling of kind *choice* that changes the image.
+    /// Ruling of kind *choice* that changes the image.
     #[serde(skip_serializing)]
     pub ruling: Option<String>,
-    /// Names of damages and ids of cases, each of which provokes the code.
+    /// Names of damages and ids of cases that provoke the code.
     pub provoked_by: Vec<String>,
 }
 
-/// A text of the table, with the lifetime of the program.
+/// String from the table of codes, with static lifetime.
 type Text = &'static str;
 
-fn leaked<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Text, D::Error> {
+fn deserialize_static<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Text, D::Error> {
     Ok(String::deserialize(deserializer)?.leak())
 }
 
-/// All codes, errors first, in the order of the text.
+/// All codes, errors first, in the order of the specification.
 pub static ALL: LazyLock<Vec<Code>> = LazyLock::new(|| {
     from_yaml(include_str!("../../../spec-cases/lint-codes.yaml"))
         .expect("the embedded codes are well-formed")
 });
 
 impl Code {
-    /// Returns the code with this id.
+    /// Looks up a code by id.
     #[must_use]
     pub fn by_id(id: &str) -> Option<&'static Code> {
         ALL.iter().find(|code| code.id == id)
     }
 
-    /// Returns true if this damage, or the case with this id, provokes the code.
+    /// Returns true if the damage with this name or the case with this id provokes the code.
     #[must_use]
     pub fn is_provoked_by(&self, damage_or_case: &str) -> bool {
         self.provoked_by.iter().any(|name| name == damage_or_case)
     }
 
-    /// Returns the code of a must-reject file made by this damage, or of the must-reject case with this id.
+    /// Returns the error code that a must-reject file with this damage, or the must-reject case with this id, provokes.
     #[must_use]
-    pub fn of_refused(damage_or_case: &str) -> Option<&'static Code> {
+    pub fn for_rejected_file(damage_or_case: &str) -> Option<&'static Code> {
         let mut errors = ALL.iter().filter(|code| code.severity == Severity::Error);
         errors.find(|code| code.is_provoked_by(damage_or_case))
     }

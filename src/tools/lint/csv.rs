@@ -1,23 +1,23 @@
-//! CSV output: a row for each file, for spreadsheets and scripts.
+//! CSV output for spreadsheets and scripts, one row per file.
 //!
-//! A cell that a spreadsheet would interpret as a formula begins with an apostrophe, and no cell has a line feed: names are
-//! already [printable](super::names::printable).
+//! Cells that a spreadsheet would interpret as a formula are prefixed with an apostrophe. No cell contains a line feed;
+//! file names are already [printable](super::names::printable).
 
 use super::Lint;
 use super::diagnostic::Diagnostic;
 use crate::tools::joined;
 
-/// Returns the first row, with two columns for each of these readers.
+/// Returns the header row, with two columns per reader.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
     const FILE_COLUMNS: &str =
         "file,status,format,width,height,bytes,errors,warnings,infos,codes,first";
     let file_columns = FILE_COLUMNS.split(',').map(str::to_owned);
     let reader_columns = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
-    cells(file_columns.chain(reader_columns))
+    join_cells(file_columns.chain(reader_columns))
 }
 
-/// Returns the row of a file, with predictions for `readers` readers.
+/// Returns the row for a file, with the predictions for `readers` readers.
 #[must_use]
 pub fn row(lint: &Lint, readers: usize) -> String {
     let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();
@@ -41,18 +41,18 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         Some(shown) => [shown.shows.name().to_owned(), shown.how.clone()],
         None => [String::new(), String::new()],
     });
-    cells(file_columns.into_iter().chain(reader_columns))
+    join_cells(file_columns.into_iter().chain(reader_columns))
 }
 
-/// Returns a row of cells.
-fn cells(texts: impl Iterator<Item = String>) -> String {
-    joined(texts.map(|text| cell(&text)), ",") + "\n"
+/// Joins cells into a row.
+fn join_cells(texts: impl Iterator<Item = String>) -> String {
+    joined(texts.map(|text| quote_cell(&text)), ",") + "\n"
 }
 
-/// Quotes a cell according to RFC 4180, and so that no spreadsheet interprets it as a formula.
-fn cell(text: &str) -> String {
+/// Quotes a cell according to RFC 4180, and prevents spreadsheets from interpreting it as a formula.
+fn quote_cell(text: &str) -> String {
     const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
-    // Most cells are plain.
+    // Most cells need no quotes.
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
     if text.bytes().all(plain) && !text.starts_with('-') {
         return text.to_owned();
@@ -86,7 +86,7 @@ mod tests {
             ("＝1", "\"'＝1\""),
             ("a\u{1b}b\nc", "a b c"),
         ] {
-            assert_eq!(cell(text), expected);
+            assert_eq!(quote_cell(text), expected);
         }
     }
 }

@@ -5,28 +5,28 @@ use serde::Serialize;
 use super::codes::{Problem, Severity};
 use crate::tools::dissection::{Dissection, Role};
 
-/// One finding about a file, as it is written to YAML and JSON.
+/// Finding about a file, in the form that is written to YAML and JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// The id of its [`Code`](super::codes::Code), such as `PTM-E001`.
+    /// Id of the [`Code`](super::codes::Code), such as `PTM-E001`.
     pub code: &'static str,
-    /// Its severity.
+    /// Severity of the finding.
     pub severity: Severity,
-    /// The byte of the file at which it was found.
+    /// Offset in the file.
     pub offset: usize,
-    /// The clause that it is about: that of the code, or the exact one that is broken.
+    /// Clause that is violated, or the clause of the code.
     pub clause: &'static str,
-    /// The code's sentence: the same text for every file.
+    /// Description of the code, which is the same for every file.
     pub says: &'static str,
-    /// Details of this file.
+    /// Details that are specific to this file.
     pub found: String,
-    /// The suggested fix for a writer; empty if there is nothing to do.
+    /// Suggested fix for a writer; empty if there is nothing to do.
     #[serde(skip_serializing_if = "str::is_empty")]
     pub fix: &'static str,
 }
 
 impl Diagnostic {
-    /// Returns the sentence of its code, with the details of this file.
+    /// Returns the description of the code, followed by the details of this file.
     #[must_use]
     pub fn text(&self) -> String {
         match self.found.as_str() {
@@ -36,7 +36,7 @@ impl Diagnostic {
     }
 }
 
-/// The findings about a file, as they are collected.
+/// Collector of findings about a file.
 pub(super) struct Findings<'a> {
     pub dissection: &'a Dissection<'a>,
     pub list: Vec<Diagnostic>,
@@ -48,12 +48,12 @@ impl<'a> Findings<'a> {
         Findings { dissection, list }
     }
 
-    /// Adds a problem at the first part of a role.
+    /// Adds a problem at the first part with the given role.
     pub fn add(&mut self, problem: Problem, role: Role, found: impl Into<String>) {
         self.add_at(problem, self.dissection.start(role), found);
     }
 
-    /// Adds a problem at a byte.
+    /// Adds a problem at a byte offset.
     pub fn add_at(&mut self, problem: Problem, offset: usize, found: impl Into<String>) {
         let code = problem.code();
         self.list.push(Diagnostic {

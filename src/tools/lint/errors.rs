@@ -1,4 +1,4 @@
-//! Errors of the reference, classified into codes.
+//! Classification of errors of the reference decoder into lint codes.
 
 use super::codes::Problem;
 use super::diagnostic::Findings;
@@ -9,15 +9,15 @@ use crate::tools::dissection::{Dissection, Role};
 
 pub(super) fn diagnose(findings: &mut Findings) {
     let dissection = findings.dissection;
-    let is_too_large = too_large(findings);
+    let is_too_large = diagnose_size(findings);
     let Err(error) = &dissection.outcome else {
         return;
     };
     match error.clause() {
-        // Every plane is checked, because the reference stops at the first error.
-        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::faults(findings),
+        // The reference stops at the first error, so check every plane.
+        "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::diagnose_errors(findings),
         clause if !is_too_large || error.class() != Class::Limit => {
-            let (problem, found) = (code(dissection, error), error.kind().to_string());
+            let (problem, found) = (classify(dissection, error), error.kind().to_string());
             findings.add_at(problem, error.offset(), found);
             if let Some(diagnostic) = findings.list.last_mut() {
                 diagnostic.clause = clause;
@@ -27,8 +27,8 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports planes beyond the limit, whether the file holds them or not. Returns true if there are any.
-fn too_large(findings: &mut Findings) -> bool {
+/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true if it does.
+fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
         return false;
@@ -42,8 +42,8 @@ fn too_large(findings: &mut Findings) -> bool {
     is_too_large
 }
 
-fn code(dissection: &Dissection, error: &Error) -> Problem {
-    if let Some(code) = white_space(dissection, error) {
+fn classify(dissection: &Dissection, error: &Error) -> Problem {
+    if let Some(code) = classify_white_space(dissection, error) {
         return code;
     }
     match (error.clause(), error.kind()) {
@@ -59,15 +59,17 @@ fn code(dissection: &Dissection, error: &Error) -> Problem {
         (_, Kind::NotRead { .. }) => Problem::Transform,
         (_, Kind::Stream { .. }) => Problem::StreamDamaged,
         (_, Kind::Ended { .. }) => Problem::HeaderEnds,
-        (clause, Kind::Expected { .. }) => expected(clause, token(dissection.file, error.offset())),
+        (clause, Kind::Expected { .. }) => {
+            classify_token(clause, token(dissection.file, error.offset()))
+        }
     }
 }
 
-/// Returns the problem of an unexpected word: by the clause that expects another one, and by the word.
-fn expected(clause: &str, token: &[u8]) -> Problem {
+/// Classifies an unexpected token by the token and the clause that expects another one.
+fn classify_token(clause: &str, token: &[u8]) -> Problem {
     match clause {
         "2.2/1" => Problem::UnknownFormat,
-        "2.3/1" | "2.3/3" if is_whole(token) => Problem::SizeOutOfRange,
+        "2.3/1" | "2.3/3" if is_integer(token) => Problem::SizeOutOfRange,
         "2.3/1" | "2.3/2" | "2.3/3" => Problem::SizeNotANumber,
         "2.4/3" => Problem::Scale,
         "2.4/4" => Problem::Bias,
@@ -78,13 +80,13 @@ fn expected(clause: &str, token: &[u8]) -> Problem {
         "2.9.6/2" | "2.9.7/3" => Problem::NegativeSize,
         _ if !clause.starts_with("2.9") => Problem::Layout,
         _ if is_text(token) => Problem::ListNumber,
-        // A list was too short, and planes were read as its last numbers.
+        // A list was too short, so bytes of the planes were read as its last numbers.
         _ => Problem::ListsShort,
     }
 }
 
-/// Returns the problem of white space that the text does not allow (ruling `header-blanks`).
-fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
+/// Classifies white space that the specification does not allow (ruling `header-blanks`).
+fn classify_white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
     }
@@ -92,7 +94,7 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     let word = token(dissection.file, error.offset());
     let is_readable = |byte: &u8| byte.is_ascii_graphic() || b"\r\t".contains(byte);
     let readable = word.iter().all(is_readable);
-    // The first line is a version only if nothing but its end is wrong.
+    // Treat the first line as a version only if nothing but its line end is wrong.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
     if readable && known && word.contains(&b'\r') {
         return Some(Problem::CarriageReturn);
@@ -101,11 +103,11 @@ fn white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
         return Some(Problem::Tab);
     }
     let blank = matches!(there, [b' ' | b'\n', ..]);
-    // A line end instead of a gap means that a number is missing.
+    // A line end between numbers means that a number is missing.
     (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(Problem::Layout)
 }
 
-/// Returns the word at `offset`, up to a space or a line feed.
+/// Returns the token at `offset`, up to a space or a line feed.
 fn token(file: &[u8], offset: usize) -> &[u8] {
     let there = &file[offset.min(file.len())..];
     let end = there.iter().position(|byte| matches!(byte, b' ' | b'\n'));
@@ -116,7 +118,7 @@ fn is_text(token: &[u8]) -> bool {
     !token.is_empty() && token.len() <= 64 && token.iter().all(u8::is_ascii_graphic)
 }
 
-fn is_whole(token: &[u8]) -> bool {
+fn is_integer(token: &[u8]) -> bool {
     let unsigned = token.strip_prefix(b"-").or(token.strip_prefix(b"+"));
     let digits = unsigned.unwrap_or(token);
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)

@@ -1,4 +1,4 @@
-//! The spelling of the header: legal spellings that some readers do not accept.
+//! Legal spellings of the header that some readers do not accept.
 
 use std::collections::HashSet;
 
@@ -6,14 +6,14 @@ use super::codes::Problem;
 use super::diagnostic::Findings;
 use crate::tools::dissection::{FilePart, Role};
 
-/// Reports each problem once, at its first place.
+/// Reports each problem once, at its first occurrence.
 pub(super) fn diagnose(findings: &mut Findings) {
     let dissection = findings.dissection;
     let count = dissection.compressed_planes();
     let header = dissection.parts.iter().enumerate();
     let mut seen = HashSet::new();
     for (place, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
-        for (problem, found) in odd_gap(part, count, dissection.gap_after(place)) {
+        for (problem, found) in gap_problems(part, count, dissection.gap_after(place)) {
             if seen.insert(problem) {
                 findings.add_at(problem, part.range().end, found);
             }
@@ -21,20 +21,20 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Returns what is unusual about the white space after a part of the header.
-fn odd_gap(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
+/// Returns the problems of the white space after a part of the header.
+fn gap_problems(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
     let after = || format!("after the {}", part.name);
-    let mut odd = Vec::new();
+    let mut problems = Vec::new();
     if gap == b" \n" {
         let problem = match part.role {
             Role::Version | Role::Format => Problem::SpaceAfterName,
             _ => Problem::SpaceBeforeNewline,
         };
-        odd.push((problem, after()));
+        problems.push((problem, after()));
     }
     if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
         let found = format!("{} spaces {}", gap.len(), after());
-        odd.push((Problem::WideGap, found));
+        problems.push((Problem::WideGap, found));
     }
     let ends = gap.contains(&b'\n');
     let one_line = !ends && !gap.is_empty();
@@ -43,10 +43,10 @@ fn odd_gap(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)>
         false => format!("a line ends {}", after()),
     };
     match part.role {
-        Role::Width if one_line => odd.push((Problem::SizeOnOneLine, String::new())),
-        Role::Scale(5) if one_line => odd.push((Problem::ScaleBiasOnOneLine, String::new())),
-        Role::Matrix(0..15) if ends => odd.push((Problem::MatrixLayout, ending())),
-        Role::Parameter if one_line => odd.push((Problem::ListLayout, ending())),
+        Role::Width if one_line => problems.push((Problem::SizeOnOneLine, String::new())),
+        Role::Scale(5) if one_line => problems.push((Problem::ScaleBiasOnOneLine, String::new())),
+        Role::Matrix(0..15) if ends => problems.push((Problem::MatrixLayout, ending())),
+        Role::Parameter if one_line => problems.push((Problem::ListLayout, ending())),
         Role::Transform(plane)
         | Role::MotionX(plane)
         | Role::MotionY(plane)
@@ -56,9 +56,9 @@ fn odd_gap(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)>
         | Role::SideSize(plane)
             if (plane + 1 == planes) == one_line =>
         {
-            odd.push((Problem::ListLayout, ending()));
+            problems.push((Problem::ListLayout, ending()));
         }
         _ => {}
     }
-    odd
+    problems
 }

@@ -1,7 +1,8 @@
-//! Errors of a file, problems that other readers may have with it, and fixes for its writer.
+//! Lint for PTM files: errors, problems that some readers may have with a file, and fixes for its writer.
 //!
-//! Errors are those of the reference, classified into stable [`codes`], and those of every plane if a plane is wrong. Warnings
-//! and infos come from the file's spelling, its values, its streams, and from all readings of the open points.
+//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all
+//! planes are reported. Warnings and infos are about the spelling, the values and the streams of a file, and about
+//! alternative readings of open questions.
 
 mod choices;
 pub mod codes;
@@ -29,49 +30,49 @@ use crate::ptm::Format;
 use crate::readers::ReaderPrediction;
 use crate::tools::dissection::Dissection;
 
-/// All findings about a file.
+/// Lint results for a file.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Lint {
-    /// The file's name, as it was given, with terminal control characters escaped.
+    /// Name of the file as given, with control characters escaped.
     pub file: String,
-    /// Its status.
+    /// Status of the file.
     pub status: Status,
-    /// Its format, if it could be read.
+    /// Format of the file, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// Number of texels in a row, if it could be read.
+    /// Number of texels per row, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
     /// Number of rows, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
-    /// Number of its bytes, if known.
+    /// Size of the file in bytes, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u64>,
-    /// The reason why it was not read, if it was not.
+    /// Reason why the file was not read, if it was not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// Number of errors.
     pub errors: usize,
     /// Number of warnings.
     pub warnings: usize,
-    /// Number of findings for information.
+    /// Number of informational findings.
     pub infos: usize,
     /// Predicted results of readers, if requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub readers: Vec<ReaderPrediction>,
-    /// The findings, errors first, then by position.
+    /// Findings, sorted by severity and offset.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Returns all findings about `file`, errors first, then by position.
+/// Returns all findings about `file`, sorted by severity and offset.
 #[must_use]
 pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
     Lint::new("", file).findings
 }
 
 impl Lint {
-    /// Returns the findings of a file, with its name.
+    /// Lints the file with the given name and content.
     #[must_use]
     pub fn new(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
@@ -94,7 +95,7 @@ impl Lint {
         lint
     }
 
-    /// Returns the result for a file that was not read, with the reason.
+    /// Creates the result for a file that was not read, with the reason.
     #[must_use]
     pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
         Lint {
@@ -117,7 +118,7 @@ impl Lint {
         self.infos = count(Severity::Info);
     }
 
-    /// Returns lines for a terminal, in color, for findings of severity `least` and above.
+    /// Formats the findings of severity `least` and above as colored text for a terminal.
     #[must_use]
     pub fn to_text(&self, least: Severity) -> String {
         let mut out = String::new();
@@ -147,7 +148,7 @@ impl Lint {
         out
     }
 
-    /// Describes its status, and the numbers of errors, warnings and infos.
+    /// Describes the status and the numbers of errors, warnings and infos.
     #[must_use]
     pub fn summary(&self) -> String {
         let counted = |count: usize, word: &str| {
@@ -162,9 +163,9 @@ impl Lint {
         format!("{}: {}: {said}\n", self.file, self.status.words())
     }
 
-    /// Returns the predicted results of readers, a line each.
+    /// Formats the predicted results of readers, one per line.
     #[must_use]
-    pub fn shown(&self) -> String {
+    pub fn predictions_text(&self) -> String {
         let mut out = String::new();
         for reader in &self.readers {
             let _ = write!(out, "    in {}: {}", reader.reader, reader.shows.name());

@@ -1,10 +1,10 @@
-//! Printable names of files: no name can move the cursor or forge a line.
+//! Escaping of file names, so that no name can move the cursor or forge a line of output.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 
-/// Returns a name without control characters: these, bidirectional marks, line separators, and bytes that are not UTF-8 are
-/// escaped. A backslash that is not a separator is doubled, so that the escapes are unambiguous.
+/// Escapes control characters, bidirectional marks, line separators, and bytes that are not UTF-8. A backslash that is not
+/// a separator is doubled, so the escapes are unambiguous.
 #[must_use]
 pub fn escape_controls(name: &OsStr) -> String {
     let mut out = String::new();
@@ -23,13 +23,13 @@ pub fn escape_controls(name: &OsStr) -> String {
     out
 }
 
-/// Returns true if a terminal or an editor interprets this character instead of showing it.
+/// Returns true if a terminal or an editor interprets this character instead of displaying it.
 fn is_control_character(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
 }
 
-/// Returns the name as the path of a URI: all bytes except unreserved characters and separators are percent-encoded.
+/// Converts a name to the path of a URI. All bytes except unreserved characters and separators are percent-encoded.
 #[must_use]
 pub fn as_uri(name: &OsStr) -> String {
     let mut out = String::new();

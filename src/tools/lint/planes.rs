@@ -1,4 +1,4 @@
-//! The planes of a compressed file: errors in each, and unusual properties of their lists and streams.
+//! Compressed planes: errors in each plane, and unusual properties of the lists and streams.
 
 use std::fmt::Write as _;
 
@@ -11,9 +11,9 @@ use crate::error::Kind;
 use crate::ptm::{Coding, Format, Size};
 use crate::tools::dissection::Role;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
-use crate::tools::{joined, place_in_words, texel_at};
+use crate::tools::{describe_position, joined, texel_index};
 
-/// Reports what is unusual about lists and streams.
+/// Reports unusual properties of lists and streams.
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
     let count = dissection.compressed_planes();
@@ -24,21 +24,21 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
         return;
     }
     let mut all = Findings::new(dissection);
-    ranks(&mut all, count);
-    parameter(&mut all, coding);
-    unused_transforms(&mut all, count);
+    check_ranks(&mut all, count);
+    check_parameter(&mut all, coding);
+    check_unused_transforms(&mut all, count);
     for plane in 0..count {
-        stream(&mut all, coding, plane);
-        duplicate_records(&mut all, plane);
+        check_stream(&mut all, coding, plane);
+        check_duplicate_records(&mut all, plane);
     }
     if let Some(streams) = streams.filter(|_| coding == Coding::Jpeg) {
-        other_transforms(&mut all, streams);
+        check_wraparound(&mut all, streams);
     }
-    findings.list.extend(first_of_each(all.list));
+    findings.list.extend(merge_by_code(all.list));
 }
 
-/// Reports the errors in all planes; the reference stops at the first.
-pub(super) fn faults(findings: &mut Findings) {
+/// Reports the errors in all planes. The reference stops at the first error.
+pub(super) fn diagnose_errors(findings: &mut Findings) {
     let dissection = findings.dissection;
     let coding = dissection.format.and_then(Format::coding);
     let (Some(coding), Some(size)) = (coding, dissection.size) else {
@@ -66,7 +66,7 @@ pub(super) fn faults(findings: &mut Findings) {
     }
 }
 
-/// Returns the problem of a stream that the codec refuses, as its markers show it.
+/// Classifies the problem of a stream that the codec refuses, based on its markers.
 fn stream_problem(
     coding: Coding,
     stream: &[u8],
@@ -90,8 +90,8 @@ fn stream_problem(
     }
 }
 
-/// Reports ranks that repeat, leave gaps or do not begin at 0, and references below −1 (ruling `ranks`).
-fn ranks(findings: &mut Findings, count: usize) {
+/// Reports ranks that are not a permutation of 0, 1, 2, …, and references below −1 (ruling `ranks`).
+fn check_ranks(findings: &mut Findings, count: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
     let ranks: Vec<i64> = (0..count).map(|plane| number(Role::Rank(plane))).collect();
@@ -108,8 +108,8 @@ fn ranks(findings: &mut Findings, count: usize) {
     }
 }
 
-/// Checks the range of the parameter (clause 2.9.1/2).
-fn parameter(findings: &mut Findings, coding: Coding) {
+/// Checks the range of the compression parameter (clause 2.9.1/2).
+fn check_parameter(findings: &mut Findings, coding: Coding) {
     let range = match coding {
         Coding::Jpeg => 20..=100,
         Coding::JpegLs => 0..=127,
@@ -121,8 +121,8 @@ fn parameter(findings: &mut Findings, coding: Coding) {
     }
 }
 
-/// Reports transforms and vectors without an effect.
-fn unused_transforms(findings: &mut Findings, count: usize) {
+/// Reports transforms and motion vectors that have no effect.
+fn check_unused_transforms(findings: &mut Findings, count: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
     let idle = |plane: &usize| {
@@ -138,8 +138,8 @@ fn unused_transforms(findings: &mut Findings, count: usize) {
     }
 }
 
-/// Reports what a stream has that an encoder of planes does not write (ruling `plane-odd`).
-fn stream(findings: &mut Findings, coding: Coding, plane: usize) {
+/// Reports parts of a stream that an encoder of planes would not write (ruling `plane-odd`).
+fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let role = Role::Stream(plane);
     let stream = findings.dissection.bytes(role).unwrap_or_default();
     if !stream.starts_with(&[0xff, 0xd8]) {
@@ -147,7 +147,7 @@ fn stream(findings: &mut Findings, coding: Coding, plane: usize) {
     }
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
-        if let Some(problem) = odd_segment(coding, segment) {
+        if let Some(problem) = segment_problem(coding, segment) {
             let mut found = format!("plane {plane}: {}", segment.kind.label().0);
             if !segment.says.is_empty() {
                 let _ = write!(found, " ({})", segment.says);
@@ -155,17 +155,17 @@ fn stream(findings: &mut Findings, coding: Coding, plane: usize) {
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
-    other_near(findings, plane, &parts);
+    check_near(findings, plane, &parts);
 }
 
-fn odd_segment(coding: Coding, segment: &Segment) -> Option<Problem> {
+fn segment_problem(coding: Coding, segment: &Segment) -> Option<Problem> {
     let jfif = coding == Coding::Jpeg && segment.kind == SegmentKind::Marker(0xe0);
     match segment.kind {
         SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
         SegmentKind::Fill => Some(Problem::StreamExtras),
         SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
         SegmentKind::Trailing => Some(Problem::StreamTrailing),
-        // LSE of type 1 with MAXVAL below 255; 0 stands for the maximum (T.87 C.2.4.1.1).
+        // LSE of type 1 with MAXVAL below 255. The value 0 means the default (T.87 C.2.4.1.1).
         SegmentKind::Marker(0xf8) => match *segment.bytes {
             [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
                 .then_some(Problem::StreamMaxval),
@@ -175,8 +175,8 @@ fn odd_segment(coding: Coding, segment: &Segment) -> Option<Problem> {
     }
 }
 
-/// Reports a JPEG-LS stream whose NEAR is not the parameter.
-fn other_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
+/// Reports a JPEG-LS stream whose NEAR differs from the compression parameter.
+fn check_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
     let is_jpeg_ls = frame(parts).is_some_and(|(code, ..)| code == 0xf7);
     let near = near(parts).filter(|_| is_jpeg_ls);
     let parameter = findings.dissection.number(Role::Parameter);
@@ -188,8 +188,8 @@ fn other_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
     }
 }
 
-/// Reports the first texel with two records (ruling `side-twice`).
-fn duplicate_records(findings: &mut Findings, plane: usize) {
+/// Reports the first texel that has two records (ruling `side-twice`).
+fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     let role = Role::Side(plane);
     let block = findings.dissection.bytes(role).unwrap_or_default();
     let records = parse_records(block, 0, usize::MAX).unwrap_or_default();
@@ -206,11 +206,11 @@ fn duplicate_records(findings: &mut Findings, plane: usize) {
     }
 }
 
-/// Reports texels of predicted JPEG planes so close to 0 or 255 that another inverse DCT may wrap them to the other end.
+/// Reports texels of predicted JPEG planes that are so close to 0 or 255 that another inverse DCT may wrap them around.
 ///
-/// An inverse DCT may be off by one in every plane of the chain, except in blocks of one value, which all decode to the same
-/// samples. A corrected texel is certain.
-fn other_transforms(findings: &mut Findings, streams: &Streams) {
+/// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, which all decoders
+/// decode equally. Texels that a record corrects are exact.
+fn check_wraparound(findings: &mut Findings, streams: &Streams) {
     let dissection = findings.dissection;
     let (Ok(ptm), Some(size)) = (&dissection.outcome, dissection.size) else {
         return;
@@ -220,48 +220,50 @@ fn other_transforms(findings: &mut Findings, streams: &Streams) {
     if (0..channels).all(|plane| reference(plane).is_none()) {
         return;
     }
-    let mut slack = vec![0u8; channels];
+    let mut max_deviation = vec![0u8; channels];
     for (plane, residuals) in streams.residuals() {
         let width = size.width as usize;
         let first_of_block = |at: usize| residuals[at / width / 8 * 8 * width + at % width / 8 * 8];
         let exact = (0..residuals.len()).all(|at| residuals[at] == first_of_block(at));
         let reference = reference(plane);
-        slack[plane] = u8::from(!exact) + reference.map_or(0, |reference| slack[reference]);
-        if reference.is_none() || slack[plane] == 0 {
+        max_deviation[plane] =
+            u8::from(!exact) + reference.map_or(0, |reference| max_deviation[reference]);
+        if reference.is_none() || max_deviation[plane] == 0 {
             continue;
         }
         let samples = ptm.planes.samples.iter().skip(plane);
         let samples = samples.step_by(channels).copied();
         let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
-        if let Some(texels) = near_an_end(samples, slack[plane], side, size) {
+        if let Some(texels) = describe_wrapping_texels(samples, max_deviation[plane], side, size) {
             let found = format!("plane {plane}: {texels}");
             findings.add(Problem::OtherTransform, Role::Stream(plane), found);
         }
     }
 }
 
-/// Returns the texels of a plane, top row first, that are within `slack` of 0 or 255 and that no record corrects.
-fn near_an_end(
+/// Describes the texels of a plane that are within `max_deviation` of 0 or 255 and that no record corrects. Returns `None`
+/// if there are none. Returns `None` if there are none.
+fn describe_wrapping_texels(
     samples: impl Iterator<Item = u8>,
-    slack: u8,
+    max_deviation: u8,
     side: &[u8],
     size: Size,
 ) -> Option<String> {
-    let near = |sample: u8| sample < slack || 255 - sample < slack;
+    let near = |sample: u8| sample < max_deviation || 255 - sample < max_deviation;
     let mut texels: Vec<bool> = samples.map(near).collect();
     for &(position, _) in &parse_records(side, 0, size.texels()).unwrap_or_default() {
-        texels[texel_at(size, position)] = false;
+        texels[texel_index(size, position)] = false;
     }
     let first = texels.iter().position(|&near| near)?;
     let count = texels.iter().filter(|&&near| near).count();
-    let place = place_in_words(size, first);
+    let place = describe_position(size, first);
     Some(format!(
-        "{count} texels within {slack} of 0 or 255, the first at {place}"
+        "{count} texels within {max_deviation} of 0 or 255, the first at {place}"
     ))
 }
 
-/// Keeps one finding of each code, with the number of the others: usually all planes have the same property.
-fn first_of_each(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+/// Keeps the first finding of each code and counts the others, because usually all planes have the same property.
+fn merge_by_code(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let mut kept: Vec<(Diagnostic, usize)> = Vec::new();
     for diagnostic in diagnostics {
         let mut known = kept.iter_mut();

@@ -1,5 +1,5 @@
-//! SARIF 2.1.0, the format in which code hosts and editors import results of static analysis. Written piece by piece, so that a
-//! collection of any size needs little memory: [`head`], [`results`] for each file, [`tail`].
+//! SARIF 2.1.0 output, which code hosts and editors import. The document is written in pieces, so that a collection of any
+//! size needs little memory: [`head`], then [`results`] for each file, then [`tail`].
 
 use std::ffi::OsStr;
 
@@ -10,7 +10,7 @@ use super::codes::{ALL, Severity};
 use super::names::as_uri;
 use crate::suite::address::{self, published_url};
 
-/// Returns everything before the first result.
+/// Returns the part of the document before the first result.
 #[must_use]
 pub fn head() -> String {
     let rules: Vec<Value> = ALL
@@ -40,10 +40,10 @@ pub fn head() -> String {
     )
 }
 
-/// Returns the results of a file, each a line that ends without a comma; `failed` is true if it could not be read.
+/// Returns the results of a file as JSON objects. `failed` is true if the file could not be read.
 #[must_use]
 pub fn results(path: &OsStr, lint: &Lint, failed: bool) -> Vec<String> {
-    // A result that is not a failure has the level `none`.
+    // SARIF requires the level `none` for results that are not failures.
     let (kind, level_of_unread) = if failed {
         ("fail", "error")
     } else {
@@ -74,7 +74,7 @@ pub fn results(path: &OsStr, lint: &Lint, failed: bool) -> Vec<String> {
     results.map(|result| result.to_string()).collect()
 }
 
-/// Returns everything after the last result.
+/// Returns the part of the document after the last result.
 #[must_use]
 pub fn tail() -> &'static str {
     "\n], \"columnKind\": \"utf16CodeUnits\"}]}\n"

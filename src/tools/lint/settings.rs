@@ -1,4 +1,4 @@
-//! Selection of findings: codes that are allowed or exclusively reported, other severities, a maximum number.
+//! Settings that select findings: allowed codes, exclusive codes, severities, and a maximum number.
 
 use std::collections::BTreeMap;
 
@@ -7,26 +7,26 @@ use serde::Deserialize;
 use super::Lint;
 use super::codes::{Code, Severity};
 
-/// The selection of findings, from options and configuration files.
+/// Selection of findings, from options and configuration files.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Codes that are not reported.
     pub allow: Vec<String>,
-    /// Codes that are reported exclusively; all if empty.
+    /// Codes that are reported exclusively; empty for all codes.
     pub only: Vec<String>,
-    /// Severities that replace those of the codes.
+    /// Severities that replace the defaults of the codes.
     pub severity: BTreeMap<String, Severity>,
-    /// Maximum number of findings that are printed for a file, the worst first. All are counted.
+    /// Maximum number of findings that are printed per file, worst first. All findings are counted.
     pub max: Option<usize>,
     /// True if a warning makes the run fail.
     pub deny_warnings: bool,
 }
 
 impl Settings {
-    /// Merges these settings with `more`, which wins in conflicts.
+    /// Merges two settings. Values of `more` take precedence.
     #[must_use]
-    pub fn and(mut self, more: Settings) -> Settings {
+    pub fn merge(mut self, more: Settings) -> Settings {
         self.allow.extend(more.allow);
         self.only.extend(more.only);
         self.severity.extend(more.severity);
@@ -40,7 +40,7 @@ impl Settings {
     /// Checks that every code exists.
     ///
     /// # Errors
-    /// A sentence that names the first one that does not.
+    /// Returns a message that names the first unknown code.
     pub fn check(&self) -> Result<(), String> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
@@ -52,13 +52,13 @@ impl Settings {
         }
     }
 
-    /// Removes findings that are not reported from `lint`, and applies the severities.
+    /// Removes findings that should not be reported and applies the severities.
     #[must_use]
-    pub fn select(&self, mut lint: Lint) -> Lint {
-        let among = |codes: &[String], code: &str| codes.iter().any(|one| one == code);
+    pub fn apply(&self, mut lint: Lint) -> Lint {
+        let contains = |codes: &[String], code: &str| codes.iter().any(|one| one == code);
         lint.findings.retain(|finding| {
-            !among(&self.allow, finding.code)
-                && (self.only.is_empty() || among(&self.only, finding.code))
+            !contains(&self.allow, finding.code)
+                && (self.only.is_empty() || contains(&self.only, finding.code))
         });
         for finding in &mut lint.findings {
             if let Some(&severity) = self.severity.get(finding.code) {

@@ -1,30 +1,30 @@
-//! The status of a file: sound, damaged, not a PTM, or not judged.
+//! Status of a file: sound, damaged, not a PTM, or not judged.
 
 use serde::Serialize;
 
 use crate::error::Class;
 use crate::tools::dissection::Dissection;
 
-/// The first bytes of every PTM, of any version.
+/// First bytes of every PTM, regardless of version.
 pub const MAGIC: &[u8] = b"PTM_";
 
-/// The status of a file.
+/// Status of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
-    /// A PTM that the reference reads.
+    /// The reference can read the file.
     Sound,
-    /// Another kind of file: it does not begin like a PTM.
+    /// The file does not begin like a PTM.
     NotAPtm,
-    /// It begins like a PTM and breaks a rule of the format.
+    /// The file begins like a PTM but violates a rule of the format.
     Damaged,
-    /// It was not read, or it is a PTM of another version, or one beyond what the reference supports.
+    /// The file was not read, is a PTM of another version, or exceeds what the reference supports.
     #[default]
     NotJudged,
 }
 
 impl Status {
-    /// All statuses, in the order of the totals.
+    /// All statuses, in the order in which totals are printed.
     pub const ALL: [Status; 4] = [
         Status::Sound,
         Status::Damaged,
@@ -32,7 +32,7 @@ impl Status {
         Status::NotJudged,
     ];
 
-    /// Returns its name for people.
+    /// Returns the human-readable name.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -43,13 +43,13 @@ impl Status {
         }
     }
 
-    /// Returns its name for programs, as it is serialized.
+    /// Returns the machine-readable name, as it is serialized.
     #[must_use]
     pub fn name(self) -> String {
         self.words().to_lowercase().replace(' ', "-")
     }
 
-    /// Returns the status of a dissected file.
+    /// Determines the status of a dissected file.
     #[must_use]
     pub fn new(dissection: &Dissection) -> Status {
         match &dissection.outcome {
@@ -62,7 +62,7 @@ impl Status {
     }
 }
 
-/// Returns true if the first line names a version of the format that is not 1.2, such as `PTM_1.1`.
+/// Returns true if the first line names a version other than 1.2, such as `PTM_1.1`.
 fn is_another_version(file: &[u8]) -> bool {
     let line = file.strip_prefix(MAGIC).unwrap_or_default();
     let end = line.iter().position(|byte| matches!(byte, b' ' | b'\n'));

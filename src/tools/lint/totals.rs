@@ -1,4 +1,4 @@
-//! Totals of a collection: files of each status and format, and the frequency of each code.
+//! Totals of a collection: number of files by status, format and code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -7,19 +7,19 @@ use super::Lint;
 use super::codes::Code;
 use super::status::Status;
 
-/// Counts over all files of a run.
+/// Counts of all files of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Totals {
     /// Number of files.
     pub files: usize,
     statuses: BTreeMap<Status, usize>,
     formats: BTreeMap<&'static str, usize>,
-    /// Number of files with each code.
+    /// Number of files with each lint code.
     codes: BTreeMap<&'static str, usize>,
 }
 
 impl Totals {
-    /// Counts one more file.
+    /// Counts a file.
     pub fn add(&mut self, lint: &Lint) {
         self.files += 1;
         *self.statuses.entry(lint.status).or_default() += 1;
@@ -32,13 +32,13 @@ impl Totals {
         }
     }
 
-    /// Returns the number of files of this status.
+    /// Returns the number of files with the given status.
     #[must_use]
     pub fn count(&self, status: Status) -> usize {
         self.statuses.get(&status).copied().unwrap_or_default()
     }
 
-    /// Returns text for a terminal: a line for all files, one for each format and one for each code.
+    /// Formats the totals for a terminal: one line for all files, then one line per format and per code.
     #[must_use]
     pub fn to_text(&self) -> String {
         let statuses =

@@ -1,18 +1,18 @@
-//! Numbers and tables that are valid but unusual.
+//! Valid but unusual numbers and tables.
 
 use super::codes::Problem;
 use super::diagnostic::Findings;
 use crate::tools::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {
-    (0..6).for_each(|i| scale_and_bias(findings, i));
-    matrix(findings);
-    table(findings);
-    trailing(findings);
+    (0..6).for_each(|i| check_scale_and_bias(findings, i));
+    check_matrix(findings);
+    check_table(findings);
+    check_trailing_bytes(findings);
 }
 
 /// Checks the scale and the bias of coefficient `i`.
-fn scale_and_bias(findings: &mut Findings, i: usize) {
+fn check_scale_and_bias(findings: &mut Findings, i: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.text(role)?.parse::<f64>().ok();
     if number(Role::Scale(i)) == Some(0.0) {
@@ -31,8 +31,8 @@ fn scale_and_bias(findings: &mut Findings, i: usize) {
     }
 }
 
-/// Checks the last row of the color matrix; the first unusual element is reported.
-fn matrix(findings: &mut Findings) {
+/// Checks the last row of the color matrix and reports the first unusual element.
+fn check_matrix(findings: &mut Findings) {
     for (element, usual) in [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)] {
         let role = Role::Matrix(element);
         let text = findings.dissection.text(role).unwrap_or_default();
@@ -43,8 +43,8 @@ fn matrix(findings: &mut Findings) {
     }
 }
 
-/// Checks the size of the lookup table, and that every entry is used.
-fn table(findings: &mut Findings) {
+/// Reports a very large lookup table and unused entries.
+fn check_table(findings: &mut Findings) {
     let dissection = findings.dissection;
     let Some(entries) = dissection.entries() else {
         return;
@@ -68,7 +68,7 @@ fn table(findings: &mut Findings) {
 }
 
 /// Reports bytes after the last value (ruling `trailing`).
-fn trailing(findings: &mut Findings) {
+fn check_trailing_bytes(findings: &mut Findings) {
     let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
     if findings.dissection.outcome.is_ok() && end < length {
         findings.add_at(Problem::Trailing, end, format!("{} bytes", length - end));

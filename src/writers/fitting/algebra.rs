@@ -1,32 +1,31 @@
 //! Least squares for the six coefficients of a polynomial.
 
-/// Returns the values of u² v² uv u v 1 under a light, the terms of clause 1.0/1.
+/// Evaluates the terms u², v², uv, u, v and 1 of clause 1.0/1 under a light.
 fn terms([u, v]: [f64; 2]) -> [f64; 6] {
     [u * u, v * v, u * v, u, v, 1.0]
 }
 
-/// Directions whose share in all lights is smaller, as a fraction of the largest, are undetermined.
-const MIN_DETERMINED: f64 = 1e-10;
+/// Minimum eigenvalue, relative to the largest, of a direction that the lights determine.
+const MIN_EIGENVALUE_RATIO: f64 = 1e-10;
 
-/// The least-squares coefficients of polynomials are these rows times the values under the lights; if the lights leave several
-/// solutions, the smallest one.
+/// Least-squares solver for a fixed set of lights. If there are several solutions, returns the one with the smallest norm.
 #[derive(Debug)]
 pub(super) struct LeastSquares {
-    /// For each light the contribution of its value to each coefficient.
+    /// Pseudoinverse: for each light, the contribution of its value to each coefficient.
     rows: Vec<[f64; 6]>,
-    /// True if the lights determine all six coefficients, with a margin for rounding.
+    /// True if the lights determine all six coefficients, with a margin for rounding errors.
     pub is_determined: bool,
 }
 
 impl LeastSquares {
-    /// Prepares the solution for these lights.
+    /// Computes the pseudoinverse for the given lights.
     pub fn new(lights: &[[f64; 2]]) -> LeastSquares {
         let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
         let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
         let (values, vectors) = eigen(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let kept = |k: &usize| values[*k] > MIN_DETERMINED * largest;
+        let kept = |k: &usize| values[*k] > MIN_EIGENVALUE_RATIO * largest;
         let row = |light: &[f64; 6]| {
             let mut row = [0.0; 6];
             for k in (0..6).filter(kept) {
@@ -43,7 +42,7 @@ impl LeastSquares {
         }
     }
 
-    /// Returns the best polynomial for a value per light.
+    /// Returns the best polynomial for one value per light.
     pub fn fit(&self, values: impl Iterator<Item = f64>) -> [f64; 6] {
         let mut best = [0.0; 6];
         for (row, value) in self.rows.iter().zip(values) {
@@ -55,7 +54,7 @@ impl LeastSquares {
     }
 }
 
-/// Returns eigenvalues and eigenvectors (columns) of a symmetric matrix, by Jacobi rotations.
+/// Computes the eigenvalues and eigenvectors (as columns) of a symmetric matrix by Jacobi rotations.
 pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
@@ -71,7 +70,7 @@ pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f
     (std::array::from_fn(|i| matrix[i][i]), vectors)
 }
 
-/// Rotates rows and columns `p` and `q` so that the element between them becomes zero.
+/// Rotates rows and columns `p` and `q` so that element (`p`, `q`) becomes zero.
 fn rotate<const N: usize>(
     matrix: &mut [[f64; N]; N],
     vectors: &mut [[f64; N]; N],

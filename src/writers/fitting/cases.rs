@@ -1,4 +1,4 @@
-//! The suite of photographs as runs and reports use it, and the causes of failures.
+//! Cases of the fitter suite, and the causes of their failures.
 
 use std::collections::BTreeMap;
 
@@ -20,51 +20,51 @@ use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
 use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::writers::asking::{Sent, WritingCase};
+use crate::writers::asking::{RequestInput, WritingCase};
 use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
-use crate::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
+use crate::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{WriteView, WrittenFile, wrong_file};
 
-/// Photographs to be fitted in a format.
+/// Set of photographs to be fitted in a format.
 #[derive(Clone, Debug)]
 pub struct FitCase {
     id: String,
     because: String,
     clauses: Vec<String>,
-    /// The requested format.
+    /// Requested format.
     pub format: Format,
-    source: PictureSource,
+    source: ImageSource,
 }
 
-/// The source of the photographs of a case.
+/// Source of the photographs of a case.
 #[derive(Clone, Debug)]
-enum PictureSource {
-    Made(&'static SetPlan),
-    Given(PictureSet),
+enum ImageSource {
+    Generated(&'static SetPlan),
+    Given(ImageSet),
 }
 
-/// The input of a fitter.
+/// Input for a fitter.
 pub struct BuiltFit {
-    /// The request in JSON, in which the path of the `.lp` file is still a name in braces.
+    /// Request in JSON, with a placeholder as the path of the `.lp` file.
     pub json: Vec<u8>,
-    /// The photographs.
-    pub set: PictureSet,
+    /// Photographs to be fitted.
+    pub set: ImageSet,
 }
 
 impl Suite<FitCase> {
-    /// Makes the suite of the embedded photographs, and optionally the user's.
+    /// Creates a suite with the generated photographs and, optionally, the user's photographs.
     #[must_use]
-    pub fn of_photographs(own: Option<&PictureSet>) -> Suite<FitCase> {
-        let made = SETS.iter().map(PictureSource::Made);
-        let sources = made.chain(own.cloned().map(PictureSource::Given));
+    pub fn load_fitter_requests(own: Option<&ImageSet>) -> Suite<FitCase> {
+        let made = SETS.iter().map(ImageSource::Generated);
+        let sources = made.chain(own.cloned().map(ImageSource::Given));
         let cases = sources.flat_map(|source| {
             let (name, because, clause) = match &source {
-                PictureSource::Made(plan) => (plan.name, plan.because, plan.clause),
-                PictureSource::Given(_) => ("own", "The images that --lp names.", "1.0/1"),
+                ImageSource::Generated(plan) => (plan.name, plan.because, plan.clause),
+                ImageSource::Given(_) => ("own", "The images that --lp names.", "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
                 id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
@@ -81,12 +81,12 @@ impl Suite<FitCase> {
 }
 
 impl FitCase {
-    /// Returns the photographs.
+    /// Returns the photographs of the case.
     #[must_use]
-    pub fn photographs(&self) -> PictureSet {
+    pub fn photographs(&self) -> ImageSet {
         match &self.source {
-            PictureSource::Made(plan) => plan.make(self.format),
-            PictureSource::Given(set) => set.clone(),
+            ImageSource::Generated(plan) => plan.make(self.format),
+            ImageSource::Given(set) => set.clone(),
         }
     }
 }
@@ -123,7 +123,7 @@ impl TestCase for FitCase {
     }
 
     fn is_first(&self) -> bool {
-        matches!(self.source, PictureSource::Made(plan) if plan.name == SETS[0].name)
+        matches!(self.source, ImageSource::Generated(plan) if plan.name == SETS[0].name)
     }
 
     fn views(&self) -> &[WriteView] {
@@ -152,7 +152,7 @@ impl TestCase for FitCase {
         &built.json
     }
 
-    /// Twice the size of the planes, plus the largest header.
+    /// Returns twice the size of the planes plus the maximum size of a header.
     fn largest_answer(&self, built: &BuiltFit) -> usize {
         2 * built.set.size.texels() * self.format.channels() + 65_536
     }
@@ -167,7 +167,7 @@ impl TestCase for FitCase {
     }
 
     fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one.has_values_of(other)
+        one.decodes_equally(other)
     }
 
     fn expected_text(&self) -> Option<String> {
@@ -186,21 +186,21 @@ impl WritingCase for FitCase {
         self.format
     }
 
-    fn sent(built: &BuiltFit) -> Sent {
+    fn sent(built: &BuiltFit) -> RequestInput {
         let lp = Attachment {
             name: "lp".to_owned(),
             file_name: "lights.lp".to_owned(),
             bytes: built.set.lp().into_bytes(),
         };
-        let pictures = built.set.photographs.iter().enumerate();
-        let pictures = pictures.map(|(k, of)| Attachment {
+        let images = built.set.photographs.iter().enumerate();
+        let images = images.map(|(k, of)| Attachment {
             name: format!("picture-{k}"),
             file_name: of.name.clone(),
             bytes: of.png(built.set.size),
         });
-        Sent {
+        RequestInput {
             json: String::from_utf8_lossy(&built.json).into_owned(),
-            attachments: [lp].into_iter().chain(pictures).collect(),
+            attachments: [lp].into_iter().chain(images).collect(),
             values: vec![
                 ("width", built.set.size.width.to_string()),
                 ("height", built.set.size.height.to_string()),
@@ -212,10 +212,10 @@ impl WritingCase for FitCase {
 impl Reported for FitCase {
     const SUITE: SuiteName = SuiteName::Fitters;
 
-    type Place = &'static Misreading;
+    type MisreadingPoint = &'static Misreading;
 
     fn suite() -> Result<Suite<FitCase>, String> {
-        Ok(Suite::of_photographs(None))
+        Ok(Suite::load_fitter_requests(None))
     }
 
     fn digest(suite: &Suite<FitCase>) -> String {
@@ -246,7 +246,7 @@ impl Reported for FitCase {
     }
 }
 
-/// Returns the causes of the failures of `run`; the mistake that explains most is first.
+/// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 fn diagnose(suite: &Suite<FitCase>, run: &Run<FitCase>) -> Vec<Diagnosis<&'static Misreading>> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
@@ -256,7 +256,7 @@ fn diagnose(suite: &Suite<FitCase>, run: &Run<FitCase>) -> Vec<Diagnosis<&'stati
     });
     let evidence: BTreeMap<usize, WrongMap> = evidence.collect();
     let candidates = MISTAKES.iter().filter_map(|mistake| {
-        let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.shows(mistake));
+        let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.matches(mistake));
         CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
     });
     let candidates = candidates.collect();

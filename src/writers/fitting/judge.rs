@@ -1,39 +1,39 @@
-//! Comparison of a map with its photographs.
+//! Comparison of a fitted map with the photographs.
 //!
-//! Under each light the root mean square error is compared with that of the least-squares optimum in the bytes of the same
-//! format. Another fit may be better under one light and worse under another, and round in a different way, so there is a
-//! tolerance.
+//! Under each light, the root mean square error is compared with the error of the least-squares optimum, quantized to the
+//! same format. There is a tolerance, because another fit may be better under one light and worse under another, and may be
+//! rounded differently.
 
 use crate::decode::decode;
 use crate::ptm::Format;
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::optimum::optimum;
-use crate::writers::fitting::pictures::PictureSet;
+use crate::writers::fitting::pictures::ImageSet;
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
-/// A fit may be worse than the best by this factor plus this number of levels.
+/// Tolerance of the error: factor, and additional number of levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
 
-/// Returns the maximum error, given that of the optimum.
+/// Returns the maximum allowed error, given the error of the optimum.
 pub(super) fn max_error(best: f64) -> f64 {
     best * FIT_TOLERANCE.0 + FIT_TOLERANCE.1
 }
 
-/// Judges the file that was fitted to `set`.
+/// Judges a file that was fitted to `set`.
 ///
 /// # Errors
-/// The fault of the file.
-pub fn judge(set: &PictureSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
+/// Returns the fault of the file.
+pub fn judge(set: &ImageSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
     let ptm = decode(file).map_err(|error| refusal(file, &error))?;
     compare_map(format, set.size, &ptm)?;
     let found = Polynomials::new(&ptm).expect("not LUM");
-    compare(set, format, &found)?;
+    compare_errors(set, format, &found)?;
     check_lint(file)
 }
 
-/// Compares the errors under each light with those of the optimum.
-fn compare(set: &PictureSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
+/// Compares the error under each light with the error of the optimum.
+fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
     let best = Polynomials::new(&optimum(set, format)).expect("RGB or LRGB");
     let (errors, best) = (found.errors(set), best.errors(set));
     let excess = |k: &usize| errors[*k] - max_error(best[*k]);

@@ -1,13 +1,13 @@
-//! Fitters: writers whose input is photographs of one object under known lights.
+//! Conformance of fitters: writers whose input is a set of photographs of an object under known lights.
 //!
 //! ```text
 //! FITTER [ARG…] fit REQUEST OUT
 //! ```
 //!
-//! REQUEST names the format and an `.lp` file: the number of pictures, and for each its name and the direction of its light.
-//! The map of a fitter is compared with the least-squares [`optimum`] of the same pictures, light by light, never with its
-//! bytes ([`judge`]). A mistake is found by making it: a fitter makes the mistake whose optimum looks like its map
-//! (`mistakes`).
+//! REQUEST names the format and an `.lp` file, which lists the number of images and the name and light direction of each
+//! image. The map of a fitter is compared with the least-squares [`optimum`] of the same images, light by light. The bytes
+//! of the files are not compared ([`judge`]). Mistakes are found by reproducing them: a fitter makes a mistake if its map
+//! is near the optimum with that mistake (`mistakes`).
 
 mod algebra;
 #[cfg(unix)]

@@ -1,40 +1,40 @@
-//! The least-squares optimum for photographs, in the bytes of a format.
+//! Least-squares optimum for a set of photographs, quantized to a format.
 //!
 //! Format notes
-//! - RGB: three fits per texel. LRGB: the best color times the best luminance. The fits of all channels, a row for
-//!   each light, are approximated best by their projection on the color direction with the largest sum of squares.
-//! - A scale and a bias serve the whole map, so each is chosen for the range of its coefficient.
+//! - RGB uses three fits per texel. LRGB uses the best product of a luminance and a color: the fitted values of all
+//!   channels, one row per light, are projected onto the color direction with the largest sum of squares.
+//! - Each scale and bias applies to the whole map, so it is chosen for the range of its coefficient.
 
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};
 use crate::writers::fitting::algebra::{LeastSquares, eigen};
-use crate::writers::fitting::pictures::{Photograph, PictureSet};
-use crate::writers::fitting::polynomials::{Polynomials, colored};
-use crate::writers::request::map_of;
+use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
+use crate::writers::request::new_map;
 
-/// The best polynomials before quantization to bytes.
+/// Best polynomials before quantization to bytes.
 #[derive(Clone, Debug)]
 pub(super) struct Fitted {
-    /// Six coefficients each: three polynomials per texel of RGB, one of LRGB.
+    /// Polynomials with six coefficients: three per texel for RGB, one per texel for LRGB.
     polynomials: Vec<[f64; 6]>,
-    /// The color of each texel of LRGB.
+    /// Color of each texel for LRGB; empty for RGB.
     colors: Vec<[u8; 3]>,
 }
 
-/// Returns the best map of `set` in RGB, or in LRGB.
+/// Returns the best RGB or LRGB map for `set`.
 #[must_use]
-pub fn optimum(set: &PictureSet, format: Format) -> Ptm {
-    Fitted::new(set, &directions(set), format).in_bytes(set, format)
+pub fn optimum(set: &ImageSet, format: Format) -> Ptm {
+    Fitted::new(set, &directions(set), format).quantize(set, format)
 }
 
-/// Returns `lu` and `lv` of every light.
-pub(super) fn directions(set: &PictureSet) -> Vec<[f64; 2]> {
+/// Returns `lu` and `lv` of each light.
+pub(super) fn directions(set: &ImageSet) -> Vec<[f64; 2]> {
     set.photographs.iter().map(Photograph::direction).collect()
 }
 
 impl Fitted {
-    /// Returns the best fit under lights that may differ from those of the set.
-    pub fn new(set: &PictureSet, lights: &[[f64; 2]], format: Format) -> Fitted {
+    /// Fits the photographs under `lights`, which may differ from the lights of the set.
+    pub fn new(set: &ImageSet, lights: &[[f64; 2]], format: Format) -> Fitted {
         let least_squares = LeastSquares::new(lights);
         let mut fitted = Fitted {
             polynomials: Vec::new(),
@@ -49,7 +49,7 @@ impl Fitted {
                 fitted.polynomials.extend(channels);
                 continue;
             }
-            let (luminance, color) = in_one_color(&channels, lights);
+            let (luminance, color) = factor_color(&channels, lights);
             fitted.polynomials.push(luminance);
             fitted.colors.push(color);
         }
@@ -62,10 +62,14 @@ impl Fitted {
             return Polynomials(self.polynomials.as_chunks::<3>().0.to_vec());
         }
         let texels = self.polynomials.iter().zip(&self.colors);
-        Polynomials(texels.map(|(a, &color)| colored(a, color)).collect())
+        Polynomials(
+            texels
+                .map(|(a, &color)| multiply_by_color(a, color))
+                .collect(),
+        )
     }
 
-    /// Returns scales and biases for the range of each coefficient.
+    /// Chooses scales and biases for the range of each coefficient.
     pub fn scale_bias(&self) -> ScaleBias {
         let mut set = ScaleBias {
             scale: [0.0; 6],
@@ -75,9 +79,9 @@ impl Fitted {
             let values = self.polynomials.iter().map(|a| a[i]);
             let low = values.clone().fold(f64::INFINITY, f64::min);
             let high = values.fold(f64::NEG_INFINITY, f64::max);
-            // A bias is an integer, so the range may be off by half a step; and it should not be huge.
+            // The bias is an integer, so reserve a step for rounding, and keep the bias small.
             let scale = ((high - low) / 254.0).max(low.abs() / 1e6).max(1e-6);
-            // The value as it is written in the file.
+            // Use the value as it will be written in the file.
             set.scale[i] = format!("{scale:.6e}").parse().expect("a number");
             set.bias[i] = (-low / set.scale[i]).round();
         }
@@ -85,7 +89,7 @@ impl Fitted {
     }
 
     /// Quantizes the map to bytes.
-    pub fn in_bytes(&self, set: &PictureSet, format: Format) -> Ptm {
+    pub fn quantize(&self, set: &ImageSet, format: Format) -> Ptm {
         let scale_bias = self.scale_bias();
         let raw = |a: &[f64; 6]| -> [u8; 6] {
             std::array::from_fn(|i| (a[i] / scale_bias.scale[i] + scale_bias.bias[i]).round() as u8)
@@ -95,12 +99,12 @@ impl Fitted {
             samples.extend(raw(coefficients));
             samples.extend(self.colors.get(at).into_iter().flatten());
         }
-        map_of(format, set.size, scale_bias, None, samples)
+        new_map(format, set.size, scale_bias, None, samples)
     }
 }
 
-/// Returns one polynomial and one color for three polynomials, the best under `lights`.
-fn in_one_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
+/// Approximates three polynomials by a luminance polynomial and a color that are optimal under `lights`.
+fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| -> f64 {
         let products = lights
@@ -114,7 +118,7 @@ fn in_one_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8
     let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();
     let color = [0, 1, 2].map(|i| (vectors[i][best] * sign).max(0.0));
     let largest = color.into_iter().fold(0.0, f64::max);
-    // A black texel has any color.
+    // The color of a black texel is arbitrary.
     if values[best] <= 0.0 || largest == 0.0 {
         return ([0.0; 6], [255; 3]);
     }

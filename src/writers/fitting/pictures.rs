@@ -1,4 +1,4 @@
-//! Photographs of one object, and the `.lp` file that lists them with their lights.
+//! Photographs of an object, and the `.lp` file that lists them with their lights.
 
 use std::fs;
 use std::path::Path;
@@ -7,31 +7,31 @@ use image::ImageFormat;
 use serde::{Deserialize, Serialize};
 
 use crate::ptm::{Format, Size};
-use crate::tools::render::{rgb, to_file};
+use crate::tools::render::{encode_image, rgb};
 
-/// The formats that fitters are asked for.
+/// Formats that are requested from fitters.
 pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
 
-/// A request to a fitter, in JSON.
+/// Request to a fitter, in JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// The name in 2.2: that of RGB or of LRGB.
+    /// Format name from 2.2, for RGB or LRGB.
     pub format: String,
-    /// Number of texels in a row, and of pixels.
+    /// Number of texels, and of pixels, per row.
     pub width: u32,
     /// Number of rows.
     pub height: u32,
-    /// The path of the `.lp` file, which names files in the same directory.
+    /// Path of the `.lp` file, which refers to images in the same directory.
     pub lp: String,
 }
 
-/// A photograph and its light.
+/// Photograph and its light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photograph {
-    /// Its name in the `.lp` file.
+    /// File name in the `.lp` file.
     pub name: String,
-    /// The vector to the light as it is listed, of any length: right, up, towards the camera.
+    /// Vector to the light as listed, of arbitrary length: right, up, toward the camera.
     pub light: [f64; 3],
     /// Red, green and blue of each pixel, top row first.
     pub pixels: Vec<u8>,
@@ -39,10 +39,10 @@ pub struct Photograph {
 
 /// Photographs of one object, in the order of their `.lp` file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PictureSet {
-    /// The size of every photograph.
+pub struct ImageSet {
+    /// Size of every photograph.
     pub size: Size,
-    /// One for each light.
+    /// Photographs, one per light.
     pub photographs: Vec<Photograph>,
 }
 
@@ -50,7 +50,7 @@ impl FitRequest {
     /// Reads the JSON of a request.
     ///
     /// # Errors
-    /// A sentence that names the error.
+    /// Returns a message that describes the error.
     pub fn read(json: &[u8]) -> Result<(Format, FitRequest), String> {
         let request: FitRequest =
             serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))?;
@@ -59,7 +59,7 @@ impl FitRequest {
 }
 
 impl Photograph {
-    /// Returns `lu` and `lv`: the normalized vector to the light, projected (clause 1.0/2).
+    /// Returns `lu` and `lv`, the projection of the normalized vector to the light (clause 1.0/2).
     #[must_use]
     pub fn direction(&self) -> [f64; 2] {
         let [x, y, z] = self.light;
@@ -67,19 +67,19 @@ impl Photograph {
         [x / length, y / length]
     }
 
-    /// Returns a PNG file.
+    /// Encodes the photograph as a PNG file.
     ///
     /// # Panics
-    /// Never for photographs of a set.
+    /// Panics if the number of pixels does not match `size`.
     #[must_use]
     pub fn png(&self, size: Size) -> Vec<u8> {
         let image = rgb(size, self.pixels.clone());
-        to_file(image, ImageFormat::Png).expect("a small picture")
+        encode_image(image, ImageFormat::Png).expect("a small image")
     }
 }
 
-impl PictureSet {
-    /// Returns the `.lp` file.
+impl ImageSet {
+    /// Returns the text of the `.lp` file.
     #[must_use]
     pub fn lp(&self) -> String {
         let line = |of: &Photograph| {
@@ -93,8 +93,8 @@ impl PictureSet {
     /// Reads an `.lp` file and the images that it lists.
     ///
     /// # Errors
-    /// A sentence that names the file or line and the error.
-    pub fn read(path: &Path) -> Result<PictureSet, String> {
+    /// Returns a message that names the file or line and the error.
+    pub fn read(path: &Path) -> Result<ImageSet, String> {
         let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         let text = fs::read_to_string(path).map_err(|error| at(&error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -105,11 +105,11 @@ impl PictureSet {
             .ok_or_else(|| at(&"its first line is not the number of images"))?;
         let mut size = None;
         let photographs: Vec<Photograph> = lines
-            .map(|line| photograph(line, folder, &mut size))
+            .map(|line| read_photograph(line, folder, &mut size))
             .collect::<Result<_, _>>()
             .map_err(|error| at(&error))?;
         match size {
-            Some(size) if photographs.len() == count => Ok(PictureSet { size, photographs }),
+            Some(size) if photographs.len() == count => Ok(ImageSet { size, photographs }),
             _ => Err(at(&format!(
                 "its first line announces {count} images, but it lists {}",
                 photographs.len()
@@ -118,8 +118,13 @@ impl PictureSet {
     }
 }
 
-/// Reads the photograph of a line: a name, which may have spaces, and three numbers. All must have the same size.
-fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
+/// Reads the photograph that a line describes with a name, which may contain spaces, and three numbers. Returns an error if
+/// its size differs from `size`.
+fn read_photograph(
+    line: &str,
+    folder: &Path,
+    size: &mut Option<Size>,
+) -> Result<Photograph, String> {
     let wrong = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
     let mut light = [0.0; 3];
@@ -133,10 +138,10 @@ fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Phot
     let name = words.next().ok_or_else(wrong)?.trim();
     let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(folder.join(name)).map_err(|error| named(&error))?;
-    let picture = image::load_from_memory(&bytes).map_err(|error| named(&error))?;
+    let image = image::load_from_memory(&bytes).map_err(|error| named(&error))?;
     let found = Size {
-        width: picture.width(),
-        height: picture.height(),
+        width: image.width(),
+        height: image.height(),
     };
     if *size.get_or_insert(found) != found {
         return Err(named(&"its size differs from the size of the first image"));
@@ -144,6 +149,6 @@ fn photograph(line: &str, folder: &Path, size: &mut Option<Size>) -> Result<Phot
     Ok(Photograph {
         name: name.to_owned(),
         light,
-        pixels: picture.into_rgb8().into_raw(),
+        pixels: image.into_rgb8().into_raw(),
     })
 }

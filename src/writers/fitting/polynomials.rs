@@ -1,15 +1,16 @@
-//! The appearance of a map under lights: three polynomials per texel, for all formats.
+//! Uniform representation of maps for evaluation under lights: three polynomials per texel.
 
 use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
-use crate::writers::fitting::pictures::{Photograph, PictureSet};
+use crate::writers::fitting::pictures::{ImageSet, Photograph};
 
-/// The final coefficients of red, green and blue of each texel, top row first; for LRGB those of luminance times color.
+/// Final coefficients of red, green and blue of each texel, top row first. For LRGB, coefficients of the products of
+/// luminance and color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 
 impl Polynomials {
-    /// Returns the polynomials of a map; None for LUM, which no fitter is asked for.
+    /// Returns the polynomials of a map, or `None` for LUM, which is never requested from fitters.
     #[must_use]
     pub fn new(ptm: &Ptm) -> Option<Polynomials> {
         Polynomials::with_values(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
@@ -17,7 +18,8 @@ impl Polynomials {
         })
     }
 
-    /// Returns those of a map with coefficient `i` at place `order[i]`: `value` of raw value, scale and bias.
+    /// Returns the polynomials of a map whose coefficient `i` is stored at index `order[i]` and computed by `value` from
+    /// raw value, scale and bias.
     pub(super) fn with_values(
         ptm: &Ptm,
         order: [usize; 6],
@@ -29,44 +31,48 @@ impl Polynomials {
         };
         let texel = |raw: &[u8]| match ptm.planes.shape {
             Shape::Rgb => [six(&raw[..6]), six(&raw[6..12]), six(&raw[12..])],
-            _ => colored(&six(&raw[..6]), [raw[6], raw[7], raw[8]]),
+            _ => multiply_by_color(&six(&raw[..6]), [raw[6], raw[7], raw[8]]),
         };
         let is_lum = matches!(ptm.planes.shape, Shape::Lum(_));
         (!is_lum).then(|| Polynomials(ptm.planes.texels().map(texel).collect()))
     }
 
-    /// Returns the image under a light, 0 to 255, not rounded.
-    pub(super) fn shown(&self, [u, v]: [f64; 2]) -> impl Iterator<Item = f64> {
+    /// Evaluates the polynomials under a light. The values are clamped to 0 to 255 but not rounded.
+    pub(super) fn evaluate(&self, [u, v]: [f64; 2]) -> impl Iterator<Item = f64> {
         let values = self.0.iter().flatten();
         values.map(move |a| clamp(polynomial(a, u, v)))
     }
 
-    /// Returns the root mean square error of the map for each photograph.
+    /// Returns the root mean square error for each photograph.
     #[must_use]
-    pub fn errors(&self, set: &PictureSet) -> Vec<f64> {
+    pub fn errors(&self, set: &ImageSet) -> Vec<f64> {
         let error = |of: &Photograph| {
             let pixels = of.pixels.iter().map(|&value| f64::from(value));
-            root_mean_square(self.shown(of.direction()).zip(pixels).map(|(a, b)| a - b))
+            root_mean_square(
+                self.evaluate(of.direction())
+                    .zip(pixels)
+                    .map(|(a, b)| a - b),
+            )
         };
         set.photographs.iter().map(error).collect()
     }
 
-    /// Returns the distance of two maps under the lights of a set.
-    pub(super) fn distance(&self, other: &Polynomials, set: &PictureSet) -> f64 {
+    /// Returns the root mean square difference between two maps under the lights of a set.
+    pub(super) fn distance(&self, other: &Polynomials, set: &ImageSet) -> f64 {
         let lights = set.photographs.iter().map(Photograph::direction);
         root_mean_square(lights.flat_map(|light| {
-            let pairs = self.shown(light).zip(other.shown(light));
+            let pairs = self.evaluate(light).zip(other.evaluate(light));
             pairs.map(|(a, b)| a - b)
         }))
     }
 }
 
-/// Computes luminance times color (clause 2.7.3/4).
-pub(super) fn colored(luminance: &[f64; 6], color: [u8; 3]) -> [[f64; 6]; 3] {
+/// Multiplies a luminance polynomial by a color (clause 2.7.3/4).
+pub(super) fn multiply_by_color(luminance: &[f64; 6], color: [u8; 3]) -> [[f64; 6]; 3] {
     color.map(|color| luminance.map(|a| modulate(a, f64::from(color))))
 }
 
-/// Returns the root mean square; 0 for no values.
+/// Returns the root mean square, or 0 if there are no values.
 pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0_u32);
     for value in values {

@@ -1,32 +1,32 @@
-//! Generated photographs: a map of known coefficients under lights, with typical defects of photographs.
+//! Generated photographs: renderings of a map with known coefficients, with typical defects of photographs.
 
 use crate::generate::{Model, Recipe};
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
-use crate::writers::fitting::pictures::{Photograph, PictureSet};
+use crate::writers::fitting::pictures::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::Polynomials;
-use crate::writers::request::map_of;
+use crate::writers::request::new_map;
 
-/// A set of photographs before it is made.
+/// Parameters from which a set of photographs is generated.
 #[derive(Clone, Copy, Debug)]
 pub struct SetPlan {
-    /// Its name.
+    /// Name of the set.
     pub name: &'static str,
-    /// The purpose of the set, in a sentence.
+    /// Purpose of the set, in a sentence.
     pub because: &'static str,
-    /// The clause that it is about.
+    /// Clause that the set is about.
     pub clause: &'static str,
     size: (u32, u32),
-    /// The number of lights.
+    /// Number of lights.
     lights: usize,
-    /// True if all lights are on the right, not all around.
+    /// True if all lights are on the right side.
     is_one_sided: bool,
-    /// The factor of a5: the brightness.
+    /// Scale of a5, which determines the brightness.
     brightness: f64,
-    /// The maximum error of a pixel.
+    /// Maximum noise of a pixel value.
     noise: u8,
-    /// True if the vectors in the `.lp` file are not of length 1.
+    /// True if the vectors in the `.lp` file do not have length 1.
     has_long_vectors: bool,
-    /// True if the names of the images are in the order of the `.lp` file.
+    /// True if the `.lp` file lists the images in alphabetical order.
     in_order: bool,
 }
 
@@ -43,7 +43,7 @@ const ORDINARY_SET: SetPlan = SetPlan {
     in_order: true,
 };
 
-/// All sets; the first is requested first.
+/// All sets. The first one is used for first contact.
 pub const SETS: [SetPlan; 9] = [
     ORDINARY_SET,
     SetPlan {
@@ -104,16 +104,16 @@ pub const SETS: [SetPlan; 9] = [
 ];
 
 impl SetPlan {
-    /// Makes the photographs, which have one color and one luminance per texel if `format` is LRGB.
+    /// Generates the photographs. If `format` is LRGB, each texel is the product of a luminance and a color.
     #[must_use]
-    pub fn make(&self, format: Format) -> PictureSet {
+    pub fn make(&self, format: Format) -> ImageSet {
         let size = Size {
             width: self.size.0,
             height: self.size.1,
         };
         let map = Polynomials::new(&self.map(size, format)).expect("a map of RGB or LRGB");
         let photograph = |k: usize| {
-            // 7 is not a divisor of any number of lights, so every name occurs once.
+            // No number of lights is a multiple of 7, so every name occurs once.
             let number = if self.in_order {
                 k
             } else {
@@ -124,31 +124,31 @@ impl SetPlan {
                 light: self.light(k),
                 pixels: Vec::new(),
             };
-            let noise = self.noise_of(size, k);
-            let shown = map.shown(photograph.direction()).zip(noise);
+            let noise = self.generate_noise(size, k);
+            let shown = map.evaluate(photograph.direction()).zip(noise);
             let pixels = shown.map(|(value, noise)| (value + noise).round() as u8);
             photograph.pixels = pixels.collect();
             photograph
         };
-        PictureSet {
+        ImageSet {
             size,
             photographs: (0..self.lights).map(photograph).collect(),
         }
     }
 
-    /// Returns the map that is photographed.
+    /// Generates the map that is photographed.
     fn map(&self, size: Size, format: Format) -> Ptm {
         let scale_bias = ScaleBias {
             scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
             bias: [128.0, 100.0, 140.0, 120.0, 130.0, -60.0],
         };
         let samples = Model::paint(&Recipe::ordinary(format, size)).samples;
-        map_of(format, size, scale_bias, None, samples)
+        new_map(format, size, scale_bias, None, samples)
     }
 
     /// Returns the vector to light `k`.
     fn light(&self, k: usize) -> [f64; 3] {
-        // Multiples of the golden angle never coincide; the heights are spread evenly.
+        // Multiples of the golden angle never coincide, and the heights are distributed evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
         let around = GOLDEN_ANGLE * k as f64;
         let angle = match self.is_one_sided {
@@ -164,8 +164,8 @@ impl SetPlan {
         [away * angle.cos(), away * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
     }
 
-    /// Returns an error for each value of photograph `k`.
-    fn noise_of(&self, size: Size, k: usize) -> Vec<f64> {
+    /// Generates noise for each value of photograph `k`.
+    fn generate_noise(&self, size: Size, k: usize) -> Vec<f64> {
         let mut recipe = Recipe::ordinary(Format::Lrgb, size);
         recipe.seed = 1000 + k as u32;
         let painted = Model::paint(&recipe).samples;

@@ -1,11 +1,11 @@
-//! The program, as its users meet it.
+//! Tests of the command-line interface.
 
 use crate::common::{
     PROGRAM, Workspace, assert_says, check, repository, repository_text, rows, zoo,
 };
 
 #[test]
-fn the_reference_passes_every_case() {
+fn reference_passes_every_case() {
     let here = Workspace::new();
     here.succeeds("check --short");
     assert!(
@@ -26,7 +26,7 @@ fn two_runs_give_equal_reports() {
 }
 
 #[test]
-fn unreadable_file_does_not_end_check_files() {
+fn check_files_continues_after_an_unreadable_file() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
     std::os::unix::fs::symlink("no-such-file", here.path("a.ptm")).expect("a link");
@@ -86,7 +86,7 @@ fn commands_have_the_expected_status_and_output() {
 }
 
 #[test]
-fn check_without_a_decoder_names_the_reference() {
+fn check_without_a_decoder_mentions_the_reference() {
     let here = Workspace::new();
     for suite in ["ptm", "texture"] {
         let line = format!("check --quiet --suite {suite} --case *lum* --case DEP-01");
@@ -102,7 +102,7 @@ fn check_without_a_decoder_names_the_reference() {
 }
 
 #[test]
-fn a_run_that_ends_early_gives_the_reason_on_standard_error() {
+fn interrupted_run_prints_the_reason_to_standard_error() {
     let here = Workspace::new();
     let line = format!("check --quiet --timeout 0.3 -- {}", zoo("hangs"));
     let output = here.command(&line).output().expect("the program starts");
@@ -113,7 +113,7 @@ fn a_run_that_ends_early_gives_the_reason_on_standard_error() {
 }
 
 #[test]
-fn a_clause_or_a_section_selects_its_cases() {
+fn clause_and_section_options_select_cases() {
     let passing =
         |clause: &str| check(&format!("--clause {clause} -- {}", zoo("right"))).cases("pass");
     let (clause, section) = (passing("2.8.1/3"), passing("2.8"));
@@ -122,7 +122,7 @@ fn a_clause_or_a_section_selects_its_cases() {
 }
 
 #[test]
-fn the_file_of_one_case_is_written_alone() {
+fn single_case_file_can_be_written() {
     let here = Workspace::new();
     here.succeeds("generate --case hand-lum -o x.ptm");
     let committed = std::fs::read(repository("corpus/lum/hand-lum.ptm"));
@@ -130,7 +130,7 @@ fn the_file_of_one_case_is_written_alone() {
 }
 
 #[test]
-fn non_programs_are_named_by_kind() {
+fn files_that_cannot_be_executed_are_described() {
     let source = repository("src/main.rs");
     let missing = "--cmd 'no-such-viewer {in} {lu} {lv}'";
     for (decoder, says) in [
@@ -151,7 +151,7 @@ fn non_programs_are_named_by_kind() {
 fn pipes_get_no_color_by_default() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
-    for [line, colored] in rows(
+    for [line, multiply_by_color] in rows(
         "
 explain lut-count | false
 --color always explain lut-count | true
@@ -160,7 +160,11 @@ inspect --color always first-lrgb.ptm | true
 --color never inspect first-lrgb.ptm | false",
     ) {
         let text = here.succeeds(&line);
-        assert_eq!(text.contains('\x1b').to_string(), colored, "{line}");
+        assert_eq!(
+            text.contains('\x1b').to_string(),
+            multiply_by_color,
+            "{line}"
+        );
     }
 }
 

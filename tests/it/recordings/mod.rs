@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use flate2::read::GzDecoder;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
-use ptm_conform::report::shards::Kept;
+use ptm_conform::report::shards::RecordedAnswer;
 
 /// Returns the folder of the recordings.
 pub fn folder() -> PathBuf {
@@ -21,7 +21,7 @@ pub fn digest(file: &[u8]) -> String {
 }
 
 /// Returns the responses of a reader by file and view. Files that the suite no longer has are never asked for.
-pub fn recorded(reader: &str) -> HashMap<(String, String), Kept<Frame>> {
+pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
     let path = folder().join(format!("{reader}.answers.gz"));
     let mut text = String::new();
     let file = File::open(path).expect("the recording is there");
@@ -32,7 +32,7 @@ pub fn recorded(reader: &str) -> HashMap<(String, String), Kept<Frame>> {
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|kept: &Kept<Frame>| !kept.alone)
+        .filter(|kept: &RecordedAnswer<Frame>| !kept.alone)
         .map(|kept| ((kept.file.clone(), kept.view.clone()), kept))
         .collect()
 }

@@ -1,4 +1,4 @@
-//! The forms of a report for people and for other programs.
+//! Tests of the output formats of reports.
 
 use std::path::Path;
 use std::process::Command;
@@ -31,8 +31,8 @@ use ptm_conform::texture::Rules;
 /// Output of a hostile decoder.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
 
-/// The run of a decoder with one mistake that prints hostile words, over every fourth case, and its report.
-fn mistaken(slug: &str) -> (Suite, Run, Report) {
+/// Runs a decoder with one mistake and hostile output on every fourth case. Returns the run and its report.
+fn run_misreading(slug: &str) -> (Suite, Run, Report) {
     let (suite, mistake) = (suite(), misreading(slug));
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 4 == 0).collect();
@@ -43,18 +43,22 @@ fn mistaken(slug: &str) -> (Suite, Run, Report) {
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
     let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
-    let report = Report::new(&suite, &run, &command, Vec::new()).explained_by(&suite, &diagnoses);
+    let report = Report::new(&suite, &run, &command, Vec::new()).with_diagnoses(&suite, &diagnoses);
     (suite, run, report)
 }
 
-/// The run of a decoder that reads the rows from the top: it fails nearly everything.
-fn upside_down() -> &'static (Suite, Run, Report) {
-    static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| mistaken("rows-top-down"));
+/// Returns the run of a decoder that reads rows top-down, which fails nearly every case.
+fn run_upside_down() -> &'static (Suite, Run, Report) {
+    static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| run_misreading("rows-top-down"));
     &RUN
 }
 
 fn matrix(reports: &[Report]) -> Result<String, String> {
-    html::matrix(reports, &clauses::clauses()?, upside_down().0.cases.len())
+    html::matrix(
+        reports,
+        &clauses::clauses()?,
+        run_upside_down().0.cases.len(),
+    )
 }
 
 fn failures(report: &Report) -> usize {
@@ -62,17 +66,17 @@ fn failures(report: &Report) -> usize {
     cases.filter(|case| case.outcome == Outcome::Fail).count()
 }
 
-/// Keeps a page where the browser's test finds it.
-fn keep(name: &str, text: &str) {
+/// Saves a page for the browser test.
+fn save_page(name: &str, text: &str) {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(path, text).expect("a file");
 }
 
 #[test]
 fn large_pages_are_complete_small_and_self_contained() {
-    let (suite, run, report) = upside_down();
+    let (suite, run, report) = run_upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
-    keep("failures.html", &page);
+    save_page("failures.html", &page);
     let count = failures(report);
     assert!(count >= 200, "{count}");
     assert!(page.len() <= 5_000_000, "{}", page.len());
@@ -84,7 +88,7 @@ fn large_pages_are_complete_small_and_self_contained() {
     for words in [&cause.effect, &cause.fix, &cause.clause] {
         assert!(page.contains(words.as_str()), "{words}");
     }
-    // Links lead to the site, and nothing else names another place.
+    // Links lead to the site, and nothing else refers to another server.
     let links = page.matches("href=\"https://").count();
     assert!(links > 1000 && page.matches("https:").count() == links);
     assert_eq!(page.matches(&format!("href=\"{SITE}")).count(), links);
@@ -97,7 +101,7 @@ fn large_pages_are_complete_small_and_self_contained() {
 
 #[test]
 fn decoder_output_is_escaped() {
-    let (suite, run, report) = mistaken("v-negated");
+    let (suite, run, report) = run_misreading("v-negated");
     for page in [
         html::page(&suite, &report, Some(&run)).expect("a page"),
         html::page(&suite, &report, None).expect("a page"),
@@ -113,8 +117,8 @@ fn decoder_output_is_escaped() {
 }
 
 #[test]
-fn images_have_the_painted_samples() {
-    let (suite, run, report) = upside_down();
+fn images_contain_the_generated_samples() {
+    let (suite, run, report) = run_upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     let mut seen = 0;
     for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
@@ -155,7 +159,7 @@ fn images_have_the_painted_samples() {
 
 #[test]
 fn five_thousand_cases_fit_on_a_page() {
-    let (suite, run, report) = upside_down();
+    let (suite, run, report) = run_upside_down();
     let mut report = report.clone();
     let cases = report.cases.clone();
     for (i, case) in cases.iter().cycle().take(5000 - cases.len()).enumerate() {
@@ -164,7 +168,7 @@ fn five_thousand_cases_fit_on_a_page() {
         report.cases.push(case);
     }
     let page = html::page(suite, &report, Some(run)).expect("a page");
-    keep("many.html", &page);
+    save_page("many.html", &page);
     assert_eq!(report.cases.len(), 5000);
     assert!(failures(&report) > 2000);
     println!("{} failures, {} bytes", failures(&report), page.len());
@@ -172,10 +176,10 @@ fn five_thousand_cases_fit_on_a_page() {
 }
 
 #[test]
-fn several_reports_make_a_table_of_decoders_and_clauses() {
-    let reports = [upside_down().2.clone(), mistaken("no-128").2];
+fn several_reports_are_rendered_as_a_matrix() {
+    let reports = [run_upside_down().2.clone(), run_misreading("no-128").2];
     let page = matrix(&reports).expect("a page");
-    keep("matrix.html", &page);
+    save_page("matrix.html", &page);
     for report in &reports {
         assert!(page.contains(&report.scores.correctness.to_string()));
         assert!(page.contains(report.diagnoses[0].name()));
@@ -188,7 +192,7 @@ fn several_reports_make_a_table_of_decoders_and_clauses() {
             .filter_map(|cell| cell.split('"').next().map(str::to_owned))
             .collect()
     };
-    let all = upside_down().0.cases.len();
+    let all = run_upside_down().0.cases.len();
     let selected = format!("{} of {all}", reports[0].cases.len());
     assert_eq!(page.matches(&selected).count(), 2, "{selected}");
     assert_eq!(states("2.7.1/3"), ["fail", "pass"]);
@@ -197,7 +201,7 @@ fn several_reports_make_a_table_of_decoders_and_clauses() {
 
 #[test]
 fn crashes_are_not_misreadings() {
-    let (suite, _, report) = upside_down();
+    let (suite, _, report) = run_upside_down();
     let mut report = report.clone();
     report.diagnoses.truncate(1);
     let cause = &mut report.diagnoses[0];
@@ -220,9 +224,9 @@ fn crashes_are_not_misreadings() {
 
 #[test]
 fn badge_shows_three_scores_in_140_pixels() {
-    let (_, _, report) = upside_down();
+    let (_, _, report) = run_upside_down();
     let mut report = report.clone();
-    keep("badge.svg", &badge::badge(&report));
+    save_page("badge.svg", &badge::badge(&report));
     for (suite, not) in [
         (SuiteName::Ptm, "not a decoder"),
         (SuiteName::Texture, "not a decoder"),
@@ -246,15 +250,15 @@ fn badge_shows_three_scores_in_140_pixels() {
     }
 }
 
-/// Every failing case has a command that runs it alone, and its file where that is small.
+/// Every failing case has a command that repeats it, and a download link if its file is small.
 #[test]
 fn failing_cases_have_a_file_and_a_command() {
-    let (suite, run, report) = upside_down();
+    let (suite, run, report) = run_upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
     let mut files = 0;
     for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
         let id = part.split('"').next().expect("an id");
-        // The decoder's name is hostile to shells too.
+        // The name of the decoder contains shell metacharacters.
         let command = format!("ptm-conform check --case {id} -- 'b&gt;' rows-top-down");
         assert!(part.contains(&command), "{id}");
         let data = "href=\"data:application/octet-stream;base64,";
@@ -272,9 +276,9 @@ fn failing_cases_have_a_file_and_a_command() {
     assert!(files > 100, "{files}");
 }
 
-/// A decoder that answers in colors only: images, arithmetic and the scene.
+/// The page of a decoder that supports only colors contains images, arithmetic and the scene.
 #[test]
-fn colors_are_shown_with_their_arithmetic() {
+fn colors_are_explained_with_their_arithmetic() {
     let suite = suite();
     let swap = |request: &Request<'_>, _: usize| {
         let Answer::Decoded(mut frame) = right(request) else {
@@ -296,7 +300,7 @@ fn colors_are_shown_with_their_arithmetic() {
     run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &swap);
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
-    keep("colors.html", &page);
+    save_page("colors.html", &page);
     assert!(
         page.contains("<figure class=\"scene\">") && page.contains("The scene is for illustration")
     );
@@ -307,14 +311,14 @@ fn colors_are_shown_with_their_arithmetic() {
 
 #[test]
 fn page_of_a_non_decoder_names_the_next_step() {
-    let (suite, _, report) = upside_down();
+    let (suite, _, report) = run_upside_down();
     let mut report = report.clone();
     report.verdict = "not a decoder".to_owned();
     report.reason = Some("no first file was <b>decoded</b>".to_owned());
     report.cases.clear();
     report.diagnoses.clear();
     let page = html::page(suite, &report, None).expect("a page");
-    keep("no-decoder.html", &page);
+    save_page("no-decoder.html", &page);
     for words in [
         "What to do next",
         "ptm-conform probe DECODER",
@@ -328,9 +332,9 @@ fn page_of_a_non_decoder_names_the_next_step() {
     }
 }
 
-/// The page of the other suite has its questions, its places on the site, and its command.
+/// The page of the texture suite contains questions, links to the site, and the command.
 #[test]
-fn questions_of_the_texture_stage_are_shown() {
+fn page_of_a_texture_stage_contains_the_questions() {
     let suite = Suite::load_texture().expect("the texture suite");
     let plan = RunPlan::new(&suite, 2);
     let mistake = misreadings::texture::all().next().expect("a misreading");
@@ -341,7 +345,7 @@ fn questions_of_the_texture_stage_are_shown() {
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
-    keep("texture.html", &page);
+    save_page("texture.html", &page);
     let failing = failures(&report);
     assert!(failing > 0);
     let command = "ptm-conform check --suite texture --case ";
@@ -352,7 +356,7 @@ fn questions_of_the_texture_stage_are_shown() {
 
 #[test]
 fn github_output_contains_no_commands() {
-    let (suite, _, report) = upside_down();
+    let (suite, _, report) = run_upside_down();
     let mut report = report.clone();
     let annotations = github::annotations(&report);
     assert!(annotations.lines().count() <= 11);
@@ -365,22 +369,22 @@ fn github_output_contains_no_commands() {
     assert!(annotations.starts_with(&format!("::error title=not a decoder::{escaped}")));
     let is_known = |line: &str| line.starts_with("::error ") || line.starts_with("::notice ");
     assert!(annotations.lines().all(is_known));
-    let text = github::without_commands("fine\n  ::add-mask::x\n##[error]y\nends");
+    let text = github::quote_commands("fine\n  ::add-mask::x\n##[error]y\nends");
     assert_eq!(text, "fine\n>   ::add-mask::x\n> ##[error]y\nends");
     let summary = github::summary(&report, suite.cases.len());
-    keep("summary.md", &summary);
+    save_page("summary.md", &summary);
     assert!(summary.len() < 1 << 20);
     assert!(!summary.contains("<b>"));
 }
 
 #[test]
-fn junit_is_read_by_a_consumer() {
-    let mut report = upside_down().2.clone();
+fn junit_output_can_be_parsed() {
+    let mut report = run_upside_down().2.clone();
     let last = report.cases.len() - 1;
     report.cases[last].outcome = Outcome::NotRun;
     report.cases[last - 1].outcome = Outcome::Unsupported;
     let xml = junit::junit(&report);
-    keep("junit.xml", &xml);
+    save_page("junit.xml", &xml);
     let with = |outcome: Outcome| report.with_outcome(outcome).count();
     let skipped =
         report.cases.len() - with(Outcome::Pass) - with(Outcome::Fail) - with(Outcome::NotRun);
@@ -407,7 +411,7 @@ fn junit_is_read_by_a_consumer() {
 }
 
 #[test]
-fn program_writes_every_form() {
+fn program_writes_every_format() {
     let here = Workspace::new();
     let outputs = "--report report.yaml --html report.html --junit junit.xml";
     let mut check = here.command(&format!("check --case hand-* --github {outputs}"));

@@ -1,7 +1,6 @@
-// Drives a headless Chromium over a page of the report: node html_browser.mjs PAGE MATRIX SCREENSHOTS
+// Tests report pages in a headless Chromium: node html_browser.mjs PAGE MATRIX SCREENSHOTS
 //
-// Ends with status 1 and says what it saw, if anything
-// is not as it should be.
+// Exits with status 1 and prints the failed checks if there are any.
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -25,9 +24,9 @@ try {
   const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   const keys = (...values) => call("POST", "/actions", { actions: [{ type: "key", id: "keys",
     actions: values.flatMap((value) => [{ type: "keyDown", value }, { type: "keyUp", value }]) }] });
-  // Presses at one place and lets go at another, both in parts of the element.
+  // Drags from one position to another, both relative to the size of the element.
   const drag = async (css, [x0, y0], [x1, y1]) => {
-    // What was never drawn has no size yet, so that one look is not enough.
+    // Elements that were never rendered have no size yet, so scroll repeatedly.
     for (let i = 0; i < 3; i += 1) { await run("document.querySelector(arguments[0]).scrollIntoView({block: 'center', behavior: 'instant'})", css); await wait(100); }
     const box = await run("const e = document.querySelector(arguments[0]); const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height];", css);
     const at = (x, y) => ({ type: "pointerMove", duration: 0, origin: "viewport", x: Math.round(box[0] + x * box[2]), y: Math.round(box[1] + y * box[3]) });
@@ -36,7 +35,7 @@ try {
   };
   const pixels = (css) => run("return [...document.querySelectorAll(arguments[0])].map((c) => [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data].join());", css);
   const colors = () => run("const s = getComputedStyle(document.body); return [s.backgroundColor, s.color];");
-  // Contrast of text with what lies behind it, as WCAG 2 counts it.
+  // Contrast of text with its background according to WCAG 2.
   const contrasts = () => run(`
     const parse = (c) => (c.match(/[\\d.]+/g) || []).map(Number);
     const light = ([r, g, b]) => [r, g, b].map((v) => v / 255).map((v) => v <= .04045 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4).reduce((sum, v, i) => sum + v * [.2126, .7152, .0722][i], 0);
@@ -51,7 +50,7 @@ try {
     }
     return [...new Set(poor)].slice(0, 10);`);
 
-  // 1. Light and dark, by the system and by the button.
+  // 1. Light and dark mode, set by the system and by the button.
   await open(page);
   await tone("light");
   const light = await colors();
@@ -67,19 +66,19 @@ try {
   assert.equal(await run("return document.getElementById('theme').getAttribute('aria-pressed')"), "false");
   await tone("light");
 
-  // 2. Hostile words stay text.
+  // 2. Hostile output remains text.
   assert.match(await call("GET", "/title"), / — PTM 1\.2$/);
   assert.equal(await run("return document.scripts.length"), 1);
   assert.ok(await run("return document.querySelector('pre.stderr').textContent.includes('<script>')"));
   assert.equal(await run("return document.querySelectorAll('img[src=x]').length"), 0);
 
-  // 3. Every picture is one, and says what it is.
+  // 3. Every image is valid and has alternative text.
   await run("document.getElementById('open').click()");
   await until("pictures", "return [...document.images].every((i) => i.complete)");
   const pictures = await run("return [...document.images].map((i) => [i.naturalWidth, i.alt])");
   assert.ok(pictures.length > 100, `${pictures.length} pictures`);
   assert.ok(pictures.every(([width, alt]) => width > 0 && alt));
-  // What a link names comes into view, below the filter, among hundreds of open cases too.
+  // The target of a link scrolls into view below the filter, even among hundreds of open cases.
   await run("[...document.querySelectorAll('article.cause a')].filter((a) => a.getAttribute('href').startsWith('#')).at(-1).click()");
   await wait(500);
   const [below, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
@@ -87,7 +86,7 @@ try {
   await run("document.getElementById('close').click()");
   assert.equal(await run("return document.querySelectorAll('details.case[open]').length"), 0);
 
-  // 4. The light: dragging changes both pictures, and each is the polynomial under that light.
+  // 4. Light: dragging changes both images, and each displays the polynomial under that light.
   const id = await run("const f = [...document.querySelectorAll('figure.preview[data-channels=\"9\"][data-kind=raw]')].sort((a, b) => Math.min(b.dataset.width, b.dataset.height) - Math.min(a.dataset.width, a.dataset.height))[0]; for (let e = f; e; e = e.parentElement) if (e.tagName === 'DETAILS') e.open = true; return f.closest('details.case').id");
   await until("the preview", "return document.querySelectorAll('#' + arguments[0] + ' canvas').length === 3", id);
   const before = await pixels(`#${id} canvas`);
@@ -99,7 +98,7 @@ try {
   await shoot("report-preview.png");
   const [data, u, v] = await run("const f = document.querySelector('#' + arguments[0] + ' figure.preview'); const r = f.querySelectorAll('input'); return [{...f.dataset}, Number(r[0].value), Number(r[1].value)]", id);
   assert.ok(u < -0.1 && v < -0.1, `u ${u}, v ${v}`);
-  // The slider shows steps; at a step of it the picture is known.
+  // The slider moves in steps, and the image at a step is known.
   await run("const r = document.querySelectorAll('#' + arguments[0] + ' input'); r[0].value = 0.25; r[1].value = -0.5; r[1].dispatchEvent(new Event('input'))", id);
   const [shown] = await pixels(`#${id} canvas`);
   const raw = Buffer.from(data.expected, "base64");
@@ -113,7 +112,7 @@ try {
   }
   shown.split(",").forEach((value, i) => assert.ok(Math.abs(value - computed[i]) <= 1, `sample ${i}: ${value}, computed ${computed[i]}`));
 
-  // 5. By keyboard alone: the sliders, the filter, a case.
+  // 5. Keyboard operation of the sliders, the filter and a case.
   const kept = await pixels(`#${id} canvas`);
   await run("document.querySelector('#' + arguments[0] + ' input').focus()", id);
   await keys("\uE014", "\uE014", "\uE014");
@@ -143,11 +142,11 @@ try {
   await run("const all = [...document.querySelectorAll('details.case:not([open]) > summary')]; const s = all.find(s => s.checkVisibility()); s.focus(); s.scrollIntoView()");
   await keys("\uE007");
   assert.ok(await run("return document.activeElement.parentElement.open"), "Enter opens a case");
-  // Tab goes somewhere that is seen.
+  // Tab moves to a visible element.
   await keys("\uE004");
   assert.notEqual(await run("return getComputedStyle(document.activeElement).outlineStyle"), "none");
 
-  // 6. A clause filters; its cases are those that name it.
+  // 6. A click on a clause filters the cases that test it.
   const clause = await run("const t = document.querySelector('button.tile[data-state=fail]'); t.focus(); return t.dataset.clause");
   await keys("\uE007");
   await until("the clause", "return document.getElementById('filter').value === arguments[0]", clause);
@@ -156,7 +155,7 @@ try {
   await run("document.getElementById('clauses').scrollIntoView({behavior: 'instant'})");
   await shoot("report-clauses.png");
 
-  // The filter stands in the address, all counts follow it, and the address sets it.
+  // The filter is part of the URL, all counts reflect it, and the URL sets it.
   assert.equal(await run("return decodeURIComponent(location.hash)"), `#filter=${clause}`);
   const counted = () => run("return [...document.querySelectorAll('button.chip .count')].map((c) => c.textContent)");
   assert.ok((await counted()).some((count) => / of /.test(count)), "counts follow");
@@ -171,7 +170,7 @@ try {
   assert.equal(await visible(), all);
   assert.equal(await run("return document.querySelector('button.chip[data-outcome=fail]').getAttribute('aria-pressed')"), "true");
 
-  // The border between expected and received moves; a command is copied or selected.
+  // The divider between expected and received moves, and a command is copied or selected.
   await open(page);
   const border = () => run("return document.querySelector('.scene .slide').style.getPropertyValue('--at')");
   await drag(".scene .slide", [0.5, 0.5], [0.2, 0.5]);
@@ -185,11 +184,11 @@ try {
   assert.match(download[0], /\.ptm$/);
   assert.equal(download[1], "data:");
 
-  // 7. Every form field and button has a name.
+  // 7. Every form field and button has an accessible name.
   const nameless = await run("return [...document.querySelectorAll('button, input, [role=img]')].filter((e) => !(e.textContent.trim() || e.getAttribute('aria-label') || e.labels?.length)).map((e) => e.outerHTML)");
   assert.deepEqual(nameless, []);
 
-  // 8. Narrow, and on paper.
+  // 8. Narrow windows and printing.
   for (const width of [1280, 768, 390]) {
     await cdp("Emulation.setDeviceMetricsOverride", { width, height: 844, deviceScaleFactor: 1, mobile: true });
     await open(page);
@@ -202,7 +201,7 @@ try {
   assert.equal(await run("return window.folded"), 0, "on paper everything is open");
   assert.ok(await run("return document.querySelectorAll('details:not([open])').length > 0"), "and closed again");
 
-  // 9. Many decoders.
+  // 9. Matrix of decoders.
   await open(matrix);
   assert.equal(await run("return document.querySelectorAll('table.matrix thead tr:first-child th').length"), 4);
   assert.deepEqual(await contrasts(), [], "matrix: text too faint");
@@ -211,20 +210,20 @@ try {
   const [head, area] = await run("return ['table.matrix thead th', '.scroll.tall'].map((css) => document.querySelector(css).getBoundingClientRect().top)");
   assert.ok(Math.abs(head - area) < 2, `the head stands at ${head}, its table begins at ${area}`);
 
-  // 10. No error, and no request but for the pages themselves.
-  // Reading canvases back is this test's doing and not the page's.
+  // 10. No errors, and no requests except for the pages themselves. Warnings about reading canvases are caused by this
+  //     test, not by the page.
   const errors = (await log("browser")).filter((entry) => !/INFO|DEBUG/.test(entry.level) && !entry.message.includes("willReadFrequently"));
   assert.deepEqual(errors, []);
   const asked = async () => (await log("performance"))
     .map((entry) => JSON.parse(entry.message).message)
-    // A browser loads pages of its own as well.
+    // The browser also loads internal pages.
     .filter((message) => message.method === "Network.requestWillBeSent" && message.params.documentURL.startsWith("file:"))
     .map((message) => message.params.request.url)
     .filter((url) => !url.startsWith("data:"));
   const requests = await asked();
   const pages = [page, matrix].map((file) => pathToFileURL(file).href);
   assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
-  // A page that asks for something is seen to.
+  // A page that sends a request is detected.
   const asking = join(dirname(page), "asking.html");
   writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
   await open(asking);

@@ -1,18 +1,18 @@
-//! The pages in a real browser: `tests/it/report/html_browser.mjs` drives one and reports its observations.
+//! Tests of report pages in a real browser, which `tests/it/report/html_browser.mjs` controls.
 //!
-//! Needs node, chromium and chromedriver.
+//! The tests need node, chromium and chromedriver.
 
 use std::process::Command;
 
 use crate::common::{PROGRAM, Workspace, have, outcome, repository};
 
 #[test]
-fn the_page_works_in_a_browser() {
+fn report_page_works_in_a_browser() {
     if !["node", "chromium", "chromedriver"].into_iter().all(have) {
         return;
     }
     let here = Workspace::new();
-    // Each byte of the frame's samples is changed; and it prints markup.
+    // The decoder changes every byte of the samples and prints markup.
     let script = format!(
         "#!/bin/sh\n\
          echo '<script>document.title = \"owned\"</script><img src=x onerror=\"document.title = 1\">' >&2\n\

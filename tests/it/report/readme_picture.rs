@@ -1,4 +1,4 @@
-//! This program makes the image in the README: the lit scene, correct and as decoders with one mistake show it.
+//! Test that the image in the README, which contains the lit scene with various mistakes, is up to date.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use ptm_conform::session::lit_scene::{SIDE, file, picture};
 
 use crate::in_process::misreading;
 
-/// The mistakes, in the order of the image. The first scene is correct.
+/// Mistakes in the order of the image. The first scene is correct.
 const MISTAKES: [Option<&str>; 6] = [
     None,
     Some("rows-top-down"),
@@ -22,12 +22,12 @@ const MISTAKES: [Option<&str>; 6] = [
     Some("bias-ignored"),
     Some("lrgb-coefficients-in-planes"),
 ];
-/// A texel is so many pixels wide and high.
+/// Width and height of a texel in pixels.
 const SCALE: usize = 2;
-const GAP: usize = 8;
+const GAP_PIXELS: usize = 8;
 
 #[test]
-fn the_image_is_made_by_the_program() {
+fn readme_image_is_up_to_date() {
     let file = file(Format::Lrgb, Count::default());
     let view: View = "rgb:-0.5,0.5".parse().expect("a view");
     let scenes = MISTAKES.map(|slug| {
@@ -50,12 +50,12 @@ fn the_image_is_made_by_the_program() {
 
 fn side_by_side(scenes: &[Vec<u8>]) -> Vec<u8> {
     let side = SIDE as usize * SCALE;
-    let width = scenes.len() * (side + GAP) - GAP;
+    let width = scenes.len() * (side + GAP_PIXELS) - GAP_PIXELS;
     let mut pixels = vec![0; width * side * 4];
     for (i, scene) in scenes.iter().enumerate() {
         for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
             let from = 3 * (y / SCALE * SIDE as usize + x / SCALE);
-            let to = 4 * (y * width + i * (side + GAP) + x);
+            let to = 4 * (y * width + i * (side + GAP_PIXELS) + x);
             pixels[to..to + 3].copy_from_slice(&scene[from..from + 3]);
             pixels[to + 3] = 255;
         }

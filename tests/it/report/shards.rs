@@ -1,4 +1,4 @@
-//! A run in parts is the run in one piece.
+//! Tests that merged shards equal a run of the whole suite.
 
 use std::path::{Path, PathBuf};
 
@@ -8,9 +8,11 @@ use ptm_conform::protocol::frame::Answer;
 use ptm_conform::report::Report;
 use ptm_conform::report::conclude::conclude;
 use ptm_conform::report::document::Tool;
-use ptm_conform::report::merge::KeptAnswers;
+use ptm_conform::report::merge::RecordedAnswers;
 use ptm_conform::report::reported::Reported as _;
-use ptm_conform::report::shards::{Circumstances, End, Keeper, OtherRemarks, Shard, answers_path};
+use ptm_conform::report::shards::{
+    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::asking::Ask;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -34,7 +36,7 @@ fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
     let mut plan = RunPlan::new(suite, 2);
     plan.repeat = Repeat::Failures;
     for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
-        *selected = part.is_none_or(|part| part.holds(&case.id));
+        *selected = part.is_none_or(|part| part.contains_case(&case.id));
     }
     plan
 }
@@ -48,29 +50,34 @@ fn remarks() -> OtherRemarks {
 
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
-/// A run as `check` makes it.
-fn asked(suite: &Suite, plan: &RunPlan, ask: &Ask, keeper: Option<&Keeper<Case>>) -> Run {
+/// Runs a plan like `check` does, optionally with recording of answers.
+fn run_plan(
+    suite: &Suite,
+    plan: &RunPlan,
+    ask: &Ask,
+    keeper: Option<&AnswerRecorder<Case>>,
+) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
         if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
-            keeper.observed(case, observation);
+            keeper.record_observation(case, observation);
         }
     });
     session.verdicts(contact, observations, &|_, _| ())
 }
 
-/// The report of a run in one piece.
-fn whole(suite: &Suite, decoder: &Decoder) -> Report {
+/// Returns the report of a whole run.
+fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
     let plan = plan(suite, None);
-    let mut run = asked(suite, &plan, &ask, None);
+    let mut run = run_plan(suite, &plan, &ask, None);
     let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
     report.expect("no misreading is assumed")
 }
 
-/// Runs one part and keeps its answers next to the report, whose path is returned.
+/// Runs one part and records its answers. Returns the path of the report.
 fn run_part(
     suite: &Suite,
     part: Shard,
@@ -79,14 +86,14 @@ fn run_part(
     directory: &Path,
 ) -> PathBuf {
     let report = directory.join(format!("part-{}.yaml", part.number));
-    let keeper = Keeper::new(&answers_path(&report)).expect("a file");
+    let keeper = AnswerRecorder::new(&answers_path(&report)).expect("a file");
     let ask = |request: &Request<'_>, _: usize| {
         let reply = Reply::from(decoder(request));
-        keeper.answered(request, &reply);
+        keeper.record_answer(request, &reply);
         reply
     };
     let plan = plan(suite, Some(part));
-    let run = asked(suite, &plan, &ask, Some(&keeper));
+    let run = run_plan(suite, &plan, &ask, Some(&keeper));
     let end = End {
         version: tool.version.clone(),
         corpus: tool.corpus.clone(),
@@ -100,62 +107,62 @@ fn run_part(
     report
 }
 
-/// Eight parts and the whole.
+/// Asserts that eight merged parts give the same report as a whole run.
 #[track_caller]
 fn assert_same_report(suite: &Suite, decoder: &Decoder) {
-    let whole = whole(suite, decoder);
+    let report_of_whole_run = report_of_whole_run(suite, decoder);
     let scratch = tempfile::tempdir().expect("a directory");
     let run = |number| {
         run_part(
             suite,
             Shard { number, of: 8 },
             decoder,
-            &whole.tool,
+            &report_of_whole_run.tool,
             scratch.path(),
         )
     };
-    // In any order.
+    // The parts can be merged in any order.
     let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
-    let answers = KeptAnswers::read(suite, &parts).expect("all parts are there");
+    let answers = RecordedAnswers::read(suite, &parts).expect("all parts are there");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
     let (_, merged) = merged.expect("every answer is there");
-    assert_eq!(merged.to_yaml(), whole.to_yaml());
+    assert_eq!(merged.to_yaml(), report_of_whole_run.to_yaml());
 }
 
-/// Chosen by the bytes of the file, so that the result for a file is always the same.
-fn draw(request: &Request, of: u32) -> bool {
+/// Returns a pseudorandom decision that depends only on the bytes of the file.
+fn is_drawn(request: &Request, of: u32) -> bool {
     let sum = request.file.iter().fold(7_u32, |sum, &byte| {
         sum.wrapping_mul(31).wrapping_add(u32::from(byte))
     });
     (sum >> 7).is_multiple_of(of)
 }
 
-/// Each decoder has verdicts in one part that depend on answers in another.
+/// For each decoder, verdicts in one part depend on answers in another part.
 #[test]
 fn eight_merged_shards_equal_the_whole_run() {
     let suite = suite().prepared();
     assert_same_report(&suite, &right);
     let mistake = misreading("rows-top-down");
     assert_same_report(&suite, &|request| misread(&[mistake], request));
-    // Refuses files of a feature that it supports: other files of the feature show it.
-    assert_same_report(&suite, &|request| match draw(request, 5) {
+    // Refuses some files of a feature. Other files show that it supports the feature.
+    assert_same_report(&suite, &|request| match is_drawn(request, 5) {
         true => Answer::Unsupported,
         false => right(request),
     });
-    // Two dialects.
+    // Mixes two dialects.
     assert_same_report(&suite, &|request| {
-        let reading = match draw(request, 2) {
+        let reading = match is_drawn(request, 2) {
             true => Reading::SPEC.with_motion_minus(),
             false => Reading::SPEC,
         };
         answer(&[], reading, request.file, request.view)
     });
-    // Knows one spelling of tables, and crashes now and then.
+    // Supports one spelling of tables and crashes occasionally.
     assert_same_report(&suite, &|request| {
         let spelled = |word: &[u8]| request.file.windows(word.len()).any(|at| at == word);
         if spelled(b"N_LUT_ENTRIES") || spelled(b"_LUT\n") && !spelled(b"nentries ") {
             Answer::Rejected
-        } else if draw(request, 40) {
+        } else if is_drawn(request, 40) {
             Answer::Crashed("signal 11".to_owned())
         } else {
             right(request)
@@ -164,15 +171,19 @@ fn eight_merged_shards_equal_the_whole_run() {
 }
 
 #[test]
-fn incomplete_or_foreign_shards_are_refused() {
+fn merge_rejects_incomplete_or_foreign_shards() {
     let suite = suite().prepared();
     let scratch = tempfile::tempdir().expect("a directory");
-    let tool = whole(&suite, &right).tool;
+    let tool = report_of_whole_run(&suite, &right).tool;
     let run = |number, of| {
         let part = Shard { number, of };
         run_part(&suite, part, &right, &tool, scratch.path())
     };
-    let refused = |parts: &[PathBuf]| KeptAnswers::read(&suite, parts).err().expect("a refusal");
+    let refused = |parts: &[PathBuf]| {
+        RecordedAnswers::read(&suite, parts)
+            .err()
+            .expect("a refusal")
+    };
 
     let (first, second) = (run(1, 2), run(2, 2));
     assert_eq!(refused(std::slice::from_ref(&first)), "part 2/2 is missing");

@@ -1,18 +1,18 @@
-//! Reports read back, compared, and held against lists of known failures.
+//! Tests of reports on the terminal: display, comparison, and baselines.
 
 use std::fs;
 
 use crate::common::{Workspace, assert_says, rows, zoo};
 
-/// A workspace with the report of the reference.
-fn with_published() -> (Workspace, String) {
+/// Creates a workspace with the report of the reference.
+fn workspace_with_report() -> (Workspace, String) {
     let here = Workspace::new();
     here.succeeds("check --report old.yaml");
     let published = here.text("old.yaml");
     (here, published)
 }
 
-/// Returns the line that checks a program of the zoo on two cases of each kind into `NAME.yaml`.
+/// Returns a command line that checks a decoder of the zoo on a few cases and writes `NAME.yaml`.
 fn check(name: &str, kind: &str, options: &str) -> String {
     let zoo = zoo(kind);
     format!("check --report {name}.yaml --case header-plain-* --case version-1-3-* {options} {zoo}")
@@ -52,7 +52,7 @@ fn diff_lists_every_change() {
 
 #[test]
 fn diff_groups_many_changes_by_cause_and_clause() {
-    let (here, old) = with_published();
+    let (here, old) = workspace_with_report();
     let (head, cases) = old.split_once("\ncases:\n").expect("cases");
     let failing = cases.replacen("outcome: pass", "outcome: fail", 40);
     let entries = failing.split("- id: ");
@@ -81,10 +81,10 @@ fn diff_groups_many_changes_by_cause_and_clause() {
     }
 }
 
-/// Each edit of a report has its own line in the output.
+/// Every edit of a report is reported on a separate line.
 #[test]
 fn diff_reports_each_kind_of_change() {
-    let (here, old) = with_published();
+    let (here, old) = workspace_with_report();
     let place = |id: &str| old.find(&format!("- id: {id}\n")).expect("a case");
     let places = [
         place("first-lum"),
@@ -127,7 +127,7 @@ verdict: pass | verdict: pass↵baseline:↵  known: [a]↵  new: []↵  stale: 
 
 #[test]
 fn hostile_reports_are_refused_at_a_line() {
-    let (here, old) = with_published();
+    let (here, old) = workspace_with_report();
     let bomb: String = (1..30)
         .map(|i| format!("b{i}: &b{i} [*b{0}, *b{0}]\n", i - 1))
         .collect();
@@ -179,18 +179,18 @@ fn hostile_reports_are_refused_at_a_line() {
 fn known_failures_are_not_reported_as_new() {
     let here = Workspace::new();
     let wrong = |options: &str| check("report", "accepts-malformed", options);
-    // Writing a list changes no status.
+    // Writing a baseline does not change the exit status.
     here.exits(1, &wrong("--write-baseline known.yaml"));
     let known = here.text("known.yaml");
     assert_says(&known, "- id: version-1-3-lrgb\n");
 
-    // All are known; a known failure is a failure.
+    // All failures are known, but they are still failures.
     here.exits(0, &wrong("--baseline known.yaml"));
     let report = here.text("report.yaml");
     assert_says(&report, "verdict: fail\n");
     assert_says(&report, "baseline:\n");
 
-    // One is not listed: new.
+    // A failure that is not listed is new.
     let fewer = known.replacen("- id: version-1-3-lrgb\n", "", 1);
     here.write("fewer.yaml", &fewer);
     let text = here.exits(1, &wrong("--baseline fewer.yaml"));
@@ -199,29 +199,29 @@ fn known_failures_are_not_reported_as_new() {
         "new failures, not in the list: 1\n  version-1-3-lrgb\n",
     );
 
-    // One passes: stale. Those that were not selected are left alone.
+    // A listed case that passes is stale. Cases that were not selected are ignored.
     let stale = "- id: header-plain-lrgb\n  reason: |\n    two\n    lines\n";
     let later = "- id: hand-lum\n  reason: later\n";
     here.write("more.yaml", format!("{known}{stale}{later}"));
     let text = here.exits(4, &wrong("--baseline more.yaml"));
     assert_says(&text, "stale, listed but passing: 1\n  header-plain-lrgb\n");
 
-    // New failures go before stale entries.
+    // New failures take precedence over stale entries.
     here.write("both.yaml", format!("{fewer}- id: header-plain-lrgb\n"));
     here.exits(1, &wrong("--baseline both.yaml"));
 
-    // The new list loses the passing case and keeps the unselected one with its reason.
+    // The updated baseline omits the passing case and keeps the unselected case with its reason.
     here.exits(4, &wrong("--baseline more.yaml --write-baseline more.yaml"));
-    let renewed = here.text("more.yaml");
-    assert!(!renewed.contains("header-plain-lrgb"), "{renewed}");
-    assert_says(&renewed, later);
+    let updated = here.text("more.yaml");
+    assert!(!updated.contains("header-plain-lrgb"), "{updated}");
+    assert_says(&updated, later);
     here.exits(0, &wrong("--baseline more.yaml"));
 
-    // Nothing fails: an empty list, which can be read.
+    // If nothing fails, the baseline is an empty list, which can be read.
     here.exits(0, &check("report", "right", "--write-baseline none.yaml"));
     here.exits(0, &check("report", "right", "--baseline none.yaml"));
 
-    // A program that is not a decoder stays one, and writes no list.
+    // For a program that is not a decoder, no baseline is written.
     let options = "--baseline known.yaml --write-baseline no.yaml";
     here.exits(3, &check("report", "exits-1", options));
     assert!(!here.path("no.yaml").exists());

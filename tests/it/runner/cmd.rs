@@ -1,6 +1,6 @@
 //! Tests programs that do not implement the protocol and are called by a template.
 
-use crate::common::{Checked, PROGRAM, Workspace, assert_says, measured, rows};
+use crate::common::{Checked, PROGRAM, Workspace, assert_says, rows, run_measured};
 
 /// Creates a workspace with `viewer`, a program that is called as `viewer LU LV IN OUT` and writes a pixmap, or
 /// prints it if OUT is `-`. It exits with `malformed` for a file that it cannot read.
@@ -70,7 +70,7 @@ fn huge_images_allocate_no_memory() {
     here.write_program("liar", script);
     let template = "./liar {lu},{lv},{in} {out}";
     let line = format!("check --case hand-* --cmd '{template}' --report report.yaml");
-    let (checked, memory) = measured(here.command(&line), &here.path("report.yaml"));
+    let (checked, memory) = run_measured(here.command(&line), &here.path("report.yaml"));
     assert_says(&checked.text, "30000 x 30000 texels are more");
     println!("{memory} KiB");
     assert!(memory < 512 << 10, "{memory} KiB");

@@ -7,8 +7,8 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::ptm::Format;
 
 use crate::common::{
-    Checked, PROGRAM, Workspace, assert_says, check, conforms, have, python_example, repository,
-    repository_text, zoo,
+    Checked, PROGRAM, Workspace, assert_conforms, assert_says, check, have, python_example,
+    repository, repository_text, zoo,
 };
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
@@ -123,7 +123,7 @@ fn reports_with_remarks_conform_to_the_schema() {
         "no-raw-of-rgb",
         "serves-with-leaks",
     ] {
-        conforms(&check_zoo(kind).report, "report");
+        assert_conforms(&check_zoo(kind).report, "report");
     }
 }
 

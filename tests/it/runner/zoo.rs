@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    Checked, Load, Workspace, assert_says, eventually, have_proc, measured, processes, rows, zoo,
+    Checked, Load, Workspace, assert_says, eventually, have_proc, processes, rows, run_measured,
+    zoo,
 };
 
 /// Options that select a few small cases of every kind, so that programs that hang take only seconds.
@@ -149,7 +150,7 @@ fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
         .env("TMPDIR", &temporary)
         .env("ZOO_NAP", &nap)
         .env("ZOO_PRECIOUS", precious.parent().expect("a directory"));
-    let (checked, memory) = measured(command, &here.path("report.yaml"));
+    let (checked, memory) = run_measured(command, &here.path("report.yaml"));
     judge(faulty, &checked);
     assert_eq!(here.text("precious/file"), "precious", "{kind}");
     let left: Vec<_> = fs::read_dir(&temporary).expect("a directory").collect();
@@ -295,7 +296,7 @@ fn decimal_comma_is_detected() {
         );
         let mut command = here.command(&line);
         command.env("PATH", &path);
-        measured(command, &here.path("report.yaml")).0
+        run_measured(command, &here.path("report.yaml")).0
     };
     let checked = check("reads-commas");
     let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another image";

@@ -17,7 +17,7 @@ use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::{Case, Suite};
 use serde_json::Value;
 
-use crate::common::{PROGRAM, Workspace, conforms, eventually, have_proc, processes, zoo};
+use crate::common::{PROGRAM, Workspace, assert_conforms, eventually, have_proc, processes, zoo};
 
 /// Returns the number of runs to kill; `PTM_KILLS=20` sets another one.
 fn number_of_kills() -> u32 {
@@ -217,5 +217,5 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
     assert_eq!(report.cases.len(), COUNT);
     let text = report.to_yaml().expect("a report");
-    conforms(&from_yaml(&text).expect("YAML"), "report");
+    assert_conforms(&from_yaml(&text).expect("YAML"), "report");
 }

@@ -1,4 +1,4 @@
-//! The annotated format: every clause has examples, and an example that does not hold ends the build.
+//! Tests of the annotated format: every clause has examples, and a wrong example ends the build.
 
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
@@ -12,7 +12,7 @@ fn annotated() -> Annotated {
     Annotated::read(CHAPTERS, FILES).expect("the chapters are read")
 }
 
-/// Returns the chapters with one text replaced, which must occur.
+/// Returns the annotated format with `from`, which must occur, replaced by `to`.
 fn with(from: &str, to: &str) -> Annotated {
     let (mut found, mut texts) = (false, Vec::new());
     for (name, text) in CHAPTERS {
@@ -46,7 +46,7 @@ fn every_clause_has_an_example_in_the_order_of_the_text() {
 }
 
 #[test]
-fn every_example_holds() {
+fn every_example_is_correct() {
     execute_all(&annotated()).expect("every example holds");
 }
 
@@ -64,9 +64,9 @@ PTM_FORMAT_lrgb | PTM_FORMAT_LRGB | clause 2.2/1, example 2: the file is decoded
     }
 }
 
-/// Of the parts that the examples of a clause point at, at least one byte decides the result.
+/// At least one byte in the highlighted parts of a clause's examples affects the result.
 #[test]
-fn highlighted_bytes_decide_the_example() {
+fn highlighted_bytes_affect_the_result() {
     let annotated = annotated();
     let chapters = annotated.chapters.iter();
     for clause in chapters.flat_map(|chapter| &chapter.clauses) {
@@ -84,18 +84,18 @@ fn highlighted_bytes_decide_the_example() {
                     !holds(clause, i, &annotated, &file)
                 })
         });
-        // These clauses are about bytes that do not matter.
+        // These clauses are about bytes that do not affect the result.
         let unimportant = ["2.9.1/1", "2.9.1/2"];
         let decides = decides || unimportant.contains(&clause.clause.as_str());
         assert!(decides, "{}: no byte decides", clause.clause);
     }
 }
 
-/// Returns true if example `i` of a clause holds for a file.
+/// Returns true if the result of example `i` of a clause is correct for a file.
 fn holds(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
     let executed = execute(clause, None, &annotated.files).expect("it holds");
     let example = &clause.examples[i];
-    match (&executed[i].found, example.find_in(file)) {
+    match (&executed[i].found, example.evaluate(file)) {
         (Found::Refused(clause, _), Ok(Found::Refused(now, _))) => *clause == now,
         (expected, Ok(found)) => *expected == found,
         (_, Err(_)) => false,

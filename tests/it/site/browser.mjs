@@ -1,7 +1,7 @@
-// Drives a headless Chromium over pages of the site: node browser.mjs SITE SCREENSHOTS [AXE]
+// Tests pages of the site in a headless Chromium: node browser.mjs SITE SCREENSHOTS [AXE]
 //
-// AXE is the file axe.min.js of axe-core, if it is at
-// hand: then every page is also checked with it, light and dark. Ends with status 1 and says what it saw, if anything is not as it should be.
+// AXE is the file axe.min.js of axe-core. If it is given, every page is also checked with it in light and dark mode. Exits
+// with status 1 and prints the failed checks if there are any.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -41,7 +41,7 @@ try {
       }
     }
     await tone("light");
-    // On no width does a page reach beyond the window.
+    // Pages fit the window at every width.
     for (const width of WIDTHS) {
       await cdp("Emulation.setDeviceMetricsOverride", { width, height: 1000, deviceScaleFactor: 1, mobile: false });
       const over = await run("return document.documentElement.scrollWidth - innerWidth");
@@ -56,12 +56,12 @@ try {
     await cdp("Emulation.clearDeviceMetricsOverride", {});
   }
 
-  // The search box finds an id and words.
+  // The search box finds ids and words.
   await open("format/2.4.html");
   await run("const s = document.getElementById('search'); s.focus(); s.value = 'lut-count'; s.dispatchEvent(new Event('input'))");
   await until("a hit", "return document.querySelector('#hits a b')?.textContent === 'lut-count'");
   assert.equal(await run("return document.querySelector('#hits a').getAttribute('href')"), "../rulings/lut-count.html");
-  // The filter of a list stands in the address, and the other way round.
+  // The filter of a list is part of the URL, and the URL sets the filter.
   await open("scoreboard.html");
   const all = await run("return document.querySelectorAll('tbody tr:not([hidden])').length");
   await run("document.getElementById('differing').click()");

@@ -1,6 +1,6 @@
-//! Pages of every kind in a real browser: `tests/it/site/browser.mjs` opens them and reports its observations.
+//! Tests of pages of every kind in a real browser, which `tests/it/site/browser.mjs` controls.
 //!
-//! Needs node, chromium and chromedriver.
+//! The tests need node, chromium and chromedriver.
 
 use std::process::Command;
 
@@ -8,7 +8,7 @@ use super::SITE;
 use crate::common::{Workspace, have, outcome, repository};
 
 #[test]
-fn pages_of_every_kind_open_without_an_error_or_a_request() {
+fn pages_open_without_errors_or_network_requests() {
     if !["node", "chromium", "chromedriver"].into_iter().all(have) {
         return;
     }

@@ -1,4 +1,4 @@
-//! The site: its examples hold, its links lead somewhere, its pages work in a browser.
+//! Tests of the site: examples are correct, links are valid, and pages work in a browser.
 
 #![cfg(all(unix, feature = "cli"))]
 
@@ -10,6 +10,6 @@ use std::sync::LazyLock;
 
 use ptm_conform::site::{SiteFile, build};
 
-/// The site, which is built once for all tests.
+/// Files of the site, which is built once for all tests.
 static SITE: LazyLock<Vec<SiteFile>> =
     LazyLock::new(|| build(None, None, 2).expect("the site is built"));

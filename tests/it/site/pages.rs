@@ -1,4 +1,4 @@
-//! The pages: links lead somewhere, nothing is fetched, and the bytes are the same each time and not too many.
+//! Tests of the pages: links are valid, nothing is fetched, and the output is reproducible and small.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
@@ -108,7 +108,7 @@ fn pages_load_nothing_external() {
     }
 }
 
-/// The program makes them again in another process, on one thread.
+/// The program generates the same files in another process with one thread.
 #[test]
 fn site_is_reproducible_and_small() {
     let here = crate::common::Workspace::new();
@@ -121,7 +121,7 @@ fn site_is_reproducible_and_small() {
     }
 }
 
-/// Addresses that the program prints: every id of every catalog.
+/// Every URL that the program prints for an id of a catalog exists.
 #[test]
 fn every_published_address_has_a_page() {
     let mut addresses: Vec<String> = Vec::new();
@@ -175,7 +175,7 @@ fn search_finds_documents_terms_and_the_protocol() {
 }
 
 #[test]
-fn a_ruling_lists_each_of_its_cases_with_its_verdict() {
+fn ruling_page_lists_its_cases_with_expected_results() {
     let says = "Its cases marked lenient";
     assert!(page("rulings/numbers.html").contains(says));
     assert!(!page("rulings/dimensions.html").contains(says));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use ptm_conform::kit::yaml::from_yaml;
 
-use crate::common::{conforms, repository, rows};
+use crate::common::{assert_conforms, repository, rows};
 
 /// Files of each schema. A directory stands for its files.
 const SCHEMAS: &str = "
@@ -29,7 +29,7 @@ fn each_file_conforms_to_its_schema() {
         for file in places.split(' ').flat_map(files) {
             println!("{}", file.display());
             let text = fs::read_to_string(&file).expect("a file");
-            conforms(&from_yaml(&text).expect("YAML"), &schema);
+            assert_conforms(&from_yaml(&text).expect("YAML"), &schema);
         }
     }
 }

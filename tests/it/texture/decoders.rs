@@ -1,13 +1,13 @@
-//! The example of a texture stage passes, and copies of it with one mistake each fail with the requirement they misread.
+//! Tests that the example of a texture stage passes, and that copies with one mistake fail with the misread requirement.
 
 use crate::common::{Workspace, check, edited, have, python_example, repository_text, rows};
 
-/// Returns the stage in Python, if there is Python.
+/// Returns the command line of the texture stage in Python, if Python is installed.
 fn stage() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
 }
 
-/// Copies with one mistake: the misreading that the diagnosis names, the text that is replaced, its replacement, and the
+/// Copies with one mistake: the misreading that the diagnosis names, the text to replace, the replacement, and the
 /// requirement that a failing case and the diagnosis cite.
 const COPIES: &str = r#"
 pre-light-by-default | "rendering_control": "PostLight" | "rendering_control": "PreLight" | R-TBL-04
@@ -43,7 +43,7 @@ ptm-top-row-first | for row in reversed(rows) for color in row | for row in rows
 "#;
 
 #[test]
-fn the_python_example_passes() {
+fn python_example_passes() {
     if !have("python3") {
         return;
     }
@@ -52,14 +52,14 @@ fn the_python_example_passes() {
     checked.ends(0, "");
     assert_eq!(checked.report["verdict"], "pass");
     assert!(checked.cases("pass").len() > 280, "{}", checked.text);
-    // A lit PTM, sampled through an entry.
+    // A PTM under a light, sampled through a table entry.
     for case in ["PTM-16", "PTM-17", "PTM-56"] {
         assert_eq!(checked.case(case)["outcome"], "pass", "{case}");
     }
 }
 
 #[test]
-fn each_wrong_copy_fails_with_the_requirement_it_misreads() {
+fn each_wrong_copy_fails_with_the_misread_requirement() {
     let Some(text) = stage() else { return };
     let here = Workspace::new();
     let decoder = repository_text("examples/decoders/ptm_decoder.py");
@@ -68,7 +68,7 @@ fn each_wrong_copy_fails_with_the_requirement_it_misreads() {
     assert!(copies.len() >= 20);
     for [name, find, replace, clause] in copies {
         here.write("stage.py", edited(&text, &find, &replace));
-        // The cases about the misread requirement are enough to tell, and take seconds instead of minutes.
+        // Run only the cases about the misread requirement, which takes seconds instead of minutes.
         let line = format!("--suite texture --clause {clause} -- python3 stage.py");
         let checked = here.check(&line);
         checked.ends(1, "");
@@ -104,7 +104,7 @@ fn silent_programs_are_rejected_with_a_reason() {
 }
 
 #[test]
-fn the_reference_answers_and_refuses_as_in_the_protocol() {
+fn reference_follows_the_texture_protocol() {
     let here = Workspace::new();
     for [status, question, answer] in rows(
         r#"

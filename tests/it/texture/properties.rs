@@ -7,14 +7,14 @@ use ptm_conform::evaluate::Coefficients;
 use ptm_conform::ptm::{Shape, Size};
 use ptm_conform::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Fetched, Frequency,
-    Interpolation, Level, Lit, Matrix, Parameterization, Point, RenderingControl, Rounding, Rules,
-    SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch, interpolate, orient,
-    parameterize, stage,
+    Interpolation, Level, LitPrimitive, Matrix, Parameterization, Point, RenderingControl,
+    Rounding, Rules, SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch,
+    interpolate, orient, parameterize, stage,
 };
 
 const RULES: &Rules = &Rules::SPEC;
 
-fn close(a: &[f64], b: &[f64]) -> bool {
+fn is_close(a: &[f64], b: &[f64]) -> bool {
     let mut pairs = a.iter().zip(b);
     a.len() == b.len() && pairs.all(|(a, b)| (a - b).abs() <= 1e-9 * (1.0 + a.abs()))
 }
@@ -55,19 +55,19 @@ fn entry() -> impl Strategy<Value = Entry> {
     )
 }
 
-fn pre_light(entry: Entry) -> Entry {
+fn with_pre_light(entry: Entry) -> Entry {
     Entry {
         rendering_control: RenderingControl::PreLight,
         ..entry
     }
 }
 
-fn sampled(entry: &Entry, map: &TextureMap, t: [f64; 3], depth: f64) -> Vec<f64> {
+fn sample_components(entry: &Entry, map: &TextureMap, t: [f64; 3], depth: f64) -> Vec<f64> {
     let fetched = fetch(entry, map, t, depth, false, RULES);
     fetched.components().unwrap_or_default().to_vec()
 }
 
-fn bounded(boundary: [Boundary; 3], min_sample: SampleMethod) -> Entry {
+fn entry_with_boundary(boundary: [Boundary; 3], min_sample: SampleMethod) -> Entry {
     Entry {
         boundary,
         min_sample,
@@ -75,23 +75,23 @@ fn bounded(boundary: [Boundary; 3], min_sample: SampleMethod) -> Entry {
     }
 }
 
-/// A map of luminance with one to three dimensions.
+/// Generates luminance maps with one to three dimensions.
 fn luminance_map() -> impl Strategy<Value = TextureMap> {
     (1..=3_usize, [1..=5_usize, 1..=5, 1..=5]).prop_flat_map(|(dimensions, mut size)| {
         size[dimensions..].fill(1);
         let count = size.iter().product::<usize>();
         let values = proptest::collection::vec(unit(), count);
-        values.prop_map(move |values| map_of(dimensions, size, &values))
+        values.prop_map(move |values| new_map(dimensions, size, &values))
     })
 }
 
-fn map_of(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
+fn new_map(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
     let texel = |&value: &f64| Texel::new(TexelKind::L, &[value]).expect("one component");
     let texels = values.iter().map(texel).collect();
     TextureMap::new(dimensions, vec![Level { size, texels }]).expect("a map")
 }
 
-/// A coordinate that lies on no edge of a cell of up to 255, exact in binary.
+/// Generates coordinates that are exact in binary and not on the edge of a cell for up to 255 cells.
 fn coordinate() -> impl Strategy<Value = f64> {
     (-512..512_i32).prop_map(|n| f64::from(2 * n + 1) / 512.0)
 }
@@ -108,7 +108,7 @@ fn coefficients(width: u32, height: u32, values: Vec<f64>) -> Coefficients {
     }
 }
 
-/// A PTM of three polynomials whose colors stay within 0…255 under every light.
+/// Generates RGB PTMs whose colors stay within 0…255 under every light.
 fn ptm() -> impl Strategy<Value = Coefficients> {
     (1..=5_u32, 1..=5_u32).prop_flat_map(|(width, height)| {
         let texels = (width * height) as usize;
@@ -126,7 +126,7 @@ fn light() -> impl Strategy<Value = (f64, f64)> {
     (-40..=40_i32, -40..=40_i32).prop_map(|(u, v)| (f64::from(u) / 64.0, f64::from(v) / 64.0))
 }
 
-/// One coefficient of a PTM as a map, rows from the bottom.
+/// Converts one coefficient of a PTM to a map, bottom row first.
 fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
     let (width, height) = (ptm.size.width as usize, ptm.size.height as usize);
     let at = |x: usize, y: usize| ptm.values[(y * width + x) * 18 + channel];
@@ -134,10 +134,10 @@ fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
         .rev()
         .flat_map(|y| (0..width).map(move |x| (x, y)));
     let values: Vec<f64> = places.map(|(x, y)| at(x, y)).collect();
-    map_of(2, [width, height, 1], &values)
+    new_map(2, [width, height, 1], &values)
 }
 
-/// A texel's 18 coefficients under a light, from 0 to 1.
+/// Evaluates the 18 coefficients of a texel under a light. The results are from 0 to 1.
 fn lit_color(values: Vec<f64>, (lu, lv): (f64, f64)) -> Vec<f64> {
     let lit = coefficients(1, 1, values).evaluate(lu, lv);
     lit.values.iter().map(|c| c / 255.0).collect()
@@ -152,14 +152,14 @@ proptest! {
         let maps: Vec<(Entry, Fetched)> = maps
             .into_iter()
             .map(|(entry, texel, post)| {
-                (if post { entry } else { pre_light(entry) }, Fetched::Texel(texel))
+                (if post { entry } else { with_pre_light(entry) }, Fetched::Texel(texel))
             })
             .collect();
-        let lit = Lit { surface: Shade { color: surface, alpha }, white, specular };
+        let lit = LitPrimitive { surface: Shade { color: surface, alpha }, white, specular };
         let split = stage(&maps, &lit, Interpolation::Color, Frequency::Pixel, RULES);
         let direct = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, RULES);
-        prop_assert!(close(&split.color, &direct.color), "{split:?} {direct:?}");
-        prop_assert!(close(&[split.alpha], &[direct.alpha]));
+        prop_assert!(is_close(&split.color, &direct.color), "{split:?} {direct:?}");
+        prop_assert!(is_close(&[split.alpha], &[direct.alpha]));
     }
 
     #[test]
@@ -168,41 +168,41 @@ proptest! {
         boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
         let t = [t[0], t[1], 0.0];
-        let entry = bounded([boundary; 3], SampleMethod::WeightedBase);
+        let entry = entry_with_boundary([boundary; 3], SampleMethod::WeightedBase);
         let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES);
-        let lit_then_sampled = sampled(&entry, &map, t, 0.0);
-        let coefficients = (0..18).map(|c| sampled(&entry, &coefficient_map(&ptm, c), t, 0.0)[0]);
+        let lit_then_sampled = sample_components(&entry, &map, t, 0.0);
+        let coefficients = (0..18).map(|c| sample_components(&entry, &coefficient_map(&ptm, c), t, 0.0)[0]);
         let sampled_then_lit = lit_color(coefficients.collect(), light);
-        prop_assert!(close(&lit_then_sampled, &sampled_then_lit));
+        prop_assert!(is_close(&lit_then_sampled, &sampled_then_lit));
     }
 
     #[test]
     fn box_filtered_levels_commute_with_relighting(ptm in ptm(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
         let t = [t[0], t[1], 0.0];
-        let entry = bounded([Boundary::Wrap; 3], SampleMethod::WeightedBetweenMipmaps);
+        let entry = entry_with_boundary([Boundary::Wrap; 3], SampleMethod::WeightedBetweenMipmaps);
         let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES).with_box_levels();
-        let lit_first = sampled(&entry, &map, t, depth);
-        let coefficients = (0..18).map(|c| sampled(&entry, &coefficient_map(&ptm, c).with_box_levels(), t, depth)[0]);
-        prop_assert!(close(&lit_first, &lit_color(coefficients.collect(), light)));
+        let lit_first = sample_components(&entry, &map, t, depth);
+        let coefficients = (0..18).map(|c| sample_components(&entry, &coefficient_map(&ptm, c).with_box_levels(), t, depth)[0]);
+        prop_assert!(is_close(&lit_first, &lit_color(coefficients.collect(), light)));
     }
 
     #[test]
     fn a_wrapped_map_repeats_with_period_one_and_a_mirrored_one_with_two(
         map in luminance_map(), t in [coordinate(), coordinate(), coordinate()], k in [-3..4_i32, -3..4, -3..4], method in method(),
     ) {
-        let wrapped = bounded([Boundary::Wrap; 3], method);
-        let mirrored = bounded([Boundary::Mirror; 3], method);
+        let wrapped = entry_with_boundary([Boundary::Wrap; 3], method);
+        let mirrored = entry_with_boundary([Boundary::Mirror; 3], method);
         let moved = |period: f64| [0, 1, 2].map(|c| t[c] + period * f64::from(k[c]));
-        prop_assert_eq!(sampled(&wrapped, &map, t, 0.0), sampled(&wrapped, &map, moved(1.0), 0.0));
-        prop_assert_eq!(sampled(&mirrored, &map, t, 0.0), sampled(&mirrored, &map, moved(2.0), 0.0));
-        let opposite = sampled(&mirrored, &map, t.map(|t| -t), 0.0);
-        prop_assert!(close(&sampled(&mirrored, &map, t, 0.0), &opposite));
+        prop_assert_eq!(sample_components(&wrapped, &map, t, 0.0), sample_components(&wrapped, &map, moved(1.0), 0.0));
+        prop_assert_eq!(sample_components(&mirrored, &map, t, 0.0), sample_components(&mirrored, &map, moved(2.0), 0.0));
+        let opposite = sample_components(&mirrored, &map, t.map(|t| -t), 0.0);
+        prop_assert!(is_close(&sample_components(&mirrored, &map, t, 0.0), &opposite));
     }
 
     #[test]
     fn boundary_conditions_agree_inside_the_map(map in luminance_map(), t in [0..256_i32, 0..256, 0..256]) {
         let t = t.map(|n| f64::from(2 * n + 1) / 512.0);
-        let with = |boundary, method| sampled(&bounded([boundary; 3], method), &map, t, 0.0);
+        let with = |boundary, method| sample_components(&entry_with_boundary([boundary; 3], method), &map, t, 0.0);
         let expected = with(Boundary::Wrap, SampleMethod::SingleBase);
         for &boundary in Boundary::ALL {
             prop_assert_eq!(&with(boundary, SampleMethod::SingleBase), &expected);
@@ -215,7 +215,7 @@ proptest! {
         if surrounded {
             let expected = with(Boundary::Wrap, SampleMethod::WeightedBase);
             for &boundary in Boundary::ALL {
-                prop_assert!(close(&with(boundary, SampleMethod::WeightedBase), &expected));
+                prop_assert!(is_close(&with(boundary, SampleMethod::WeightedBase), &expected));
             }
         }
     }
@@ -227,12 +227,12 @@ proptest! {
     ) {
         let size = map.levels()[0].size;
         let middle = [0, 1, 2].map(|d| ((at[d] % size[d]) as f64 + 0.5) / size[d] as f64);
-        let single = bounded([boundary; 3], SampleMethod::SingleBase);
-        let weighted = bounded([boundary; 3], SampleMethod::WeightedBase);
-        prop_assert!(close(&sampled(&single, &map, middle, 0.0), &sampled(&weighted, &map, middle, 0.0)));
+        let single = entry_with_boundary([boundary; 3], SampleMethod::SingleBase);
+        let weighted = entry_with_boundary([boundary; 3], SampleMethod::WeightedBase);
+        prop_assert!(is_close(&sample_components(&single, &map, middle, 0.0), &sample_components(&weighted, &map, middle, 0.0)));
         let values = map.levels()[0].texels.iter().map(|texel| texel.components()[0]);
         let (least, most) = values.fold((1.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
-        for value in sampled(&weighted, &map, t, 0.0) {
+        for value in sample_components(&weighted, &map, t, 0.0) {
             prop_assert!((least - 1e-12..=most + 1e-12).contains(&value));
         }
     }
@@ -242,9 +242,9 @@ proptest! {
         value in unit(), size in [1..5_usize, 1..5], t in [coordinate(), coordinate()], depth in -2.0..5.0, method in method(),
         boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
-        let map = map_of(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
-        let entry = bounded([boundary; 3], method);
-        prop_assert!(close(&sampled(&entry, &map, [t[0], t[1], 0.0], depth), &[value]));
+        let map = new_map(2, [size[0], size[1], 1], &vec![value; size[0] * size[1]]).with_box_levels();
+        let entry = entry_with_boundary([boundary; 3], method);
+        prop_assert!(is_close(&sample_components(&entry, &map, [t[0], t[1], 0.0], depth), &[value]));
     }
 
     #[test]
@@ -254,7 +254,7 @@ proptest! {
     ) {
         let input = Shade { color: input, alpha: 0.5 };
         let composed = |entry: &Entry| compose(entry, &Fetched::Texel(texel), input, [0.5; 3], RULES);
-        // Notes c and d, e
+        // Notes c, d and e.
         if entry.composition != Composition::BlendEnvColor {
             let changed = Entry { channel: Channel::Alpha, env_color: other, ..entry.clone() };
             prop_assert_eq!(composed(&entry), composed(&changed));
@@ -263,13 +263,13 @@ proptest! {
             let changed = Entry { background_color: other, ..entry.clone() };
             prop_assert_eq!(composed(&entry), composed(&changed));
         }
-        // Notes f and g
+        // Notes f and g.
         let clamped = Entry { clamp_method: ClampMethod::Color, clamp_color: other, ..entry.clone() };
-        prop_assert_eq!(sampled(&entry, &map, t, 0.0), sampled(&clamped, &map, t, 0.0));
+        prop_assert_eq!(sample_components(&entry, &map, t, 0.0), sample_components(&clamped, &map, t, 0.0));
         let explicit = Entry { boundary: [Boundary::ClampExplicit; 3], ..entry.clone() };
-        let colored = Entry { clamp_color: other, ..explicit.clone() };
-        prop_assert_eq!(sampled(&explicit, &map, t, 0.0), sampled(&colored, &map, t, 0.0));
-        // Notes a and b, and hints
+        let multiply_by_color = Entry { clamp_color: other, ..explicit.clone() };
+        prop_assert_eq!(sample_components(&explicit, &map, t, 0.0), sample_components(&multiply_by_color, &map, t, 0.0));
+        // Notes a and b, and hints.
         let mut point = Point { fp_data: vec![0.25; 12], reflection: Some(t), ..Point::default() };
         point.wc.position = Some(t);
         let derived = |entry: &Entry| parameterize(entry, &point, 3, RULES);
@@ -291,7 +291,7 @@ proptest! {
         let shares = [b[0] / 2.0, b[1] / 2.0, 1.0 - b[0] / 2.0 - b[1] / 2.0];
         let inside = |ts: &[[f64; 3]]| interpolate(ts, &shares, &[1.0; 3], Correction::None, RULES).expect("a value");
         let oriented = ts.map(|t| orient(&matrix, t, RULES));
-        prop_assert!(close(&inside(&oriented), &orient(&matrix, inside(&ts), RULES)));
+        prop_assert!(is_close(&inside(&oriented), &orient(&matrix, inside(&ts), RULES)));
     }
 
     #[test]
@@ -307,11 +307,11 @@ proptest! {
         prop_assert_eq!(by(Composition::Modulate, TexelKind::L, &[1.0]), input);
         prop_assert_eq!(by(Composition::Decal, TexelKind::RGBA, &clear), input);
         prop_assert_eq!(by(Composition::BlendEnvColor, TexelKind::L, &[0.0]), input);
-        prop_assert!(close(&by(Composition::BlendEnvColor, TexelKind::L, &[1.0]).color, &lit(environment)));
+        prop_assert!(is_close(&by(Composition::BlendEnvColor, TexelKind::L, &[1.0]).color, &lit(environment)));
         let decal = by(Composition::Decal, TexelKind::RGBA, &opaque);
         prop_assert_eq!(decal, by(Composition::Replace, TexelKind::RGB, &t));
-        prop_assert!(close(&decal.color, &by(Composition::DecalBackground, TexelKind::RGBA, &opaque).color));
-        prop_assert!(close(&by(Composition::DecalBackground, TexelKind::RGBA, &clear).color, &lit(background)));
+        prop_assert!(is_close(&decal.color, &by(Composition::DecalBackground, TexelKind::RGBA, &opaque).color));
+        prop_assert!(is_close(&by(Composition::DecalBackground, TexelKind::RGBA, &clear).color, &lit(background)));
         let nothing = compose(&Entry::default(), &Fetched::Discontinued, input, white, RULES);
         prop_assert_eq!(nothing, input);
     }
@@ -319,7 +319,7 @@ proptest! {
 
 #[test]
 fn orientation_comes_before_interpolation() {
-    // A matrix that is not affine tells the order: the reference orients vertices, and interpolates what results.
+    // With a matrix that is not affine, the order matters: the reference orients vertices first and then interpolates.
     let mut matrix: Matrix =
         [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if i == j { 1.0 } else { 0.0 }));
     matrix[3][0] = 1.0;

@@ -1,4 +1,4 @@
-//! The texture mapping table: the cases hold, the suite is as strong as the mistakes it catches and tells apart.
+//! Tests of the texture suite: the cases are correct, and the suite catches and distinguishes mistakes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -39,12 +39,18 @@ fn run(
     check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
 }
 
-fn with(suite: &Suite<TextureCase>, run: &Run<TextureCase>, wanted: Outcome) -> Vec<String> {
-    let with = run.judgement.with_outcome(wanted);
-    with.map(|i| suite.cases[i].id.clone()).collect()
+fn cases_with_outcome(
+    suite: &Suite<TextureCase>,
+    run: &Run<TextureCase>,
+    wanted: Outcome,
+) -> Vec<String> {
+    let cases_with_outcome = run.judgement.with_outcome(wanted);
+    cases_with_outcome
+        .map(|i| suite.cases[i].id.clone())
+        .collect()
 }
 
-fn name(diagnosis: &Diagnosis<Change>) -> &'static str {
+fn diagnosis_name(diagnosis: &Diagnosis<Change>) -> &'static str {
     match &diagnosis.cause {
         Cause::Misreading { misreading, .. } => misreading.slug,
         Cause::Described { .. } => "in words",
@@ -52,7 +58,7 @@ fn name(diagnosis: &Diagnosis<Change>) -> &'static str {
 }
 
 #[test]
-fn every_expected_answer_holds_in_the_reference_under_its_reading() {
+fn every_expected_answer_is_given_by_the_reference() {
     let suite = suite();
     for line in suite.cases.iter().flat_map(verify) {
         let says = format!("{} {:?}: {}", line.id, line.reading, line.says);
@@ -66,7 +72,7 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
     let rows = texture_matrix(&suite, 2);
     println!("{} misreadings, {} cases", rows.len(), suite.cases.len());
     assert!(rows.len() >= 40);
-    // A requirement is tested if a case about it catches somebody.
+    // A requirement is tested if a case about it catches a misreading.
     let killers = rows.iter().flat_map(|row| &row.killed_by);
     let caught: HashSet<&String> = killers.flat_map(|&i| &suite.cases[i].clauses).collect();
     let mut weak = Vec::new();
@@ -94,14 +100,14 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
 }
 
 #[test]
-fn every_misreading_is_named_by_the_diagnosis_of_itself() {
+fn every_misreading_is_diagnosed() {
     let suite = suite();
     let mut unnamed = Vec::new();
     for misreading in misreadings::all() {
         let rules = misreading.change(Rules::SPEC);
         let run = run(&suite, |case| case.answer(&rules));
         let diagnoses = diagnose(&suite, &run);
-        let first = diagnoses.first().map(name);
+        let first = diagnoses.first().map(diagnosis_name);
         if first != Some(misreading.slug) {
             unnamed.push((misreading.slug, first));
         }
@@ -113,14 +119,22 @@ fn every_misreading_is_named_by_the_diagnosis_of_itself() {
 fn mixing_readings_fails() {
     let suite = suite();
     for (axis, choice) in CHOICES.iter().enumerate() {
-        for (reading, (name, _)) in choice.readings.iter().enumerate() {
+        for (reading, (diagnosis_name, _)) in choice.readings.iter().enumerate() {
             let mut dialect = CHOICES.reference();
             dialect.0[axis] = reading;
             let rules = CHOICES.apply(&dialect, Rules::SPEC);
             let kept = run(&suite, |case| case.answer(&rules));
-            let failed = with(&suite, &kept, Outcome::Fail);
-            assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
-            assert_eq!(kept.judgement.dialect, dialect, "{}: {name}", choice.ruling);
+            let failed = cases_with_outcome(&suite, &kept, Outcome::Fail);
+            assert!(
+                failed.is_empty(),
+                "{}: {diagnosis_name}: {failed:?}",
+                choice.ruling
+            );
+            assert_eq!(
+                kept.judgement.dialect, dialect,
+                "{}: {diagnosis_name}",
+                choice.ruling
+            );
             let shows = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
                 case.relevant_axes().contains(&axis)
@@ -138,8 +152,8 @@ fn mixing_readings_fails() {
                     case.answer(if other { &Rules::SPEC } else { &rules })
                 });
                 assert!(
-                    !with(&suite, &mixed, Outcome::Fail).is_empty(),
-                    "{}: {name}",
+                    !cases_with_outcome(&suite, &mixed, Outcome::Fail).is_empty(),
+                    "{}: {diagnosis_name}",
                     choice.ruling
                 );
             }
@@ -148,7 +162,7 @@ fn mixing_readings_fails() {
 }
 
 #[test]
-fn an_answer_left_to_the_implementation_never_fails() {
+fn implementation_defined_answers_never_fail() {
     let suite = suite();
     let run = run(&suite, |case| match case.basis {
         Basis::Impl => Answer::Decoded(
@@ -159,7 +173,7 @@ fn an_answer_left_to_the_implementation_never_fails() {
     assert_eq!(run.exit_status(), 0);
     let open = suite.cases.iter().filter(|case| case.basis == Basis::Impl);
     assert_eq!(
-        with(&suite, &run, Outcome::ImplementationDefined).len(),
+        cases_with_outcome(&suite, &run, Outcome::ImplementationDefined).len(),
         open.count()
     );
 }
@@ -172,12 +186,16 @@ fn only_out_of_range_questions_may_be_refused() {
         _ => case.answer(&Rules::SPEC),
     });
     assert_eq!(refused.exit_status(), 1);
-    let has = |outcome, id: &str| with(&suite, &refused, outcome).iter().any(|one| one == id);
+    let has = |outcome, id: &str| {
+        cases_with_outcome(&suite, &refused, outcome)
+            .iter()
+            .any(|one| one == id)
+    };
     assert!(has(Outcome::Inconclusive, "RES-04") && has(Outcome::Fail, "RES-01"));
 }
 
 #[test]
-fn only_a_whole_step_can_be_unsupported() {
+fn only_whole_steps_can_be_unsupported() {
     let suite = suite();
     let unsupported = |given: &TextureCase| {
         matches!(given.op.as_str(), "interpolate" | "depth")
@@ -194,7 +212,10 @@ fn only_a_whole_step_can_be_unsupported() {
         "SMP-08" => Answer::Unsupported,
         _ => case.answer(&Rules::SPEC),
     });
-    assert_eq!(with(&suite, &picky, Outcome::Fail), ["SMP-08"]);
+    assert_eq!(
+        cases_with_outcome(&suite, &picky, Outcome::Fail),
+        ["SMP-08"]
+    );
 }
 
 #[test]
@@ -208,7 +229,7 @@ fn every_requirement_is_tested_or_gives_a_reason() {
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
         let has_misreading = misreadings::all().any(|one| one.clause == id);
         let is_covered = match clause.status {
-            // A misreading of one requirement often breaks its neighbors; a case about each is enough.
+            // A misreading of one requirement often violates related requirements, so a case about each is enough.
             ClauseStatus::Tested => has_case,
             ClauseStatus::Ruled => {
                 let is_ruling = |ruling: &&Ruling| Some(&ruling.id) == clause.ruling.as_ref();
@@ -233,8 +254,11 @@ fn every_enumerant_has_a_case() {
         Alpha SingleBase WeightedBase SingleInMipmap WeightedInMipmap SingleBetweenMipmaps WeightedBetweenMipmaps \
         ClampExplicit ClampBorder Wrap Mirror Discontinue Color None Vertex Pixel InterpDep DotProduct Normal L LA RGB \
         RGBA Texture Hollow Solid Pattern Hatch Empty";
-    for name in enumerants.split(' ') {
-        assert!(all.contains(&format!("\"{name}\"")), "{name}");
+    for diagnosis_name in enumerants.split(' ') {
+        assert!(
+            all.contains(&format!("\"{diagnosis_name}\"")),
+            "{diagnosis_name}"
+        );
     }
     for op in OPERATIONS {
         assert!(suite.cases.iter().any(|case| case.op == op), "{op}");
@@ -252,10 +276,10 @@ fn every_cross_reference_exists_and_agrees() {
         let id = &case.id;
         assert!(ids.insert(id.clone()), "duplicate {id}");
         assert!(are_known(&case.clauses), "{id}");
-        let ruling = case.ruling.as_ref().map(|name| {
-            let ruling = rulings.iter().find(|ruling| ruling.id == *name);
+        let ruling = case.ruling.as_ref().map(|diagnosis_name| {
+            let ruling = rulings.iter().find(|ruling| ruling.id == *diagnosis_name);
             ruling
-                .unwrap_or_else(|| panic!("{id}: no ruling {name}"))
+                .unwrap_or_else(|| panic!("{id}: no ruling {diagnosis_name}"))
                 .kind
         });
         let agrees = match case.basis {
@@ -266,7 +290,7 @@ fn every_cross_reference_exists_and_agrees() {
             Basis::Impl => ruling == Some(RulingKind::ImplementationDefined),
         };
         assert!(agrees, "{id}: {:?} under {ruling:?}", case.basis);
-        // A case whose answer depends on a choice declares it.
+        // A case whose answer depends on a choice must declare the choice.
         let is_open = !case.relevant_axes().is_empty();
         let has_others = !case.also.is_empty() && case.basis != Basis::Impl;
         assert_eq!(is_open, case.basis == Basis::Reading, "{id}");
@@ -319,18 +343,18 @@ fn malformed_questions_name_the_faulty_field() {
 }
 
 #[test]
-fn both_sets_of_names_are_understood() {
-    for name in ["PEXTMRCPostLight", "PEXTMRenderingControlPostLight"] {
-        let control: RenderingControl = name.parse().expect(name);
+fn both_sets_of_names_are_accepted() {
+    for diagnosis_name in ["PEXTMRCPostLight", "PEXTMRenderingControlPostLight"] {
+        let control: RenderingControl = diagnosis_name.parse().expect(diagnosis_name);
         assert_eq!(control.name(), "PostLight");
     }
     let clamp: Result<ClampMethod, _> = "PEXTMBoundaryClampExplicitColor".parse();
     assert_eq!(clamp.map(ClampMethod::name), Ok("Color"));
-    for (name, short) in [
+    for (diagnosis_name, short) in [
         ("PEXTMBCWrap", "Wrap"),
         ("ClampExplicitMethod", "ClampExplicit"),
     ] {
-        let boundary: Result<Boundary, _> = name.parse();
+        let boundary: Result<Boundary, _> = diagnosis_name.parse();
         assert_eq!(boundary.map(Boundary::name), Ok(short));
     }
 }

@@ -1,4 +1,4 @@
-//! `lint` over collections: a row for each file, in every form, in bounded memory, and whole rows when it is killed.
+//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows if it is killed.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -10,19 +10,19 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::common::{Workspace, have_python, measured, repository, stdout};
+use crate::common::{Workspace, have_python, repository, run_measured, stdout};
 
-/// Returns the CSV that `lint` prints, as rows of cells.
-fn csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
+/// Runs `lint` with CSV output and returns the rows of cells.
+fn lint_csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
     let output = here
         .command(&format!("lint --format csv -q {line}"))
         .output();
     let output = output.expect("the program starts");
-    csv_rows(&String::from_utf8(output.stdout).expect("a text"))
+    parse_csv(&String::from_utf8(output.stdout).expect("a text"))
 }
 
-/// Reads CSV as RFC 4180 describes it. No cell of ours has a line feed, so a line is a row.
-fn csv_rows(text: &str) -> Vec<Vec<String>> {
+/// Parses CSV according to RFC 4180. Cells contain no line feeds, so every line is a row.
+fn parse_csv(text: &str) -> Vec<Vec<String>> {
     let row = |line: &str| {
         let (mut cells, mut quoted) = (vec![String::new()], false);
         let mut characters = line.chars().peekable();
@@ -44,7 +44,7 @@ fn csv_rows(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`: in turns sound, damaged, of another kind, and sound.
+/// Writes files in folders below `directory`, which are alternately sound, damaged, not a PTM, and sound.
 fn write_collection(here: &Workspace, directory: &str, files: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
@@ -67,8 +67,8 @@ fn memory_does_not_grow_with_the_number_of_files() {
     let [few, many] = [1000, 10_000].map(|files| {
         write_collection(&here, &files.to_string(), files);
         let command = here.command(&format!("lint -rq --format csv {files}"));
-        let (linted, memory) = measured(command, Path::new("no report"));
-        let rows = csv_rows(&linted.text);
+        let (linted, memory) = run_measured(command, Path::new("no report"));
+        let rows = parse_csv(&linted.text);
         assert_eq!(rows.len(), 1 + files);
         for (status, quarter) in [("sound", 2), ("damaged", 1), ("not-a-ptm", 1)] {
             let of_it = rows.iter().filter(|row| row[1] == status).count();
@@ -81,8 +81,8 @@ fn memory_does_not_grow_with_the_number_of_files() {
     assert!(many < few + 8 * 1024, "{few} KiB, then {many} KiB");
 }
 
-/// Copies files of the corpus, one after the other; returns their paths.
-fn copies_of_the_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
+/// Copies files of the corpus repeatedly and returns their paths.
+fn copy_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
     let pattern = repository("corpus/*/*.ptm");
     let originals = glob::glob(&pattern).expect("a pattern").flatten();
     let originals: Vec<PathBuf> = originals.collect();
@@ -94,8 +94,8 @@ fn copies_of_the_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
     originals.enumerate().map(copy).collect()
 }
 
-/// Returns the seconds that a command needs, the least of five.
-fn seconds(command: impl Fn() -> Command) -> f64 {
+/// Returns the minimum duration of a command in seconds over five runs.
+fn min_seconds(command: impl Fn() -> Command) -> f64 {
     let once = || {
         let begin = Instant::now();
         let output = command().output().expect("it starts");
@@ -110,16 +110,16 @@ fn seconds(command: impl Fn() -> Command) -> f64 {
 fn a_file_takes_at_most_twice_the_time_of_decoding_it() {
     const FILES: usize = 10_000;
     let here = Workspace::new();
-    let files = copies_of_the_corpus(&here, FILES).into_iter().enumerate();
+    let files = copy_corpus(&here, FILES).into_iter().enumerate();
     let request = |(number, path): (usize, PathBuf)| format!("{number} raw {}\n", path.display());
     here.write("requests", files.map(request).collect::<String>());
-    let decoding = seconds(|| {
+    let decoding = min_seconds(|| {
         let mut command = here.command("reference serve");
         command.stdin(File::open(here.path("requests")).expect("the list"));
         command
     });
-    let linting = seconds(|| here.command("lint -rq --format csv --jobs 1 files"));
-    let each = |seconds: f64| seconds * 1e6 / FILES as f64;
+    let linting = min_seconds(|| here.command("lint -rq --format csv --jobs 1 files"));
+    let each = |min_seconds: f64| min_seconds * 1e6 / FILES as f64;
     println!(
         "{:.1} µs to decode a file, {:.1} µs to lint it: {:.2} times as long",
         each(decoding),
@@ -143,13 +143,13 @@ fn killed_lint_leaves_complete_rows() {
         child.wait().expect("it has ended");
         let text = here.text("out.csv");
         assert!(text.is_empty() || text.ends_with('\n'), "{text}");
-        seen.push(csv_rows(&text).len());
+        seen.push(parse_csv(&text).len());
     }
     println!("rows at the end: {seen:?}");
 }
 
-/// Names that harm programs that print them.
-const HOSTILE: [&[u8]; 9] = [
+/// Hostile file names that could harm programs that print them.
+const HOSTILE_NAMES: [&[u8]; 9] = [
     b"line\nfeed.ptm",
     b"=HYPERLINK(\"x\").ptm",
     b"@SUM(1,2)",
@@ -161,11 +161,11 @@ const HOSTILE: [&[u8]; 9] = [
     b"tab\tand\rreturn",
 ];
 
-/// A workspace whose directory `files` has files with hostile names.
-fn with_hostile_names() -> Workspace {
+/// Creates a workspace whose directory `files` contains files with hostile names.
+fn workspace_with_hostile_names() -> Workspace {
     let here = Workspace::new();
     fs::create_dir(here.path("files")).expect("a folder");
-    for name in HOSTILE {
+    for name in HOSTILE_NAMES {
         let path = here.path("files").join(OsStr::from_bytes(name));
         fs::write(path, b"PTM_1.2\nPTM_\x1b[31m\x9b\n").expect("a file");
     }
@@ -173,7 +173,7 @@ fn with_hostile_names() -> Workspace {
 }
 
 #[track_caller]
-fn is_plain(output: &Output) {
+fn assert_no_control_characters(output: &Output) {
     for text in [&output.stdout, &output.stderr] {
         let text = String::from_utf8(text.clone()).expect("it is UTF-8");
         let control = text.chars().find(|c| c.is_control() && *c != '\n');
@@ -183,23 +183,26 @@ fn is_plain(output: &Output) {
 
 #[test]
 fn hostile_names_are_escaped() {
-    let here = with_hostile_names();
+    let here = workspace_with_hostile_names();
     for format in ["text", "json", "yaml", "csv", "sarif"] {
         let output = here
             .command(&format!("lint --format {format} files"))
             .output();
-        is_plain(&output.expect("the program starts"));
+        assert_no_control_characters(&output.expect("the program starts"));
     }
-    // Relative to their folder, names begin with any byte.
-    here.write("list", HOSTILE.map(|name| [name, b"\0"].concat()).concat());
+    // Names relative to their folder may begin with any byte.
+    here.write(
+        "list",
+        HOSTILE_NAMES.map(|name| [name, b"\0"].concat()).concat(),
+    );
     let output = here
         .command("lint --format csv -0 -")
         .current_dir(here.path("files"))
         .stdin(File::open(here.path("list")).expect("the list"))
         .output();
     let text = output.expect("the program starts").stdout;
-    let rows = csv_rows(&String::from_utf8(text).expect("a text"));
-    assert_eq!(rows.len(), 1 + HOSTILE.len());
+    let rows = parse_csv(&String::from_utf8(text).expect("a text"));
+    assert_eq!(rows.len(), 1 + HOSTILE_NAMES.len());
     for row in &rows[1..] {
         assert!(!row[0].starts_with(['=', '@', '-', '+']), "{}", row[0]);
         assert_eq!(row[1], "damaged", "{}", row[0]);
@@ -211,7 +214,7 @@ fn python_reads_the_rows() {
     if !have_python(&["csv"]) {
         return;
     }
-    let here = with_hostile_names();
+    let here = workspace_with_hostile_names();
     let output = here.command("lint -q --format csv files").output();
     here.write("rows.csv", output.expect("the program starts").stdout);
     let code = "import csv, sys; rows = list(csv.DictReader(open(sys.argv[1], newline=''), strict=True)); \
@@ -220,7 +223,7 @@ fn python_reads_the_rows() {
     let text = stdout(python.args(["-c", code]).arg(here.path("rows.csv")));
     assert_eq!(
         text.trim(),
-        format!("{} {{11}} {{'damaged'}}", HOSTILE.len())
+        format!("{} {{11}} {{'damaged'}}", HOSTILE_NAMES.len())
     );
 }
 
@@ -243,7 +246,10 @@ fn special_and_large_files_are_listed_unread() {
     here.write("files/inner/empty", b"");
     let found = |line: &str| {
         let row = |row: &Vec<String>| format!("{} {}", row[0], row[1]);
-        csv(&here, line)[1..].iter().map(row).collect::<Vec<_>>()
+        lint_csv(&here, line)[1..]
+            .iter()
+            .map(row)
+            .collect::<Vec<_>>()
     };
     let mut expected = vec![
         "files/disk.img not-a-ptm",
@@ -255,12 +261,12 @@ fn special_and_large_files_are_listed_unread() {
     assert_eq!(found("-r files"), expected);
     expected.remove(2);
     assert_eq!(found("files"), expected);
-    // A link that is named is followed.
+    // Links on the command line are followed.
     assert_eq!(found("files/link.ptm"), ["files/link.ptm sound"]);
 }
 
 #[test]
-fn exit_status_is_that_of_the_worst_file() {
+fn exit_status_is_determined_by_the_worst_file() {
     let here = Workspace::new();
     here.write("other.ppm", b"P6\n");
     here.write("unknown-key.yaml", "alow: []\n");
@@ -294,9 +300,9 @@ fn settings_come_from_a_file_and_from_options() {
         "lint.yaml",
         "allow: [PTM-W303]\nseverity: { PTM-W304: error }\n",
     );
-    let row = &csv(&here, "--config lint.yaml first-lum.ptm")[1];
+    let row = &lint_csv(&here, "--config lint.yaml first-lum.ptm")[1];
     assert_eq!((&row[6][..], &row[9][..]), ("1", "PTM-W304"));
-    let row = &csv(
+    let row = &lint_csv(
         &here,
         "--config lint.yaml --severity PTM-W304=info first-lum.ptm",
     )[1];

@@ -1,10 +1,11 @@
-//! The tools for files: their output conforms to its schemas, and other programs read the files that they write.
+//! Tests of the tools for files: their output conforms to its schemas, and other programs can read the files that they
+//! write.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::common::{Workspace, conforms, have, have_python, repository, rows, stdout};
+use crate::common::{Workspace, assert_conforms, have, have_python, repository, rows, stdout};
 use crate::repository::tree;
 use data_encoding::HEXLOWER;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -17,8 +18,8 @@ use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::profiles::{self, Profile};
 use serde_json::Value;
 
-/// A workspace with an ordinary file of each format, such as `LRGB.ptm`.
-fn with_files() -> Workspace {
+/// Creates a workspace with an ordinary file of each format, such as `LRGB.ptm`.
+fn workspace_with_formats() -> Workspace {
     let here = Workspace::new();
     for format in Format::ALL {
         let recipe = Recipe::ordinary(format, "9x5".parse().expect("a size"));
@@ -28,8 +29,8 @@ fn with_files() -> Workspace {
     here
 }
 
-/// A workspace with a sound file, a damaged one, and one with warnings.
-fn with_corpus() -> Workspace {
+/// Creates a workspace with a sound file, a damaged file, and a file with warnings.
+fn workspace_with_corpus() -> Workspace {
     let here = Workspace::new();
     for file in [
         "lrgb/first-lrgb.ptm",
@@ -41,9 +42,9 @@ fn with_corpus() -> Workspace {
     here
 }
 
-/// Runs a command with `--yaml` and with `--json`; both give the same value, which conforms to the schema.
+/// Runs a command with `--yaml` and `--json`. Asserts that both give the same value and that it conforms to the schema.
 #[track_caller]
-fn printed(here: &Workspace, line: &str, schema: &str) -> Value {
+fn machine_output(here: &Workspace, line: &str, schema: &str) -> Value {
     let print = |form: &str| {
         let output = here.command(&format!("{line} {form}")).output();
         String::from_utf8(output.expect("the program starts").stdout).expect("a text")
@@ -51,11 +52,11 @@ fn printed(here: &Workspace, line: &str, schema: &str) -> Value {
     let yaml: Value = from_yaml(&print("--yaml")).expect("YAML");
     let json: Value = serde_json::from_str(&print("--json")).expect("JSON");
     assert_eq!(yaml, json, "{line}");
-    conforms(&yaml, schema);
+    assert_conforms(&yaml, schema);
     yaml
 }
 
-/// Runs a Python program with file names as its arguments; returns nothing, and says SKIPPED, if a package is missing.
+/// Runs a Python program with file names as arguments. Returns `None` and prints SKIPPED if a package is missing.
 fn python(here: &Workspace, packages: &[&str], code: &str, files: &[&str]) -> Option<String> {
     let mut command = Command::new("python3");
     command
@@ -65,7 +66,7 @@ fn python(here: &Workspace, packages: &[&str], code: &str, files: &[&str]) -> Op
     have_python(packages).then(|| stdout(&mut command))
 }
 
-/// Returns the samples of a frame of the reference.
+/// Returns the samples of a frame that the reference prints.
 fn samples(here: &Workspace, view: &str, file: &str) -> Vec<u8> {
     let output = here.command(&format!("reference {view} {file}")).output();
     let frame = output.expect("the program starts").stdout;
@@ -99,32 +100,32 @@ fn every_part_of_every_file_of_the_suite_lies_within_it() {
 
 #[test]
 fn inspection_is_the_same_in_yaml_and_json() {
-    let here = with_files();
+    let here = workspace_with_formats();
     for format in Format::ALL {
         let line = format!("inspect {}.ptm", format.short_name());
-        let value = printed(&here, &line, "inspect");
+        let value = machine_output(&here, &line, "inspect");
         assert_eq!(value["format"], format.name());
         assert_eq!((&value["width"], &value["height"]), (&9.into(), &5.into()));
     }
-    let here = with_corpus();
-    let value = printed(&here, "inspect half-payload-lrgb.ptm", "inspect");
+    let here = workspace_with_corpus();
+    let value = machine_output(&here, "inspect half-payload-lrgb.ptm", "inspect");
     assert_eq!(value["error"]["clause"], "2.7/3");
     here.exits(65, "inspect half-payload-lrgb.ptm");
 }
 
 #[test]
 fn lint_is_the_same_in_yaml_and_json() {
-    let here = with_corpus();
+    let here = workspace_with_corpus();
     let line = "lint first-lrgb.ptm half-payload-lrgb.ptm first-lum.ptm";
-    let value = printed(&here, line, "lint");
+    let value = machine_output(&here, line, "lint");
     assert_eq!(value[1]["findings"][0]["code"], "PTM-E070");
     assert_eq!(value[0]["errors"], 0);
-    printed(&here, "lint --codes", "lint-codes");
+    machine_output(&here, "lint --codes", "lint-codes");
 }
 
 #[test]
 fn commands_have_the_expected_status_and_output() {
-    let here = with_corpus();
+    let here = workspace_with_corpus();
     here.assert_lines(
         "
 1 | lint --deny-warnings first-lum.ptm |
@@ -152,7 +153,7 @@ fn commands_have_the_expected_status_and_output() {
 
 #[test]
 fn images_are_read_by_pillow() {
-    let here = with_files();
+    let here = workspace_with_formats();
     let read = "import sys; from PIL import Image; im = Image.open(sys.argv[1]); print(im.mode, *im.size, im.tobytes().hex())";
     for format in Format::ALL {
         let file = format!("{}.ptm", format.short_name());
@@ -180,7 +181,7 @@ fn images_are_read_by_pillow() {
 
 #[test]
 fn arrays_are_read_by_numpy() {
-    let here = with_files();
+    let here = workspace_with_formats();
     let read = "import sys, numpy; a = numpy.load(sys.argv[1]); print(a.dtype.str, a.shape, a.tobytes().hex())";
     for format in Format::ALL {
         let (file, channels) = (format!("{}.ptm", format.short_name()), format.channels());
@@ -198,7 +199,7 @@ fn arrays_are_read_by_numpy() {
 
 #[test]
 fn coefficients_are_read_by_openexr() {
-    let here = with_files();
+    let here = workspace_with_formats();
     let read = "
 import sys, numpy, OpenEXR
 file = OpenEXR.File(sys.argv[1], separate_channels=True)
@@ -237,7 +238,7 @@ print(file.header()['ptm'])";
 
 #[test]
 fn exports_are_reproducible() {
-    let here = with_files();
+    let here = workspace_with_formats();
     for format in Format::ALL {
         for name in ["x.exr", "x.npy", "x.png"] {
             let [one, two] = [1, 2].map(|_| {
@@ -251,7 +252,7 @@ fn exports_are_reproducible() {
 
 #[test]
 fn representable_maps_are_converted_losslessly() {
-    let here = with_files();
+    let here = workspace_with_formats();
     let mut converted = 0;
     for from in Format::ALL {
         for to in Format::ALL {
@@ -265,15 +266,15 @@ fn representable_maps_are_converted_losslessly() {
             converted += 1;
         }
     }
-    // 2 of RGB's kind from 3 formats, 4 of LRGB's kind from 5, LUM into itself.
+    // 3 RGB sources have 2 targets each, 5 LRGB sources have 4 targets each, and LUM converts to itself.
     assert_eq!(converted, 3 * 2 + 5 * 4 + 1);
 }
 
 #[test]
 fn conversion_loss_stays_within_the_limit() {
-    let here = with_files();
+    let here = workspace_with_formats();
     here.succeeds("convert LRGB.ptm --to jpegls_lrgb --loss 3 -o out.ptm");
-    let value = printed(&here, "diff LRGB.ptm out.ptm", "diff");
+    let value = machine_output(&here, "diff LRGB.ptm out.ptm", "diff");
     let planes = value["planes"].as_array().expect("planes differ");
     let is_small = |plane: &Value| plane["largest"].as_u64() <= Some(3);
     assert!(!planes.is_empty() && planes.iter().all(is_small), "{value}");
@@ -283,7 +284,7 @@ fn conversion_loss_stays_within_the_limit() {
 
 #[test]
 fn unrepresentable_conversions_write_nothing() {
-    let here = with_files();
+    let here = workspace_with_formats();
     for [status, file, options, says] in rows(
         "
 1 | RGB.ptm | --to LRGB | 45 of 45 texels do not fit, the first at column 0, row 0
@@ -304,7 +305,7 @@ fn unrepresentable_conversions_write_nothing() {
 #[test]
 fn gray_rgb_round_trips_through_lrgb() {
     let here = Workspace::new();
-    // Red and green alike, blue three fifths of them, biases all 100; worked out by hand.
+    // Calculated by hand: red and green are equal, blue is three fifths of them, and all biases are 100.
     let header = b"PTM_1.2\nPTM_FORMAT_RGB\n1\n1\n1 1 2 1 1 1\n100 100 100 100 100 100\n";
     let gray = [110, 120, 95, 100, 130, 105];
     let file = [&header[..], &gray, &gray, &[106, 112, 97, 100, 118, 103]].concat();
@@ -337,16 +338,16 @@ fn oversized_tables_are_refused_with_a_count() {
 
 #[test]
 fn differences_are_exact() {
-    let here = with_corpus();
+    let here = workspace_with_corpus();
     let header = "PTM_1.2\nPTM_FORMAT_LRGB\n2\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\n";
     let file: Vec<u8> = [header.as_bytes(), &(0..36).collect::<Vec<u8>>()].concat();
     let mut other = file.clone();
-    // a3 of the second texel of the first stored row, which is the bottom row; and a bias.
+    // Change a3 of the second texel of the first stored row, which is the bottom row, and a bias.
     other[header.len() + 9] = 19;
     let other = String::from_utf8_lossy(&other).replace("0 0 0 0 0 0\n", "0 0 0 0 0 -7\n");
     here.write("a.ptm", &file);
     here.write("b.ptm", other);
-    let value = printed(&here, "diff a.ptm b.ptm", "diff");
+    let value = machine_output(&here, "diff a.ptm b.ptm", "diff");
     let expected = serde_json::json!({
         "same": false,
         "header": ["bias of a5: 0 and -7"],
@@ -378,7 +379,7 @@ fn generated_corpus_is_complete_and_reproducible() {
         let json = here.text(&format!("{corpus}/MANIFEST.json"));
         let json: Value = serde_json::from_str(&json).expect("JSON");
         assert_eq!(yaml, json);
-        conforms(&json, "profile");
+        assert_conforms(&json, "profile");
         let mut listed = [
             "README.md",
             ".gitattributes",
@@ -409,7 +410,7 @@ fn generated_corpus_is_complete_and_reproducible() {
             "{listed:?}"
         );
     }
-    // A directory that is not empty.
+    // A directory that is not empty is rejected.
     here.exits(2, "generate --profile minimal --out .");
 }
 
@@ -424,7 +425,7 @@ fn test_in_the_corpus_readme_runs() {
         .map(|line| format!("{line}\n"))
         .collect();
     assert!(snippet.contains("numpy.load"), "{snippet}");
-    // The test of the README with the Python decoder as the reader's decoder; it prints how many answers it compared.
+    // Run the test of the README with the Python decoder. It prints the number of compared answers.
     let around = "
 import os, sys, numpy
 sys.path.insert(0, sys.argv[1])
@@ -459,7 +460,7 @@ fn numbers(text: &str) -> Vec<usize> {
 fn images_and_exr_of_the_corpus_have_the_values_of_its_arrays() {
     let here = Workspace::new();
     let mut suite = Suite::load().expect("the suite loads");
-    // A few cases of each kind; the whole takes long.
+    // Compare a few cases of each kind, because comparing all takes too long.
     let is_wanted = |id: &str| id.starts_with("overflows-corrected");
     suite.cases.retain(|case| case.first || is_wanted(&case.id));
     let corpus = here.path("corpus");

@@ -1,4 +1,4 @@
-//! The tools for files end on every damaged file.
+//! Tests that the tools for files terminate for every damaged file.
 
 use proptest::prelude::*;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -12,8 +12,8 @@ use ptm_conform::tools::lint::codes::Severity;
 use ptm_conform::tools::lint::lint;
 use ptm_conform::tools::{diff, export, render};
 
-/// Runs every tool on a file; their results agree with the decoder.
-fn ask_everything(file: &[u8]) {
+/// Runs every tool on a file and asserts that the results agree with the decoder.
+fn run_all_tools(file: &[u8]) {
     let dissection = Dissection::parse(file);
     let decoded = ptm_conform::decode(file);
     assert_eq!(dissection.outcome, decoded);
@@ -53,9 +53,9 @@ fn ask_everything(file: &[u8]) {
 fn tools_accept_every_small_file_of_the_suite() {
     for case in &Suite::load().expect("the suite loads").cases {
         let file = &case.build(TableSpelling::default()).file;
-        // A must-refuse file may ask for any memory; lint says so without taking it.
+        // A must-refuse file may declare any size. Lint reports it without allocating the memory.
         if file.len() < 8192 {
-            ask_everything(file);
+            run_all_tools(file);
         }
     }
 }
@@ -78,6 +78,6 @@ proptest! {
                 _ => file.truncate(at.max(1)),
             }
         }
-        ask_everything(&file);
+        run_all_tools(&file);
     }
 }

@@ -1,4 +1,4 @@
-//! The signatures of `docs/identify`: they know every legal file of the suite, and no file of another kind.
+//! Tests of the signatures in `docs/identify`: they match every legal file of the suite and no other files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,25 +8,27 @@ use crate::common::{Workspace, have, repository, repository_text, stdout};
 use data_encoding::HEXUPPER_PERMISSIVE;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
-/// Returns the texts between two marks.
-fn between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
+/// Returns the texts between two markers.
+fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
     let parts = text.split(before).skip(1);
     parts
         .filter_map(|part| Some(part.split_once(after)?.0))
         .collect()
 }
 
-/// Returns the beginnings that each signature knows.
-fn beginnings() -> Vec<(&'static str, Vec<Vec<u8>>)> {
+/// Returns the file prefixes that each signature matches.
+fn signature_prefixes() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let plain = |text: &str| text.replace("\\n", "\n").replace("\\040", " ").into_bytes();
     let mime = repository_text("docs/identify/ptm-mime.xml");
-    let mime = between(&mime, "value=\"", "\"").into_iter().map(plain);
+    let mime = texts_between(&mime, "value=\"", "\"")
+        .into_iter()
+        .map(plain);
     let magic = repository_text("docs/identify/ptm.magic");
-    let magic = between(&magic, "\n0\tstring\t", "\t")
+    let magic = texts_between(&magic, "\n0\tstring\t", "\t")
         .into_iter()
         .map(plain);
     let pronom = repository_text("docs/identify/ptm-pronom.xml");
-    let sequences = between(&pronom, "<Sequence>", "</Sequence>").into_iter();
+    let sequences = texts_between(&pronom, "<Sequence>", "</Sequence>").into_iter();
     let bytes = |hex: &str| HEXUPPER_PERMISSIVE.decode(hex.as_bytes()).expect("hex");
     vec![
         ("ptm-mime.xml", mime.collect()),
@@ -35,7 +37,7 @@ fn beginnings() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     ]
 }
 
-/// Writes the beginnings of the legal files of the suite; returns their paths.
+/// Writes the beginnings of the legal files of the suite and returns their paths.
 fn write_legal(here: &Workspace) -> Vec<PathBuf> {
     let suite = Suite::load().expect("the suite loads");
     let cases = suite.cases.iter();
@@ -52,9 +54,13 @@ fn signatures_match_exactly_the_legal_files() {
     let here = Workspace::new();
     let files = write_legal(&here);
     assert!(files.len() > 1000);
-    for (name, beginnings) in beginnings() {
-        assert_eq!(beginnings.len(), 2, "{name}");
-        let knows = |file: &[u8]| beginnings.iter().any(|known| file.starts_with(known));
+    for (name, signature_prefixes) in signature_prefixes() {
+        assert_eq!(signature_prefixes.len(), 2, "{name}");
+        let knows = |file: &[u8]| {
+            signature_prefixes
+                .iter()
+                .any(|known| file.starts_with(known))
+        };
         for path in &files {
             let is_known = knows(&fs::read(path).expect("a file"));
             assert!(is_known, "{name}: {}", path.display());
@@ -71,7 +77,7 @@ fn signatures_match_exactly_the_legal_files() {
     }
 }
 
-/// Returns the number of files that `file` identifies as a PTM with our magic alone.
+/// Returns the number of files that `file` identifies as a PTM, using only our signature.
 fn count_ptms(here: &Workspace, files: &[PathBuf]) -> usize {
     let names = files.iter().map(|path| format!("{}\n", path.display()));
     let list = here.write("list", names.collect::<String>());
@@ -100,16 +106,16 @@ fn file_command_identifies_exactly_the_legal_files() {
 
 #[test]
 #[ignore = "reads the beginning of every file of the system"]
-fn no_file_of_the_system_is_taken_for_a_ptm() {
+fn no_system_file_is_identified_as_a_ptm() {
     let files = files_below(Path::new("/usr"), usize::MAX);
     println!("{} files", files.len());
     assert_eq!(count_ptms(&Workspace::new(), &files), 0);
 }
 
-/// Returns the first files below a directory, except links and names with a line feed.
-fn files_below(directory: &Path, most: usize) -> Vec<PathBuf> {
+/// Returns at most `max_files` files below a directory, except links and names with a line feed.
+fn files_below(directory: &Path, max_files: usize) -> Vec<PathBuf> {
     let (mut files, mut directories) = (Vec::new(), vec![directory.to_owned()]);
-    while let (Some(directory), true) = (directories.pop(), files.len() < most) {
+    while let (Some(directory), true) = (directories.pop(), files.len() < max_files) {
         for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
             match entry.file_type() {
                 Ok(kind) if kind.is_dir() => directories.push(entry.path()),
@@ -122,6 +128,6 @@ fn files_below(directory: &Path, most: usize) -> Vec<PathBuf> {
             }
         }
     }
-    files.truncate(most);
+    files.truncate(max_files);
     files
 }

@@ -1,4 +1,4 @@
-//! The findings of lint in the files of the suite.
+//! Tests of lint findings for the files of the suite.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +21,7 @@ fn every_damage_that_must_be_refused_has_a_code() {
     for case in &refused {
         let name = case.damage().map_or(&*case.id, |damage| &*damage.name);
         assert!(
-            Code::of_refused(name).is_some(),
+            Code::for_rejected_file(name).is_some(),
             "no code stands for {name}"
         );
     }

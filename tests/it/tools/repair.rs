@@ -1,4 +1,4 @@
-//! A repaired file is the file before it was damaged, and nothing else is repaired.
+//! Tests that repair restores damaged files and refuses ambiguous repairs.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The catalog of misreadings, read as mistakes of writers, names the mistake of a writer.
+//! Tests that mistakes of writers are diagnosed with the catalog of misreadings.
 
 use std::collections::HashMap;
 
@@ -20,7 +20,7 @@ use ptm_conform::writers::wrong::miswritten;
 
 use crate::common::{Workspace, edited, have, repository_text, rows};
 
-/// Requests whose files are small, with the reference's files.
+/// Requests for small files, with the files of the reference.
 struct Requests {
     suite: Suite<WriterCase>,
     all: HashMap<String, (WriteRequest, Vec<u8>)>,
@@ -49,7 +49,7 @@ impl Requests {
         }
     }
 
-    /// Returns the number of requests that a writer with this mistake gets wrong, the first cause, and its equivalents.
+    /// Returns the number of wrong files of a writer with this mistake, the first cause, and its equivalents.
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let (request, right) = &self.all[asked.name];
@@ -111,9 +111,9 @@ fn wrong_writers_are_named() {
     assert_eq!((caught, noted), (some.len(), some.len()));
 }
 
-/// A wrong matrix is not explained by scales, and lost digits of scales are not explained by the matrix.
+/// Wrong scales do not explain a wrong matrix, and a wrong matrix does not explain lost digits of scales.
 #[test]
-fn invisible_mistakes_explain_nothing() {
+fn undetectable_mistakes_are_not_reported() {
     let mut requests = Requests::small();
     let cases = &mut requests.suite.cases;
     cases.retain(|case| case.format() == Format::Lum);
@@ -155,8 +155,7 @@ fn every_mistake_of_a_wrong_writer_is_named() {
     assert!(noted * 100 >= caught * 95, "{noted} of {caught}");
 }
 
-/// Copies of the writer in Python with one mistake: the text that is replaced, its replacement, and a part of the first
-/// cause.
+/// Copies of the Python writer with one mistake: the text to replace, the replacement, and a part of the first cause.
 const COPIES: &str = r#"
 b"".join(reversed(rows)) | b"".join(rows) | explain rows-top-down
 "little") | "big") | explain big-endian-index
@@ -216,7 +215,7 @@ payload += block(texels, 9, 6, 3) | payload += b"".join(block(texels, 9, i, 1) f
   | explain lut-colors-in-planes
 "#;
 
-/// Returns true if the copy exits with 1 and its first cause has the words.
+/// Returns true if `check-writer` exits with 1 for the copy and the first cause contains `words`.
 fn is_named([find, replace, words]: &[String; 3]) -> bool {
     let source = repository_text("examples/writers/ptm_writer.py");
     let here = Workspace::new();

@@ -1,4 +1,4 @@
-//! The program as its users run it: the reference as a writer, and the writer in Python.
+//! Tests of writers as processes: the reference writer, and the writer in Python.
 
 use crate::common::{PROGRAM, Workspace, check_writer, have, python_example};
 
@@ -10,7 +10,7 @@ fn reference_writer_passes_as_a_process() {
 }
 
 #[test]
-fn the_writer_in_python_passes_in_the_formats_that_it_declares() {
+fn python_writer_passes_for_its_formats() {
     if have("python3") {
         let writer = python_example("writers/ptm_writer.py");
         let lacks = "unsupported (exit status 69): JPEG_RGB, JPEG_LRGB, JPEGLS_RGB, JPEGLS_LRGB";
@@ -26,7 +26,7 @@ fn template_calls_a_program_with_other_options() {
 }
 
 #[test]
-fn exit_statuses_match_check() {
+fn check_writer_exit_statuses_match_check() {
     check_writer("-- true").ends(3, "true is not a writer");
     check_writer("--case nothing-is-called-so").ends(5, "");
     Workspace::new().exits(2, "reference write no-such-request.json");

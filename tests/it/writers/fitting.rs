@@ -1,4 +1,4 @@
-//! Fitters: the optimum passes, and the mistakes of wrong fitters are named.
+//! Tests of fitters: the optimum passes, and the mistakes of wrong fitters are diagnosed.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use ptm_conform::decode;
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::judge::judge;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, PictureSet};
+use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
 use ptm_conform::writers::reference::written;
@@ -17,8 +17,8 @@ use crate::common::{
     Workspace, check_writer, edited, have_python, python_example, repository, repository_text, rows,
 };
 
-/// Returns the `.lp` file of twelve real photographs, next to HP's fit of them; nothing where they are missing.
-fn real() -> Option<String> {
+/// Returns the `.lp` file of twelve real photographs, which is next to HP's fit. Returns `None` if it is not installed.
+fn real_photographs() -> Option<String> {
     let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
     let there = Path::new(&lp).exists();
     if !there {
@@ -37,7 +37,7 @@ fn optimum_is_as_close_as_the_images_allow() {
             assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
             let errors = Polynomials::new(&map).expect("RGB or LRGB").errors(&set);
             let largest = errors.into_iter().fold(0.0, f64::max);
-            // Noise, rounding, and values clamped to black and white.
+            // Errors are caused by noise, rounding, and clamping to black and white.
             let noise = match plan.name {
                 "saturated" => 40.0,
                 _ => 9.0,
@@ -78,9 +78,9 @@ fn image_sets_round_trip_through_files() {
     }
     let lp = folder.path().join("lights.lp");
     fs::write(&lp, set.lp()).expect("a file");
-    assert_eq!(PictureSet::read(&lp), Ok(set));
+    assert_eq!(ImageSet::read(&lp), Ok(set));
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
-    let error = PictureSet::read(&lp).expect_err("one is missing");
+    let error = ImageSet::read(&lp).expect_err("one is missing");
     assert!(
         error.ends_with("its first line announces 2 images, but it lists 1"),
         "{error}"
@@ -113,9 +113,9 @@ fn requests_conform_to_their_schema_and_round_trip() {
 }
 
 #[test]
-fn hp_fitter_is_as_good_as_its_images_allow() {
-    let Some(lp) = real() else { return };
-    let set = PictureSet::read(Path::new(&lp)).expect("the set");
+fn hp_fit_is_close_to_the_optimum() {
+    let Some(lp) = real_photographs() else { return };
+    let set = ImageSet::read(Path::new(&lp)).expect("the set");
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
     assert_eq!(judge(&set, Format::Lrgb, &file), Ok(()));
     let mean = |map: &ptm_conform::ptm::Ptm| {
@@ -131,19 +131,21 @@ fn hp_fitter_is_as_good_as_its_images_allow() {
 }
 
 #[test]
-fn the_reference_and_the_fitter_in_python_pass() {
+fn reference_and_python_fitter_pass() {
     let checked = check_writer("--fitter");
     checked.ends(0, "");
     assert_eq!(checked.report["suite"], "fitters");
     if have_python(&["numpy"]) {
-        let lp = real().map(|lp| format!("--lp {lp}")).unwrap_or_default();
+        let lp = real_photographs()
+            .map(|lp| format!("--lp {lp}"))
+            .unwrap_or_default();
         let fitter = python_example("writers/ptm_fitter.py");
         check_writer(&format!("--fitter {lp} -- {fitter}")).ends(0, "");
     }
 }
 
-/// Copies of the fitter in Python with one mistake: the text that is replaced, its replacement, and a part of the first
-/// cause. The seventh fits one of many solutions where there are many.
+/// Copies of the Python fitter with one mistake: the text to replace, the replacement, and a part of the first cause. The
+/// seventh copy chooses an arbitrary solution if there are several.
 const COPIES: &str = r#"
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | exchanges u and v

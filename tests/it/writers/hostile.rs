@@ -1,10 +1,10 @@
-//! Writers that break the contract: each gets its verdict, and no file of it is left.
+//! Tests of writers that violate the protocol: each gets the expected verdict, and no file is left behind.
 
 use std::fs;
 
 use crate::common::{Workspace, outcome, rows};
 
-/// Writers in `sh`, whose request is `$2` and whose output is `$3`, and a part of what is said about them.
+/// Writers in `sh`, with the request in `$2` and the output path in `$3`, and a part of the expected message.
 const WRITERS: &str = r#"
 true | its output file is missing, although it exits with 0
 : > "$3" | its output file is empty

@@ -1,4 +1,4 @@
-//! The judge accepts correct files and names the faults of wrong ones.
+//! Tests that the judge accepts correct files and describes the faults of wrong files.
 
 use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
@@ -6,13 +6,13 @@ use ptm_conform::writers::judge::judge;
 use ptm_conform::writers::reference::written;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
-use crate::common::conforms;
+use crate::common::assert_conforms;
 
 fn suite() -> Suite<WriterCase> {
     Suite::load_writer_requests().expect("the requests load")
 }
 
-/// Returns a request and the file that the reference writes.
+/// Returns a request and the file that the reference writes for it.
 fn request(id: &str) -> (WriteRequest, Vec<u8>) {
     let request = suite().case(id).expect("a request").request();
     let file = written(&request).expect("the reference writes it");
@@ -25,16 +25,16 @@ fn assert_fault(request: &WriteRequest, file: &[u8], says: &str) {
     assert!(fault.says.contains(says), "{fault}");
 }
 
-/// Replaces the one place of `from` in a file.
+/// Replaces the only occurrence of `from` in a file.
 #[track_caller]
-fn replaced(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
+fn replace_bytes(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     let at = file.windows(from.len()).position(|window| window == from);
     let at = at.expect("it is in the file");
     [&file[..at], to, &file[at + from.len()..]].concat()
 }
 
 #[test]
-fn reference_carries_out_every_request() {
+fn reference_writes_every_request() {
     let suite = suite();
     assert!(suite.cases.len() >= 120, "{} requests", suite.cases.len());
     for case in &suite.cases {
@@ -55,21 +55,21 @@ fn requests_conform_to_their_schema_and_round_trip() {
     for case in &suite().cases {
         let request = case.request();
         let json = request.header.to_json();
-        conforms(
+        assert_conforms(
             &serde_json::from_str(&json).expect("JSON"),
             "writer-request",
         );
         let header = RequestHeader::read(json.as_bytes()).expect("a request");
-        assert_eq!(header.with_planes(&request.array()).as_ref(), Ok(&request));
+        assert_eq!(header.with_planes(&request.to_npy()).as_ref(), Ok(&request));
     }
 }
 
 #[test]
 fn header_faults_are_named_with_numbers() {
     let (request, file) = request("lrgb-bias-negative");
-    let clamped = replaced(&file, b"-1 -20 -128 -214 -5 -100", b"0 0 0 0 0 0");
+    let clamped = replace_bytes(&file, b"-1 -20 -128 -214 -5 -100", b"0 0 0 0 0 0");
     assert_fault(&request, &clamped, "bias 0: expected -1, the file has 0");
-    let other = replaced(&file, b"PTM_1.2", b"PTM_1.1");
+    let other = replace_bytes(&file, b"PTM_1.2", b"PTM_1.1");
     assert_fault(
         &request,
         &other,
@@ -80,7 +80,7 @@ fn header_faults_are_named_with_numbers() {
 #[test]
 fn truncated_scales_are_wrong() {
     let (request, file) = request("lrgb-scale-six-decimals-are-too-few");
-    let short = replaced(&file, b"0.00001525878", b"0.000015");
+    let short = replace_bytes(&file, b"0.00001525878", b"0.000015");
     assert_fault(&request, &short, "scale 1: expected 0.00001525878");
 }
 
@@ -103,8 +103,8 @@ fn lossy_planes_stay_within_their_quality() {
         &file,
         "expected the compression parameter 90, found 20",
     );
-    // The right number over the wrong streams.
-    let disguised = replaced(&file, b"\n20\n0 0", b"\n90\n0 0");
+    // The parameter is right, but the streams were encoded with another one.
+    let disguised = replace_bytes(&file, b"\n20\n0 0", b"\n90\n0 0");
     assert_fault(&request, &disguised, "and quality 90 allows");
 }
 
@@ -112,7 +112,7 @@ fn lossy_planes_stay_within_their_quality() {
 fn wrapping_texels_need_side_information() {
     let (request, file) = request("jpegls-lrgb-wraps-5");
     assert_eq!(judge(&request, &file), Ok(()));
-    // With one less at the upper end, the value that a record corrects is wrong.
+    // Reduce a value at the upper end by one, so that the record contains the wrong value.
     let mut other = request.clone();
     let top = other.samples.iter().position(|&value| value == 255);
     other.samples[top.expect("an extreme")] = 127;
