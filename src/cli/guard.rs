@@ -13,7 +13,7 @@ use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM, SIGXFSZ};
 
 use ptm_conform::runner::processes::{self, Descendants};
 use ptm_conform::runner::run::Decoder;
-use ptm_conform::runner::scratch::{Scratch, remove};
+use ptm_conform::runner::scratch::{Scratch, remove_directory};
 
 /// The directories of a run, and a process that cleans up if this one is killed.
 pub struct Guarded {
@@ -80,7 +80,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     children.kill();
     for directory in directories {
         processes::kill_all(directory);
-        remove(directory);
+        remove_directory(directory);
     }
     0
 }

@@ -22,7 +22,7 @@ use ptm_conform::kit::yaml;
 use ptm_conform::readers::ReaderProfile;
 use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::lint::codes::{ALL, Severity};
-use ptm_conform::tools::lint::names::escape_controls;
+use ptm_conform::tools::lint::names::printable;
 use ptm_conform::tools::lint::settings::Settings;
 use ptm_conform::tools::lint::status::{MAGIC, Status};
 
@@ -229,11 +229,7 @@ impl Judge<'_> {
     /// Reads and checks a file. An internal error affects only this file.
     fn look(&self, met: Met) -> Row {
         let unread = |path: &Path, reason: &str| {
-            Lint::unread(
-                &escape_controls(path.as_os_str()),
-                None,
-                Some(reason.to_owned()),
-            )
+            Lint::unread(&printable(path.as_os_str()), None, Some(reason.to_owned()))
         };
         let (path, judged) = match met {
             Met::File(path) => {
@@ -253,7 +249,7 @@ impl Judge<'_> {
 
     /// Checks a file, a PTM as soon as there is room for it and its planes.
     fn judge(&self, path: &Path) -> io::Result<Lint> {
-        let (name, limit) = (escape_controls(path.as_os_str()), self.limit);
+        let (name, limit) = (printable(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
             let reason = format!("larger than the limit of {limit} bytes");
             Lint::unread(&name, length, Some(reason))

@@ -134,7 +134,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
                 let says = "no case of the report matches";
                 return Err(Failed::new(EXIT_NOTHING_SELECTED, says));
             }
-            super::terminal::show(&escape_controls(&text));
+            super::terminal::show(&printable(&text));
             Ok(0)
         }
         ReportCommand::Merge(args) => {
@@ -160,7 +160,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         }
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
-            super::terminal::show(&escape_controls(&changes));
+            super::terminal::show(&printable(&changes));
             Ok(u8::from(!changes.is_empty()))
         }
     }
@@ -211,7 +211,7 @@ fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
 }
 
 /// Makes text of untrusted reports safe for a terminal: escapes control characters other than line feeds and tabs.
-fn escape_controls(text: &str) -> String {
+fn printable(text: &str) -> String {
     let shown = |c: char| match c {
         '\n' | '\t' => c.to_string(),
         c if c.is_control() => c.escape_default().to_string(),

@@ -58,7 +58,7 @@ impl Witness<'_> {
             }
             false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
         };
-        let colors = misreadings::colors(&made, &reading, &ptm, light);
+        let colors = misreadings::unrounded_colors(&made, &reading, &ptm, light);
         let Samples::U8(bytes) = &shown.samples else {
             return None;
         };
@@ -82,7 +82,7 @@ impl Witness<'_> {
             .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let reading = misreadings::apply_to_reading(&made, self.reading);
-        misreadings::show(&made, &reading, ptm, &self.observation.view)
+        misreadings::render(&made, &reading, ptm, &self.observation.view)
     }
 
     /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The catalog

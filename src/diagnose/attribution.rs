@@ -266,8 +266,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
 fn edit_effect_and_fix(edit: &Edit) -> (String, String) {
     let (what, computes, stated) = (
         edit.formula.stated().computes,
-        edit.computes(),
-        edit.stated(),
+        edit.edited_text(),
+        edit.stated_text(),
     );
     match edit.change {
         EditedForm::Table(_) => (

@@ -109,7 +109,7 @@ impl<C: Reported> KeptAnswers<C> {
             self.known
                 .get(&(file.clone(), request.view.to_string(), alone))
         };
-        let again = known(true).filter(|_| request.alone);
+        let again = known(true).filter(|_| request.needs_new_process);
         let kept = again.or_else(|| known(false))?;
         let answer = match &kept.answer {
             Some(answer) => answer.clone(),
@@ -118,7 +118,7 @@ impl<C: Reported> KeptAnswers<C> {
         Some(Reply {
             stderr: kept.stderr.clone(),
             exit: kept.exit,
-            after: kept.after.clone(),
+            previous_request: kept.after.clone(),
             served: kept.served.clone(),
             ..answer.into()
         })

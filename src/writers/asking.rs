@@ -82,7 +82,7 @@ pub fn ask<C: WritingCase>(
             vec![("format", case.format().name().to_owned())],
         ]
         .concat(),
-        most: case.largest_answer(&built),
+        max_bytes: case.largest_answer(&built),
         timeout_factor,
     };
     let result = writer.write(&call, scratch);

@@ -43,7 +43,7 @@ impl Tables {
             let marker = stream.read_marker_after_comments()?;
             match marker.code {
                 DQT => {
-                    self.read_quantization(stream.read_segment("the quantization table segment")?)?
+                    self.read_quantization(stream.read_segment("the quantization table segment")?)?;
                 }
                 DHT => self.read_huffman(stream.read_segment("the Huffman table segment")?)?,
                 DRI => {
