@@ -131,7 +131,7 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
         let path = scratch
             .work_directory()
             .join(format!("bare-{}.ptm", recorded.len()));
-        if !request.alone {
+        if !request.needs_new_process {
             fs::write(&path, request.file).expect("a file");
             recorded.push((request.view.to_string(), path));
         }

@@ -13,7 +13,7 @@ use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM, SIGXFSZ};
 
 use ptm_conform::runner::processes::{self, Descendants};
 use ptm_conform::runner::run::Decoder;
-use ptm_conform::runner::scratch::{Scratch, remove};
+use ptm_conform::runner::scratch::{Scratch, remove_directory};
 
 /// Scratch directories of a run, and a watcher process that cleans up if this process is killed.
 pub struct ScratchGuard {
@@ -80,7 +80,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     children.kill();
     for directory in directories {
         processes::kill_all(directory);
-        remove(directory);
+        remove_directory(directory);
     }
     0
 }

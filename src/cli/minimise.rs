@@ -65,7 +65,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
             file,
             largest_frame: 72 * (file.len() + (1 << 20)),
             timeout_factor: 1,
-            alone: true,
+            needs_new_process: true,
         };
         decoder.ask(&request, scratch).answer
     };

@@ -58,7 +58,7 @@ impl Witness<'_> {
             }
             false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
         };
-        let colors = misreadings::colors(&made, &reading, &ptm, light);
+        let colors = misreadings::unrounded_colors(&made, &reading, &ptm, light);
         let Samples::U8(bytes) = &shown.samples else {
             return None;
         };
@@ -82,7 +82,7 @@ impl Witness<'_> {
             .filter(|mistake| mistake.scope.contains(self));
         let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
         let reading = misreadings::apply_to_reading(&made, self.reading);
-        misreadings::show(&made, &reading, ptm, &self.observation.view)
+        misreadings::render(&made, &reading, ptm, &self.observation.view)
     }
 
     /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The catalog
@@ -154,7 +154,7 @@ pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> b
         |witness: &&Witness| !witness.failed && !gives(witness, witness.correct_answer());
     let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
     let telling: Vec<&Witness> = telling.collect();
-    let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
+    let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::unscoped).collect();
     let reproduced = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
         let mistake = &mistakes[at];
         let is_reproduced = |witness: &&&Witness| {

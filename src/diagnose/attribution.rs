@@ -4,7 +4,7 @@ use super::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::{ChannelSubset, Mistake};
 use super::scope::FileScope;
-use super::search::{FoundMistakes, Id, Member, Search, Set, ids_of, without_id};
+use super::search::{FoundMistakes, Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substantial};
 use super::witness::Witness;
 use super::words::acceptances;
@@ -19,14 +19,14 @@ use crate::suite::cases::Expect;
 #[derive(Clone, Default)]
 struct Share {
     explains: Vec<usize>,
-    with: Set,
+    with: MistakeSet,
 }
 
 /// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained.
 pub(super) fn attribute_failures(
     search: &Search,
     found: &FoundMistakes,
-) -> (Vec<(Id, Diagnosis)>, Vec<usize>) {
+) -> (Vec<(MistakeId, Diagnosis)>, Vec<usize>) {
     let set = ids_of(&found.members);
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
@@ -46,7 +46,7 @@ pub(super) fn attribute_failures(
         }
     }
     let whole = refusals::whole_formats(search.witnesses);
-    let mut diagnoses: Vec<(Id, Diagnosis)> = whole
+    let mut diagnoses: Vec<(MistakeId, Diagnosis)> = whole
         .into_iter()
         .filter_map(|whole| {
             diagnose_whole_formats(search, &whole, &found.members, &mut shares, &mut left)
@@ -80,7 +80,7 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
         Some(kind(w)) < earliest
             && FailureMode::new(&witnesses[**w]).is_none()
             && witnesses[**w].case.expect == Expect::Decode
-            && explained.iter().any(|of| format(of) == format(w))
+            && explained.iter().any(|indices| format(indices) == format(w))
     };
     let earlier = left.iter().filter(is_earlier).count();
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
@@ -94,7 +94,8 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode && FailureMode::new(witness).is_none()
     };
-    let is_open = |w: &&usize| is_image(w) && explained.iter().any(|of| format(of) == format(w));
+    let is_open =
+        |w: &&usize| is_image(w) && explained.iter().any(|indices| format(indices) == format(w));
     let open = left.iter().filter(is_open).count();
     let images = explained.iter().filter(|w| is_image(w)).count();
     is_most(images, explained.len()) && !is_substantial(images, images + open)
@@ -108,7 +109,7 @@ fn diagnose_whole_formats(
     members: &[Member],
     shares: &mut [Share],
     left: &mut Vec<usize>,
-) -> Option<(Id, Diagnosis)> {
+) -> Option<(MistakeId, Diagnosis)> {
     let is_of = |w: &usize| whole.cases.contains(w);
     let is_seen_elsewhere = |share: &Share| {
         let inside = share.explains.iter().filter(|w| is_of(w)).count();
@@ -122,7 +123,7 @@ fn diagnose_whole_formats(
         if share.explains.iter().any(is_of) {
             let ids = std::iter::once(&member.id).chain(&member.alike);
             // A mistake of the same equivalence class may fail only some of these files.
-            let explains = |&&id: &&Id| {
+            let explains = |&&id: &&MistakeId| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
                 whole.cases.iter().all(agrees)
             };
@@ -135,7 +136,7 @@ fn diagnose_whole_formats(
     }
     left.retain(|w| !is_of(w));
     // No mistake has this id, so no failure is partially attributed to it.
-    Some((Id::MAX, whole.describe(search.witnesses, alike)))
+    Some((MistakeId::MAX, whole.describe(search.witnesses, alike)))
 }
 
 /// Returns true if the evidence for a misreading is too weak:
@@ -153,7 +154,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let is_signal =
         |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
-    let images = |of: &[usize]| of.iter().filter(|w| mode(w).is_none()).count();
+    let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.shows == Symptom::Values && images(explained) == 0;
     images(explained) == 0 && explained.iter().any(is_signal)
         || is_hidden && images(left) > explained.len()
@@ -166,7 +167,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
 /// output other values for these files.
 fn conflicts_with_larger_mistake(
     search: &Search,
-    set: &[Id],
+    set: &[MistakeId],
     shares: &[Share],
     place: usize,
 ) -> bool {
@@ -190,7 +191,7 @@ fn conflicts_with_larger_mistake(
 
 fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
-    let listed = |set: &[Id]| -> Vec<&'static Misreading> {
+    let listed = |set: &[MistakeId]| -> Vec<&'static Misreading> {
         let mistakes = set.iter().map(|&id| &search.mistakes[id]);
         mistakes.filter_map(Mistake::catalog_misreading).collect()
     };
@@ -223,8 +224,11 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     }
 }
 
-fn suite_indices(search: &Search, of: &[usize]) -> Vec<usize> {
-    of.iter().map(|&w| search.witnesses[w].case_index).collect()
+fn suite_indices(search: &Search, indices: &[usize]) -> Vec<usize> {
+    indices
+        .iter()
+        .map(|&w| search.witnesses[w].case_index)
+        .collect()
 }
 
 /// Returns the diagnosis for an edit of a formula, or for a misreading that is limited to some files or channels.
@@ -266,8 +270,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
 fn edit_effect_and_fix(edit: &Edit) -> (String, String) {
     let (what, computes, stated) = (
         edit.formula.stated().computes,
-        edit.computes(),
-        edit.stated(),
+        edit.edited_text(),
+        edit.stated_text(),
     );
     match edit.change {
         EditedForm::Table(_) => (
@@ -283,8 +287,8 @@ fn edit_effect_and_fix(edit: &Edit) -> (String, String) {
 
 /// Returns the indices of the mistakes in `set` that a failure needs: a single one if it explains the failure alone,
 /// or else all that are indispensable.
-fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
-    let explained = |set: &[Id]| search.explains(w, set);
+fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
+    let explained = |set: &[MistakeId]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
         return vec![alone];
     }
@@ -296,7 +300,10 @@ fn needed(search: &Search, w: usize, set: &[Id]) -> Vec<usize> {
 }
 
 /// Returns the indices of the members without which `holds` becomes false.
-pub(super) fn indispensable_members(set: &[Id], holds: impl Fn(&[Id]) -> bool) -> Vec<usize> {
+pub(super) fn indispensable_members(
+    set: &[MistakeId],
+    holds: impl Fn(&[MistakeId]) -> bool,
+) -> Vec<usize> {
     let is_needed = |&member: &usize| {
         let mut without = set.to_vec();
         without.remove(member);
@@ -306,7 +313,7 @@ pub(super) fn indispensable_members(set: &[Id], holds: impl Fn(&[Id]) -> bool) -
 }
 
 /// Returns true if the image contains colors that are computed from channels that the mistake changes.
-fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
+fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
         && mistake.misreading.at.stage() < Stage::Color
@@ -319,28 +326,28 @@ fn shows_in_colors(search: &Search, w: usize, member: Id) -> bool {
 pub(super) fn attribute_partially(
     search: &Search,
     found: &FoundMistakes,
-    diagnoses: &mut [(Id, Diagnosis)],
+    diagnoses: &mut [(MistakeId, Diagnosis)],
     left: &mut Vec<usize>,
 ) {
     let set = ids_of(&found.members);
-    let acts = |w: usize, member: Id| {
+    let acts = |w: usize, member: MistakeId| {
         FailureMode::new(&search.witnesses[w]).is_none()
             && search.answers_differ(w, &set, &without_id(&set, member))
     };
     // A mistake that reproduces nearly all images it changes also affects the remaining ones.
-    let explains_nearly_all = |member: Id| {
+    let explains_nearly_all = |member: MistakeId| {
         let explained = diagnoses.iter().find(|(id, _)| *id == member);
         let explained = explained.map_or(0, |(_, diagnosis)| diagnosis.explains.len());
         let open = left.iter().filter(|&&w| acts(w, member)).count();
         is_few(open, explained)
     };
-    let thorough: Vec<Id> = set
+    let thorough: Vec<MistakeId> = set
         .iter()
         .copied()
         .filter(|&id| explains_nearly_all(id))
         .collect();
     left.retain(|&w| {
-        let is_partly = |&&member: &&Id| {
+        let is_partly = |&&member: &&MistakeId| {
             thorough.contains(&member) && acts(w, member)
                 || shows_in_colors(search, w, member)
                 || differences::reduces_wrong_samples(search, w, &set, member)

@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use super::failure_mode::FailureMode;
-use super::search::{FoundMistakes, Id, Search, Set, ids_of, without_id};
+use super::search::{FoundMistakes, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
 use super::words::differences::reduces_wrong_samples;
@@ -38,7 +38,7 @@ struct FailureEvidence {
 
 impl FailureEvidence {
     /// Compares the responses with the answers of a decoder that makes the mistake `id` of `set`.
-    fn new(search: &Search, set: &Set, failing: &[usize], id: Id) -> FailureEvidence {
+    fn new(search: &Search, set: &MistakeSet, failing: &[usize], id: MistakeId) -> FailureEvidence {
         let without = without_id(set, id);
         let mut evidence = FailureEvidence::default();
         for &w in failing {
@@ -76,9 +76,9 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
     use Rule::{Acceptances, Rare, Refusals, Stray};
     let witnesses = search.witnesses;
     let failed = search.failing();
-    let legal = |of: &[usize]| -> Vec<usize> {
+    let legal = |indices: &[usize]| -> Vec<usize> {
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-        of.iter().copied().filter(is_legal).collect()
+        indices.iter().copied().filter(is_legal).collect()
     };
     let failing = legal(&failed);
     let shared = refusals::shared_failures(witnesses, &failing);
@@ -143,7 +143,7 @@ fn is_stray(
 
 /// Returns true if a misreading explains few images and changes many others in a different way than the decoder does.
 /// If passing files contradict it, or if only rounded colors support it, it must explain nearly all of them.
-fn is_rare(search: &Search, set: &Set, id: Id, evidence: &FailureEvidence) -> bool {
+fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureEvidence) -> bool {
     let (images, far) = (evidence.images, evidence.far);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
     let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
@@ -159,7 +159,7 @@ fn is_rare(search: &Search, set: &Set, id: Id, evidence: &FailureEvidence) -> bo
 /// other cases contradict the mistake. `shared` holds the failures that one property explains.
 fn refuses_by_chance(
     search: &Search,
-    set: &Set,
+    set: &MistakeSet,
     all: &[FailureEvidence],
     place: usize,
     failing: &[usize],
@@ -203,7 +203,7 @@ fn refuses_by_chance(
 /// - the causes of nearly all failures of legal files are unknown.
 fn accepts_by_chance(
     search: &Search,
-    id: Id,
+    id: MistakeId,
     evidence: &FailureEvidence,
     open: &[usize],
     is_unknown: bool,

@@ -127,22 +127,25 @@ impl<A> Diagnosis<A> {
 }
 
 impl Diagnosis {
-    /// Creates a diagnosis that describes the witnesses `of`, with the clause that is most specific to them.
+    /// Creates a diagnosis that describes the witnesses `indices`, with the clause that is most specific to them.
     pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
-        of: &[usize],
+        indices: &[usize],
         words: CauseWords,
     ) -> Diagnosis {
         let cause = Cause::Described {
             category,
-            clause: common_clause(witnesses, of).unwrap_or_default(),
+            clause: common_clause(witnesses, indices).unwrap_or_default(),
             effect: words.effect,
             fix: words.fix,
             example: words.example,
             alike: Vec::new(),
         };
-        Diagnosis::new(cause, of.iter().map(|&w| witnesses[w].case_index).collect())
+        Diagnosis::new(
+            cause,
+            indices.iter().map(|&w| witnesses[w].case_index).collect(),
+        )
     }
 
     /// Sets the misreadings that would have the same effect.
@@ -163,10 +166,10 @@ impl Diagnosis {
 }
 
 /// Returns the clause that is common among these cases and rare among all others.
-fn common_clause(witnesses: &[Witness], of: &[usize]) -> Option<String> {
+fn common_clause(witnesses: &[Witness], indices: &[usize]) -> Option<String> {
     let about = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
     let all: Vec<usize> = (0..witnesses.len()).collect();
-    let mut clauses: Vec<&String> = of
+    let mut clauses: Vec<&String> = indices
         .iter()
         .flat_map(|&w| &witnesses[w].case.clauses)
         .collect();
@@ -174,7 +177,7 @@ fn common_clause(witnesses: &[Witness], of: &[usize]) -> Option<String> {
     clauses.dedup();
     let worth = |clause: &String| {
         let count = |places: &[usize]| places.iter().filter(|w| about(clause, w)).count();
-        let (mine, theirs) = (count(of), count(&all));
+        let (mine, theirs) = (count(indices), count(&all));
         (mine * mine * mine) as f64 / theirs as f64
     };
     clauses

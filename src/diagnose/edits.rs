@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use super::learned;
 use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
 use super::scope::{FileScope, separating_scope};
-use super::search::{Id, REFUSAL_WORTH, Search, Set, interleave_groups};
+use super::search::{MistakeId, MistakeSet, REFUSAL_WORTH, Search, interleave_groups};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
 };
@@ -33,14 +33,14 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
 });
 
 /// Adds mistakes to the search that, together with `set`, explain some of the failures in `left`.
-pub(super) fn add_candidates(search: &mut Search, set: &Set, left: &[usize]) {
+pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let mut probes = select_probes(search, left);
     for group in &mut probes {
         group.retain(|&w| search.is_new_probe(w, set));
     }
     let mut candidates = matching_edits(search, set, &probes);
     let tables = learned::learn_tables(search, set, left).into_iter();
-    candidates.extend(tables.map(Mistake::everywhere));
+    candidates.extend(tables.map(Mistake::unscoped));
     let restrict_to_scope = search.map_parallel(&candidates, |mistake| {
         restrict_to_scope(search, set, mistake, left)
     });
@@ -74,7 +74,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
 
 /// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, sorted by the number of
 /// reproduced probes.
-fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mistake> {
+fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let taken: Vec<Formula> = set
         .iter()
         .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
@@ -101,7 +101,7 @@ fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mist
     let others: Vec<(usize, Cow<Answer>)> = others.map(with_image).collect();
     let counts = search.map_parallel(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
-        let edit = Mistake::everywhere(edit);
+        let edit = Mistake::unscoped(edit);
         let mut count = |probes: &[(usize, Cow<Answer>)]| {
             for (w, made) in probes {
                 let witness = &search.witnesses[*w];
@@ -133,7 +133,7 @@ fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mist
     ranked.truncate(MAX_EDITS);
     let mistake = |&(_, channel, edit): &(usize, usize, usize)| Mistake {
         channels: channels[channel],
-        ..Mistake::everywhere(edits[edit])
+        ..Mistake::unscoped(edits[edit])
     };
     ranked.iter().map(mistake).collect()
 }
@@ -142,7 +142,7 @@ fn matching_edits(search: &Search, set: &Set, probes: &[Vec<usize>]) -> Vec<Mist
 /// is too weak.
 fn restrict_to_scope(
     search: &Search,
-    set: &Set,
+    set: &MistakeSet,
     mistake: &Mistake,
     left: &[usize],
 ) -> Option<Mistake> {
@@ -194,12 +194,12 @@ fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
 }
 
 /// Adds misreadings that passing cases contradict, restricted to the files that they explain.
-fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
-    let is_open = |&id: &Id| {
+fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize]) {
+    let is_open = |&id: &MistakeId| {
         let mistake = &search.mistakes[id];
         mistake.unrestricted_misreading().is_some() && !set.contains(&id)
     };
-    let open: Vec<Id> = (0..search.mistakes.len()).filter(is_open).collect();
+    let open: Vec<MistakeId> = (0..search.mistakes.len()).filter(is_open).collect();
     let sample = search.sample(left);
     let counts = search.map_parallel(&open, |&id| {
         let with = [&set[..], &[id]].concat();
@@ -209,7 +209,7 @@ fn add_scoped_misreadings(search: &mut Search, set: &Set, left: &[usize]) {
         };
         sample.iter().filter(explains).count()
     });
-    let mut ranked: Vec<(usize, Id)> = counts.into_iter().zip(open).collect();
+    let mut ranked: Vec<(usize, MistakeId)> = counts.into_iter().zip(open).collect();
     ranked.retain(|&(count, _)| count > 1);
     ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
     ranked.truncate(MAX_SCOPED_MISREADINGS);

@@ -37,9 +37,12 @@ impl FailureMode {
     }
 
     /// Returns the failure modes of these witnesses, the most frequent first.
-    pub fn list_by_frequency(witnesses: &[Witness], of: &[usize]) -> Vec<FailureMode> {
+    pub fn list_by_frequency(witnesses: &[Witness], indices: &[usize]) -> Vec<FailureMode> {
         let mut modes: Vec<(FailureMode, usize)> = Vec::new();
-        for mode in of.iter().filter_map(|&w| FailureMode::new(&witnesses[w])) {
+        for mode in indices
+            .iter()
+            .filter_map(|&w| FailureMode::new(&witnesses[w]))
+        {
             match modes.iter_mut().find(|(known, _)| *known == mode) {
                 Some((_, count)) => *count += 1,
                 None => modes.push((mode, 1)),
@@ -50,9 +53,9 @@ impl FailureMode {
     }
 
     /// Returns the witnesses with this failure mode.
-    pub fn select(&self, witnesses: &[Witness], of: &[usize]) -> Vec<usize> {
+    pub fn select(&self, witnesses: &[Witness], indices: &[usize]) -> Vec<usize> {
         let fails_so = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
-        of.iter().copied().filter(fails_so).collect()
+        indices.iter().copied().filter(fails_so).collect()
     }
 }
 

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::mistake::edit_as_misreading;
-use super::search::{Search, Set};
+use super::search::{MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
 use crate::formula::{Edit, EditedForm, Formula};
@@ -25,7 +25,11 @@ struct ShownValues {
 }
 
 /// Returns misreadings that explain wrong values in `left` by a table, of all stored values or of stream samples.
-pub(super) fn learn_tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'static Misreading> {
+pub(super) fn learn_tables(
+    search: &Search,
+    set: &MistakeSet,
+    left: &[usize],
+) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let of_streams = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
     let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(of_streams);
@@ -46,7 +50,7 @@ pub(super) fn learn_tables(search: &Search, set: &Set, left: &[usize]) -> Vec<&'
 /// correct value.
 fn learn_table(
     search: &Search,
-    set: &Set,
+    set: &MistakeSet,
     images: &[usize],
     of_streams: bool,
 ) -> Option<[u8; 256]> {
@@ -103,7 +107,7 @@ fn learn_table(
 /// this sample.
 fn candidate_sources(
     search: &Search,
-    set: &Set,
+    set: &MistakeSet,
     witness: &Witness,
     ptm: &Ptm,
     frame: &Frame,

@@ -15,7 +15,7 @@ pub(super) struct Mistake {
 
 impl Mistake {
     /// Creates a mistake that affects all channels of all files.
-    pub const fn everywhere(misreading: &'static Misreading) -> Mistake {
+    pub const fn unscoped(misreading: &'static Misreading) -> Mistake {
         Mistake {
             misreading,
             scope: FileScope::All,

@@ -86,7 +86,7 @@ fn diagnose_by(
     run: &Run,
     assumed: &[&'static Misreading],
     threads: usize,
-    add_candidates: impl Fn(&mut Search, &search::Set, &[usize]),
+    add_candidates: impl Fn(&mut Search, &search::MistakeSet, &[usize]),
 ) -> Causes {
     let mut diagnoses = words::nondeterminism::describe(suite, run);
     diagnoses.extend(words::promises::describe(suite, run));
@@ -162,10 +162,10 @@ fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
     );
     causes.extend(violation);
     // Without a named mistake, compare images with the reference only.
-    let is_cause = |(id, _): &(search::Id, Diagnosis)| *id < search.mistakes.len();
+    let is_cause = |(id, _): &(search::MistakeId, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
         true => search::ids_of(&found.members),
-        false => search::Set::new(),
+        false => search::MistakeSet::new(),
     };
     causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);

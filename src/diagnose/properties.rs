@@ -41,7 +41,7 @@ pub(super) struct File<'a> {
 impl<'a> File<'a> {
     fn new(witness: &'a Witness) -> File<'a> {
         let file = &witness.built.file;
-        let (header, data) = file.split_at(witness.payload().min(file.len()));
+        let (header, data) = file.split_at(witness.payload_offset().min(file.len()));
         let texts = |clause: &str| -> Vec<&str> {
             let fields = witness
                 .fields()

@@ -132,13 +132,14 @@ pub(super) fn shared_scope(
         .chain(thresholds(witnesses, these, others))
         .collect();
     let found = scopes.iter().map(|scope| {
-        let of = these
+        let indices = these
             .iter()
             .copied()
             .filter(|&w| scope.contains(&witnesses[w]));
-        (scope, of.collect::<Vec<usize>>())
+        (scope, indices.collect::<Vec<usize>>())
     });
-    let found: Vec<(&FileScope, Vec<usize>)> = found.filter(|(_, of)| !of.is_empty()).collect();
+    let found: Vec<(&FileScope, Vec<usize>)> =
+        found.filter(|(_, indices)| !indices.is_empty()).collect();
     // Any of the other files could have been in this group instead.
     let part = these.len() as f64 / (these.len() + others.len()) as f64;
     let is_telling = |count: usize| {
@@ -147,13 +148,13 @@ pub(super) fn shared_scope(
     };
     let telling = found
         .iter()
-        .filter(|(scope, of)| is_telling(of.len()) && has_none(scope));
-    let most = telling.clone().map(|(_, of)| of.len()).max()?;
-    let mut largest = telling.filter(|(_, of)| of.len() == most);
-    let (scope, of) = largest.next()?;
+        .filter(|(scope, indices)| is_telling(indices.len()) && has_none(scope));
+    let most = telling.clone().map(|(_, indices)| indices.len()).max()?;
+    let mut largest = telling.filter(|(_, indices)| indices.len() == most);
+    let (scope, indices) = largest.next()?;
     Some(SharedScope {
         scope: (*scope).clone(),
-        cases: of.clone(),
+        cases: indices.clone(),
     })
 }
 
@@ -161,15 +162,15 @@ pub(super) fn shared_scope(
 fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
     for quantity in 0..QUANTITIES.len() {
-        let values = |of: &[usize]| -> Vec<f64> {
-            let values = of
+        let values = |indices: &[usize]| -> Vec<f64> {
+            let values = indices
                 .iter()
                 .map(|&w| witnesses[w].facts().quantities[quantity]);
             values.flatten().collect()
         };
         let (mine, theirs) = (values(these), values(others));
-        let least = |of: &[f64]| of.iter().copied().fold(f64::MAX, f64::min);
-        let most = |of: &[f64]| of.iter().copied().fold(f64::MIN, f64::max);
+        let least = |indices: &[f64]| indices.iter().copied().fold(f64::MAX, f64::min);
+        let most = |indices: &[f64]| indices.iter().copied().fold(f64::MIN, f64::max);
         // A single value among the other files is not a limit unless several files have it.
         let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_SUPPORT;
         if mine.is_empty() || theirs.is_empty() || is_one {

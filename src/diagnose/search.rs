@@ -46,9 +46,9 @@ impl FoundMistakes {
 
 /// A mistake in a set, and the mistakes that are equivalent to it.
 pub(super) struct Member {
-    pub id: Id,
+    pub id: MistakeId,
     /// Mistakes that explain the same cases.
-    pub alike: Set,
+    pub alike: MistakeSet,
 }
 
 /// The search for the mistakes of one decoder.
@@ -57,7 +57,7 @@ pub(super) struct Search<'a> {
     /// All candidates: the misreadings in the catalog, and the mistakes that were added.
     pub mistakes: Vec<Mistake>,
     /// Mistakes that the user knows about. Every set includes them, and they are never reported.
-    pub assumed: Set,
+    pub assumed: MistakeSet,
     pub threads: usize,
     /// True if most responses do not depend on the file, so that common properties are a coincidence.
     pub is_arbitrary: bool,
@@ -73,9 +73,9 @@ pub(super) struct Search<'a> {
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, with the mistakes that affect them.
-    probed: HashSet<(usize, Set)>,
+    probed: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
-    effects: Mutex<HashMap<(usize, Set), SetEffect>>,
+    effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
     /// Effect of each mistake alone on each case, or `None` if the mistake does not change the answer.
     alone: Vec<Vec<OnceLock<Option<SetEffect>>>>,
 }
@@ -99,10 +99,10 @@ impl SetEffect {
 }
 
 /// Index of a mistake in [`Search::mistakes`].
-pub(super) type Id = usize;
+pub(super) type MistakeId = usize;
 
 /// Mistakes that a decoder makes together.
-pub(super) type Set = Vec<Id>;
+pub(super) type MistakeSet = Vec<MistakeId>;
 
 impl<'a> Search<'a> {
     pub fn new(
@@ -116,7 +116,7 @@ impl<'a> Search<'a> {
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);
-        let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::everywhere).collect();
+        let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::unscoped).collect();
         let is_assumed = |mistake: &Mistake| {
             let slug = mistake.misreading.slug;
             assumed.iter().any(|other| other.slug == slug)
@@ -142,14 +142,14 @@ impl<'a> Search<'a> {
     }
 
     /// Adds a candidate and returns its id.
-    pub fn add(&mut self, mistake: Mistake) -> Id {
+    pub fn add(&mut self, mistake: Mistake) -> MistakeId {
         self.mistakes.push(mistake);
         self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
     }
 
     /// Returns true on the first call for this case and these mistakes.
-    pub fn is_new_probe(&mut self, w: usize, set: &[Id]) -> bool {
+    pub fn is_new_probe(&mut self, w: usize, set: &[MistakeId]) -> bool {
         let visible_mistakes = self.visible_mistakes(w, set);
         self.probed.insert((w, visible_mistakes))
     }
@@ -161,7 +161,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the failing cases that `set` does not explain.
-    pub fn unexplained(&self, set: &Set) -> Vec<usize> {
+    pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
         self.select(self.failing(), |w| {
             self.worth_of_set(w, set) < REFUSAL_WORTH
         })
@@ -169,7 +169,10 @@ impl<'a> Search<'a> {
 
     /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the
     /// catalog.
-    pub fn run(&mut self, add_candidates: impl Fn(&mut Search, &Set, &[usize])) -> FoundMistakes {
+    pub fn run(
+        &mut self,
+        add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),
+    ) -> FoundMistakes {
         let mut members: Vec<Member> = Vec::new();
         let mut are_pairs_tried = false;
         let mut edit_passes = 0;
@@ -228,8 +231,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the mistake with the largest gain when added to `set`.
-    fn best_single_mistake(&self, set: &Set, left: &[usize]) -> Option<Member> {
-        let mut all: Set = (0..self.mistakes.len())
+    fn best_single_mistake(&self, set: &MistakeSet, left: &[usize]) -> Option<Member> {
+        let mut all: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id))
             .collect();
         let sample = self.best_candidate(set, &mut all, &self.sample(left));
@@ -241,34 +244,34 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if the mistake `id` may be added to `set`.
-    fn is_open(&self, set: &Set, id: Id) -> bool {
+    fn is_open(&self, set: &MistakeSet, id: MistakeId) -> bool {
         !set.contains(&id) && !self.assumed.contains(&id)
     }
 
     /// Returns how well the answer of a decoder with the mistakes in `set` agrees with the response to case `w`.
-    pub fn agreement(&self, w: usize, set: &[Id]) -> Agreement {
+    pub fn agreement(&self, w: usize, set: &[MistakeId]) -> Agreement {
         self.effect(w, set).agreement
     }
 
     /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
-    pub fn conflicts_with_passing_case(&self, w: usize, set: &[Id]) -> bool {
+    pub fn conflicts_with_passing_case(&self, w: usize, set: &[MistakeId]) -> bool {
         self.worth_of_set(w, set) == CONTRADICTION_WORTH
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
-    pub fn answers_differ(&self, w: usize, set: &[Id], other: &[Id]) -> bool {
+    pub fn answers_differ(&self, w: usize, set: &[MistakeId], other: &[MistakeId]) -> bool {
         self.effect(w, set).answer != self.effect(w, other).answer
     }
 
     /// Returns the passing cases that a decoder with the mistakes in `set` would fail.
-    pub fn contradictions(&self, set: &[Id]) -> Vec<usize> {
+    pub fn contradictions(&self, set: &[MistakeId]) -> Vec<usize> {
         let mut passing = self.passing.clone();
         passing.sort_unstable();
         self.select(passing, |w| self.conflicts_with_passing_case(w, set))
     }
 
     /// Like `contradictions`, but only for small files.
-    pub fn small_contradictions(&self, set: &[Id]) -> Vec<usize> {
+    pub fn small_contradictions(&self, set: &[MistakeId]) -> Vec<usize> {
         let small = self.passing.iter().copied().filter(|&w| self.is_small(w));
         self.select(small.collect(), |w| {
             self.conflicts_with_passing_case(w, set)
@@ -276,7 +279,7 @@ impl<'a> Search<'a> {
     }
 
     /// Like `agreement`, for `set` and one more mistake, which need not be a candidate.
-    pub fn agreement_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Agreement {
+    pub fn agreement_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
         match witness.can_explain(mistake) {
             true => witness.agreement(&self.answer_with(w, set, mistake)),
@@ -285,14 +288,14 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if one more mistake changes the answer of a decoder with the mistakes in `set`.
-    pub fn changes_answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> bool {
+    pub fn changes_answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> bool {
         self.witnesses[w].can_affect(mistake)
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
     /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not
     /// describe the decoder's checks, so neither malformed files nor files that the edit refuses contradict it.
-    pub fn small_contradictions_with(&self, set: &[Id], mistake: &Mistake) -> Vec<usize> {
+    pub fn small_contradictions_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
             if !self.is_small(w) || !witness.can_affect(mistake) {
@@ -306,7 +309,7 @@ impl<'a> Search<'a> {
         self.passing.iter().copied().filter(is_denied).collect()
     }
 
-    pub fn answer_with(&self, w: usize, set: &[Id], mistake: &Mistake) -> Cow<'_, Answer> {
+    pub fn answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Cow<'_, Answer> {
         let mut mistakes = self.mistakes_in(&self.visible_mistakes(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
@@ -320,7 +323,7 @@ impl<'a> Search<'a> {
 
     /// Returns the answer of a decoder with the mistakes in `set` and the assumed ones. If several answers are
     /// possible, returns the one that agrees best with the response.
-    pub fn best_answer(&self, w: usize, set: &[Id]) -> Cow<'_, Answer> {
+    pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
             .min_by_key(|&at| -self.worth_of_answer(w, &answers[at]))
@@ -330,12 +333,12 @@ impl<'a> Search<'a> {
 
     /// Returns all possible answers of a decoder with these mistakes. Mistakes that affect the same decision are
     /// tried separately.
-    fn possible_answers(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
+    fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
     /// Returns true if `set` explains the response, possibly with members that have an effect only in combination.
-    pub fn explains(&self, w: usize, set: &[Id]) -> bool {
+    pub fn explains(&self, w: usize, set: &[MistakeId]) -> bool {
         if self.agreement(w, set).explains() {
             return true;
         }
@@ -351,14 +354,14 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the mistakes in `set`, and the assumed ones, that can change the answer.
-    fn relevant_mistakes(&self, w: usize, set: &[Id]) -> Set {
+    fn relevant_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let all = self.assumed.iter().chain(set).copied();
         all.filter(|&id| self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect()
     }
 
-    fn answers_of_variants(&self, w: usize, set: &[Id]) -> Vec<Cow<'_, Answer>> {
-        let mut variants: Vec<Set> = vec![Vec::new()];
+    fn answers_of_variants(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
+        let mut variants: Vec<MistakeSet> = vec![Vec::new()];
         for &id in set {
             let mut grown = Vec::new();
             for variant in variants {
@@ -437,10 +440,10 @@ impl<'a> Search<'a> {
 
     /// Adds variants with the opposite order for mistakes that depend on their order. For example, bytes that are
     /// lost at the start of a payload are missing at its end.
-    fn add_other_order(&self, variants: &mut Vec<Set>) {
+    fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
         for at in 0..variants.len() {
             let variant = &variants[at];
-            let is_ordered = |(i, &a): (usize, &Id)| {
+            let is_ordered = |(i, &a): (usize, &MistakeId)| {
                 let mut later = variant[i + 1..].iter();
                 later.any(|&b| self.depends_on_order(a, b))
             };
@@ -451,23 +454,23 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if the two mistakes affect the same bytes or a common formula.
-    fn depends_on_order(&self, a: Id, b: Id) -> bool {
+    fn depends_on_order(&self, a: MistakeId, b: MistakeId) -> bool {
         let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.at.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
             || one.iter().any(|formula| other.contains(formula))
     }
 
-    fn edits_bytes(&self, id: Id) -> bool {
+    fn edits_bytes(&self, id: MistakeId) -> bool {
         matches!(self.mistakes[id].misreading.at, At::Bytes(_))
     }
 
     /// Returns the mistakes with the ids in `set`.
-    pub fn mistakes_in(&self, set: &[Id]) -> Vec<&Mistake> {
+    pub fn mistakes_in(&self, set: &[MistakeId]) -> Vec<&Mistake> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
     /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
-    fn can_combine(&self, a: Id, b: Id) -> bool {
+    fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
         !(a.is_decision() && a.changes_same_step(b))
     }
@@ -478,12 +481,12 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the worth of `set` for case `w`.
-    pub fn worth_of_set(&self, w: usize, set: &[Id]) -> i64 {
+    pub fn worth_of_set(&self, w: usize, set: &[MistakeId]) -> i64 {
         self.effect(w, set).worth
     }
 
     /// Returns the effect of `set` on case `w`.
-    fn effect(&self, w: usize, set: &[Id]) -> SetEffect {
+    fn effect(&self, w: usize, set: &[MistakeId]) -> SetEffect {
         if self.is_interrupted() {
             return SetEffect::NONE;
         }
@@ -509,14 +512,15 @@ impl<'a> Search<'a> {
 
     /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes
     /// rarely have an effect in combination, except for changes of the bytes of a file.
-    fn visible_mistakes(&self, w: usize, set: &[Id]) -> Set {
+    fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_mistakes = self.relevant_mistakes(w, set);
-        let alone = |&id: &Id| Some((id, self.effect_alone(w, id)?));
-        let shown: Vec<(Id, SetEffect)> = relevant_mistakes.iter().filter_map(alone).collect();
+        let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
+        let shown: Vec<(MistakeId, SetEffect)> =
+            relevant_mistakes.iter().filter_map(alone).collect();
         // Changes of the bytes of a file may have an effect only after other changes.
         let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
-        let is_kept = |id: &Id| {
+        let is_kept = |id: &MistakeId| {
             shown.iter().any(|(shown, _)| shown == id)
                 || are_bytes_changed && !is_explained && self.edits_bytes(*id)
         };
@@ -524,7 +528,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
-    fn effect_alone(&self, w: usize, id: Id) -> Option<SetEffect> {
+    fn effect_alone(&self, w: usize, id: MistakeId) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.alone[id][w].get_or_init(|| {
@@ -581,7 +585,12 @@ impl<'a> Search<'a> {
 
     /// Returns the mistake with the largest gain when added to `set`, among those that explain some case in `tried`.
     /// If no mistake has a gain, removes the finalists from `all`.
-    fn best_candidate(&self, set: &Set, all: &mut Set, tried: &[usize]) -> Option<Member> {
+    fn best_candidate(
+        &self,
+        set: &MistakeSet,
+        all: &mut MistakeSet,
+        tried: &[usize],
+    ) -> Option<Member> {
         let now: Vec<i64> = tried.iter().map(|&w| self.worth_of_set(w, set)).collect();
         let promise = self.map_parallel(all, |&id| {
             let with = with_id(set, id);
@@ -591,18 +600,19 @@ impl<'a> Search<'a> {
             };
             tried.iter().zip(&now).map(gain).sum::<i64>()
         });
-        let mut promising: Vec<(i64, Id)> = promise.into_iter().zip(all.iter().copied()).collect();
+        let mut promising: Vec<(i64, MistakeId)> =
+            promise.into_iter().zip(all.iter().copied()).collect();
         promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
         // On ties, misreadings of the clauses under test come first, then the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
-        let finalists: Set = promising.into_iter().map(|(_, id)| id).collect();
+        let finalists: MistakeSet = promising.into_iter().map(|(_, id)| id).collect();
         let best = self.best_finalist(set, &finalists, &self.trial_flags(tried));
         all.retain(|id| !finalists.contains(id));
         best
     }
 
-    fn can_explain(&self, w: usize, id: Id) -> bool {
+    fn can_explain(&self, w: usize, id: MistakeId) -> bool {
         self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
@@ -614,7 +624,12 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
-    fn best_finalist(&self, set: &Set, finalists: &Set, tried: &[bool]) -> Option<Member> {
+    fn best_finalist(
+        &self,
+        set: &MistakeSet,
+        finalists: &MistakeSet,
+        tried: &[bool],
+    ) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
             .map(|w| {
                 if tried[w] {
@@ -670,7 +685,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if a failing case is about the misread clause.
-    fn tests_misread_clause(&self, id: Id) -> bool {
+    fn tests_misread_clause(&self, id: MistakeId) -> bool {
         let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
@@ -679,8 +694,8 @@ impl<'a> Search<'a> {
     /// `least`.
     fn total_worth(
         &self,
-        set: &Set,
-        id: Id,
+        set: &MistakeSet,
+        id: MistakeId,
         now: &[i64],
         gain: i64,
         least: i64,
@@ -701,7 +716,7 @@ impl<'a> Search<'a> {
 
     /// Returns two mistakes that only together explain an image. Tries pairs of mistakes that change the image, on
     /// the smallest files.
-    fn best_pair_on_images(&self, set: &Set, left: &[usize]) -> Option<Vec<Member>> {
+    fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());
         let spent = || self.work.load(Ordering::Relaxed);
@@ -729,21 +744,21 @@ impl<'a> Search<'a> {
     }
 
     /// Counts the failures in `left` that `set` explains only with the additional mistakes in `more`.
-    fn gain(&self, set: &[Id], more: &[Id], left: &[usize]) -> usize {
+    fn gain(&self, set: &[MistakeId], more: &[MistakeId], left: &[usize]) -> usize {
         let still = self.unexplained(&[set, more].concat());
         left.len().saturating_sub(still.len())
     }
 
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the
     /// answer.
-    fn explaining_pairs(&self, w: usize, set: &Set, most: usize) -> Vec<[Id; 2]> {
-        let relevant_mistakes: Set = (0..self.mistakes.len())
+    fn explaining_pairs(&self, w: usize, set: &MistakeSet, most: usize) -> Vec<[MistakeId; 2]> {
+        let relevant_mistakes: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
         let acting = self.select(relevant_mistakes, |id| {
             self.answers_differ(w, set, &with_id(set, id))
         });
-        let pairs: Vec<[Id; 2]> = acting
+        let pairs: Vec<[MistakeId; 2]> = acting
             .iter()
             .enumerate()
             .flat_map(|(i, &a)| acting[i + 1..].iter().map(move |&b| [a, b]))
@@ -761,10 +776,16 @@ impl<'a> Search<'a> {
 
     /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on
     /// every case.
-    fn best_pair(&self, set: &Set, pairs: Vec<[Id; 2]>, left: &[usize]) -> Option<Vec<Member>> {
+    fn best_pair(
+        &self,
+        set: &MistakeSet,
+        pairs: Vec<[MistakeId; 2]>,
+        left: &[usize],
+    ) -> Option<Vec<Member>> {
         let wanted = self.trial_flags(left);
         let all: Vec<usize> = (0..wanted.len()).filter(|&w| wanted[w]).collect();
-        let mut pairs: Vec<([Id; 2], i64)> = pairs.into_iter().map(|pair| (pair, 0)).collect();
+        let mut pairs: Vec<([MistakeId; 2], i64)> =
+            pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
             let totals = self.map_parallel(&pairs, |&([a, b], _)| {
                 let with = [&set[..], &[a, b]].concat();
@@ -790,7 +811,7 @@ impl<'a> Search<'a> {
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
-        let total = |set: &Set, places: &[usize]| {
+        let total = |set: &MistakeSet, places: &[usize]| {
             let values = self.map_parallel(places, |&w| self.worth_of_set(w, set));
             values.iter().sum::<i64>()
         };
@@ -900,17 +921,17 @@ fn agreement_worth(agreement: Agreement) -> i64 {
     }
 }
 
-pub(super) fn ids_of(members: &[Member]) -> Set {
+pub(super) fn ids_of(members: &[Member]) -> MistakeSet {
     members.iter().map(|member| member.id).collect()
 }
 
 /// Returns `set` without `member`.
-pub(super) fn without_id(set: &[Id], member: Id) -> Set {
+pub(super) fn without_id(set: &[MistakeId], member: MistakeId) -> MistakeSet {
     let others = set.iter().copied().filter(|&other| other != member);
     others.collect()
 }
 
-fn with_id(set: &[Id], id: Id) -> Set {
+fn with_id(set: &[MistakeId], id: MistakeId) -> MistakeSet {
     [set, &[id]].concat()
 }
 

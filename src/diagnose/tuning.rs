@@ -1,19 +1,19 @@
 //! Thresholds, weights and budgets of the diagnosis, with a reason for each.
 
 // Worth of a response that a mistake reproduces
-/// An image with equal bytes is not a coincidence.
+/// Worth of an explained image. Equal bytes are not a coincidence.
 pub(super) const IMAGE_WORTH: i64 = 16;
-/// Many mistakes end in a refusal, so it counts half as much as an image.
+/// Worth of an explained refusal. Many mistakes end in a refusal, so it counts half as much as an image.
 pub(super) const REFUSAL_WORTH: i64 = 8;
-/// A crash instead of a refusal counts less. This is the minimum worth of a reported mistake.
+/// Worth of a crash where the mistake implies a refusal. This is also the minimum worth of a reported mistake.
 pub(super) const CRASH_WORTH: i64 = 3;
-/// A partially explained image counts less than a refusal if other channels remain wrong.
+/// Maximum worth of a partially explained image, which is less than that of a refusal because other channels remain wrong.
 pub(super) const PARTIAL_IMAGE_WORTH: usize = 6;
-/// If the mistake would refuse a file that the decoder shows, the decoder does not make the mistake.
+/// Worth of an image where the mistake implies a refusal. The decoder does not make this mistake.
 pub(super) const REFUSED_IMAGE_WORTH: i64 = -8;
-/// A passing case that the mistake would fail counts as much against it as an image counts for it.
+/// Worth of a passing case that the mistake would fail. It has the same weight as an image, with the opposite sign.
 pub(super) const CONTRADICTION_WORTH: i64 = -16;
-/// Both responses to a lenient file are correct, but the decoder gave the other one.
+/// Worth of a response to a lenient file that differs from the mistake's answer. Both are correct.
 pub(super) const OTHER_LENIENT_ANSWER_WORTH: i64 = -1;
 
 // Extent of the search
@@ -86,8 +86,8 @@ pub(super) fn is_most(part: usize, all: usize) -> bool {
 
 /// Returns true if the part is positive and at least the share [`NEARLY_ALL_RATIO`].
 pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
-    let [least, of] = NEARLY_ALL_RATIO;
-    part > 0 && part * of >= all * least
+    let [least, indices] = NEARLY_ALL_RATIO;
+    part > 0 && part * indices >= all * least
 }
 
 #[cfg(test)]

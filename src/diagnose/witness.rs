@@ -143,7 +143,7 @@ impl Witness<'_> {
                 Ok(ptm) => {
                     let reading = misreadings::apply_to_reading(mistakes, self.reading);
                     let view = &self.observation.view;
-                    Cow::Owned(misreadings::show(mistakes, &reading, ptm, view))
+                    Cow::Owned(misreadings::render(mistakes, &reading, ptm, view))
                 }
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
@@ -195,12 +195,12 @@ impl Witness<'_> {
     }
 
     /// Returns the offset of the first byte after the header text.
-    pub fn payload(&self) -> usize {
+    pub fn payload_offset(&self) -> usize {
         let anatomy = Anatomy {
             file: &self.built.file,
             fields: self.fields().to_vec(),
         };
-        anatomy.payload()
+        anatomy.payload_offset()
     }
 
     /// Returns the model from which the file was generated, if any.

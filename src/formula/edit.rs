@@ -35,7 +35,7 @@ impl Edit {
 
     /// Returns the edited expression as text.
     #[must_use]
-    pub fn computes(&self) -> String {
+    pub fn edited_text(&self) -> String {
         match &self.change {
             EditedForm::Expression(expression) => expression.display(self.formula.scope()),
             EditedForm::Table(table) => {
@@ -60,7 +60,7 @@ impl Edit {
 
     /// Returns the formula in the specification as text.
     #[must_use]
-    pub fn stated(&self) -> String {
+    pub fn stated_text(&self) -> String {
         let stated = &self.formula.stated().expression;
         stated.display(self.formula.scope())
     }

@@ -39,8 +39,12 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits of every formula, in the order of [`Formula::ALL`].
-static ALL: LazyLock<Vec<Vec<Edit>>> =
-    LazyLock::new(|| Formula::ALL.iter().map(|row| generate(row.0)).collect());
+static ALL: LazyLock<Vec<Vec<Edit>>> = LazyLock::new(|| {
+    Formula::ALL
+        .iter()
+        .map(|row| generate_edits(row.0))
+        .collect()
+});
 
 /// Returns the edits of a formula without duplicates, the most likely ones first.
 #[must_use]
@@ -48,7 +52,7 @@ pub fn all(formula: Formula) -> &'static [Edit] {
     &ALL[formula as usize]
 }
 
-fn generate(formula: Formula) -> Vec<Edit> {
+fn generate_edits(formula: Formula) -> Vec<Edit> {
     let (stated, scope) = (&formula.stated().expression, formula.scope());
     let mut all = Vec::new();
     // A value that is never written stays 0.
@@ -65,7 +69,12 @@ fn generate(formula: Formula) -> Vec<Edit> {
         all.extend(apply_to_all_nodes(stated, &|node| operator(node, scope)));
     }
     all.extend(swap_names_everywhere(stated, scope));
-    for operator in [scale, shifted, apply_functions, change_groups] {
+    for operator in [
+        multiply_by_constants,
+        add_constants,
+        apply_functions,
+        change_groups,
+    ] {
         all.extend(apply_to_all_nodes(stated, &|node| match node {
             Expression::Number(_) => Vec::new(),
             _ => operator(node, scope),
@@ -331,7 +340,7 @@ fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Multiplies or divides a node by a factor.
-fn scale(node: &Expression, _: Scope) -> Vec<Expression> {
+fn multiply_by_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
     let rival =
@@ -344,7 +353,7 @@ fn scale(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Adds a constant to a node.
-fn shifted(node: &Expression, _: Scope) -> Vec<Expression> {
+fn add_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let sum = |by| Expression::Sum(vec![node.clone(), number(by)]);
     [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()
 }
@@ -440,7 +449,7 @@ mod tests {
     use super::*;
 
     fn edit_texts(formula: Formula) -> Vec<String> {
-        all(formula).iter().map(Edit::computes).collect()
+        all(formula).iter().map(Edit::edited_text).collect()
     }
 
     #[test]

@@ -306,7 +306,7 @@ pub fn parse(text: &str, scope: Scope) -> Result<Expression, String> {
         rest: text.chars().peekable(),
         scope,
     };
-    let expression = parser.sum()?;
+    let expression = parser.parse_sum()?;
     match parser.next() {
         None => Ok(expression),
         Some(other) => Err(format!("unexpected {other:?} in {text:?}")),
@@ -345,20 +345,20 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn sum(&mut self) -> Result<Expression, String> {
-        let mut terms = vec![self.product()?];
+    fn parse_sum(&mut self) -> Result<Expression, String> {
+        let mut terms = vec![self.parse_product()?];
         loop {
             if self.take('+') {
-                terms.push(self.product()?);
+                terms.push(self.parse_product()?);
             } else if self.take('-') {
-                terms.push(Expression::Negative(Box::new(self.product()?)));
+                terms.push(Expression::Negative(Box::new(self.parse_product()?)));
             } else {
                 return Ok(single_or_node(terms, Expression::Sum));
             }
         }
     }
 
-    fn product(&mut self) -> Result<Expression, String> {
+    fn parse_product(&mut self) -> Result<Expression, String> {
         let mut factors = vec![self.parse_signed()?];
         loop {
             if self.take('*') {
@@ -386,25 +386,25 @@ impl ExpressionParser<'_> {
         match self.peek() {
             Some('(') => {
                 self.next();
-                let inner = self.sum()?;
+                let inner = self.parse_sum()?;
                 self.expect(')')?;
                 Ok(inner)
             }
-            Some('[') => self.address(),
+            Some('[') => self.parse_address(),
             Some(c) if c.is_ascii_digit() => {
-                let text = self.word(|c| c.is_ascii_digit() || c == '.');
+                let text = self.take_word(|c| c.is_ascii_digit() || c == '.');
                 let number = text.parse().map(Expression::Number);
                 number.map_err(|_| format!("not a number: {text:?}"))
             }
             Some(c) if c.is_ascii_alphabetic() => {
-                let name = self.word(|c| c.is_ascii_alphanumeric() || c == '_');
+                let name = self.take_word(|c| c.is_ascii_alphanumeric() || c == '_');
                 self.parse_name(&name)
             }
             other => Err(format!("expected a value, found {other:?}")),
         }
     }
 
-    fn word(&mut self, belongs: fn(char) -> bool) -> String {
+    fn take_word(&mut self, belongs: fn(char) -> bool) -> String {
         let mut word = String::new();
         while let Some(c) = self.rest.next_if(|&c| belongs(c)) {
             word.push(c);
@@ -412,13 +412,13 @@ impl ExpressionParser<'_> {
         word
     }
 
-    fn address(&mut self) -> Result<Expression, String> {
+    fn parse_address(&mut self) -> Result<Expression, String> {
         self.expect('[')?;
         let mut digits = Vec::new();
         loop {
-            let digit = self.sum()?;
+            let digit = self.parse_sum()?;
             self.expect(':')?;
-            digits.push((digit, self.sum()?));
+            digits.push((digit, self.parse_sum()?));
             if !self.take(',') {
                 self.expect(']')?;
                 return Ok(Expression::Address(digits));
@@ -433,7 +433,7 @@ impl ExpressionParser<'_> {
         }
         if let Some(list) = place_in(self.scope.lists) {
             self.expect('[')?;
-            let index = self.sum()?;
+            let index = self.parse_sum()?;
             self.expect(']')?;
             return Ok(Expression::Element(list, Box::new(index)));
         }
@@ -442,9 +442,9 @@ impl ExpressionParser<'_> {
             return Err(format!("unknown name {name:?}"));
         };
         self.expect('(')?;
-        let mut arguments = vec![self.sum()?];
+        let mut arguments = vec![self.parse_sum()?];
         while self.take(',') {
-            arguments.push(self.sum()?);
+            arguments.push(self.parse_sum()?);
         }
         self.expect(')')?;
         match arguments.len() == count {

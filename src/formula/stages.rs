@@ -34,7 +34,7 @@ impl Edits<'_> {
         self.0.iter().any(|edit| formulas.contains(&edit.formula))
     }
 
-    fn has(&self, formula: Formula) -> bool {
+    fn is_edited(&self, formula: Formula) -> bool {
         self.change(formula).is_some()
     }
 
@@ -58,13 +58,13 @@ impl Edits<'_> {
     fn edited_value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
         self.change(formula).map(|change| match change {
             EditedForm::Expression(expression) => expression.value(variables, lists),
-            EditedForm::Table(table) => f64::from(table[usize::from(byte(variables[0]))]),
+            EditedForm::Table(table) => f64::from(table[usize::from(to_byte(variables[0]))]),
         })
     }
 }
 
 /// Converts a value to a byte: rounds down, modulo 256.
-fn byte(value: f64) -> u8 {
+fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
         let channels = ptm.planes.shape.channels();
         for (at, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
             let [i, c] = coefficient_index(at % channels);
-            *sample = byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
+            *sample = to_byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
         }
     }
     ptm
@@ -151,7 +151,7 @@ fn outside_data_error(at: usize) -> Error {
 }
 
 /// Returns the element at an address, or an error if the address is outside the data.
-fn element<T>(data: &[T], address: f64) -> Result<&T> {
+fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();
     found.ok_or_else(|| outside_data_error(0))
@@ -185,7 +185,7 @@ impl TexelLayout<'_> {
 
     /// Returns the address of a value in the payload. `table` contains the number of entries, their size and the
     /// number of bytes per index.
-    fn address(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
+    fn address_of(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
         let [row, x] = at;
         let [width, height] = self.size();
         let [i, c] = match formula {
@@ -211,8 +211,8 @@ impl TexelLayout<'_> {
                 Shape::Lrgb if channel < 6 => Formula::LrgbCoefficient,
                 Shape::Lrgb => Formula::LrgbColor,
             };
-            let address = self.address(formula, [row, column], channel, [0.0; 3]);
-            element(payload, address).copied()
+            let address = self.address_of(formula, [row, column], channel, [0.0; 3]);
+            element_at(payload, address).copied()
         })
     }
 
@@ -228,7 +228,7 @@ impl TexelLayout<'_> {
         (self.reading.after_table)(input)?;
         let payload = [table, input.rest()].concat();
         let (entries, size) = (count as f64, entry_size as f64);
-        let bytes = self.address(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
+        let bytes = self.address_of(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
         let layout = [entries, size, bytes];
         let last = Cell::new((f64::NAN, f64::NAN, 0.0));
         let index_at = |row: f64, column: f64| -> Result<f64> {
@@ -236,8 +236,8 @@ impl TexelLayout<'_> {
                 return Ok(last.get().2);
             }
             let stored = |k| {
-                let address = self.address(Formula::IndexByte, [row, column], k, layout);
-                element(&payload, address).copied()
+                let address = self.address_of(Formula::IndexByte, [row, column], k, layout);
+                element_at(&payload, address).copied()
             };
             let stored = (0..bytes as usize)
                 .map(stored)
@@ -265,9 +265,9 @@ impl TexelLayout<'_> {
                     let variables = [index_at(row, column)?, channel as f64, size, entries];
                     self.edits.value(Formula::TableSample, &variables, &[])
                 }
-                false => self.address(Formula::TableColor, [row, column], channel, layout),
+                false => self.address_of(Formula::TableColor, [row, column], channel, layout),
             };
-            element(&payload, address).copied()
+            element_at(&payload, address).copied()
         })
     }
 
@@ -277,8 +277,8 @@ impl TexelLayout<'_> {
             _ => Formula::LrgbPlane,
         };
         let plane_of = |channel| {
-            let place = self.address(formula, [0.0; 2], channel, [0.0; 3]);
-            element(planes, place)
+            let place = self.address_of(formula, [0.0; 2], channel, [0.0; 3]);
+            element_at(planes, place)
         };
         let planes: Vec<&Vec<u8>> = (0..planes.len()).map(plane_of).collect::<Result<_>>()?;
         let [width, height] = self.size();
@@ -289,7 +289,7 @@ impl TexelLayout<'_> {
             } else {
                 -1.0
             };
-            element(planes[channel], address).copied()
+            element_at(planes[channel], address).copied()
         })
     }
 }
@@ -313,7 +313,7 @@ impl CompressedPlanes<'_> {
         let mut planes = self.coded.blank_planes();
         let mut previous = vec![0; self.coded.size.texels()];
         for (p, residuals) in residuals {
-            let step = self.step(p)?;
+            let step = self.edited_step(p)?;
             let mut plane = self.stream_samples(p, residuals, step.reference.is_some());
             coded[p].clone_from(&plane);
             if let Some(reference) = step.reference {
@@ -324,7 +324,7 @@ impl CompressedPlanes<'_> {
                     &previous,
                 ];
                 let predictor = self.predictor(&sources, &step)?;
-                self.add(&mut plane, &predictor, &step);
+                self.add_predictor(&mut plane, &predictor, &step);
             }
             uncorrected[p].clone_from(&plane);
             self.correct(p, &mut plane, &coded[p], step.reference.is_some())?;
@@ -336,17 +336,17 @@ impl CompressedPlanes<'_> {
 
     fn stream_samples(&self, p: usize, residuals: &[u8], predicted: bool) -> Vec<u8> {
         let mut samples = residuals.to_vec();
-        if self.edits.has(Formula::StreamSample) {
+        if self.edits.is_edited(Formula::StreamSample) {
             for sample in &mut samples {
                 let variables = [f64::from(*sample), p as f64, f64::from(u8::from(predicted))];
-                *sample = byte(self.edits.value(Formula::StreamSample, &variables, &[]));
+                *sample = to_byte(self.edits.value(Formula::StreamSample, &variables, &[]));
             }
         }
         samples
     }
 
     /// Returns the prediction step of plane `p`.
-    fn step(&self, p: usize) -> Result<Step> {
+    fn edited_step(&self, p: usize) -> Result<Step> {
         let own = self.coded.plan.steps[p];
         if !self
             .edits
@@ -366,7 +366,7 @@ impl CompressedPlanes<'_> {
             raw.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
-        let edited_or = |formula, own: i64| match self.edits.has(formula) {
+        let edited_or = |formula, own: i64| match self.edits.is_edited(formula) {
             true => value(formula) as i64,
             false => own,
         };
@@ -434,7 +434,7 @@ impl CompressedPlanes<'_> {
             _ => {
                 let value = |at: usize| {
                     let values = sources.map(|plane| f64::from(plane[at]));
-                    byte(expression.value(&values, &[]))
+                    to_byte(expression.value(&values, &[]))
                 };
                 Ok((0..sources[0].len()).map(value).collect())
             }
@@ -442,12 +442,12 @@ impl CompressedPlanes<'_> {
     }
 
     fn invert(&self, plane: &mut [u8]) {
-        if !self.edits.has(Formula::Inversion) {
+        if !self.edits.is_edited(Formula::Inversion) {
             return (self.reading.invert)(plane);
         }
         for value in plane {
             let variables = [f64::from(*value)];
-            *value = byte(self.edits.value(Formula::Inversion, &variables, &[]));
+            *value = to_byte(self.edits.value(Formula::Inversion, &variables, &[]));
         }
     }
 
@@ -484,14 +484,14 @@ impl CompressedPlanes<'_> {
             (false, false) => return Ok(corners[0]),
             _ => Formula::MeanOfTwo,
         };
-        if !self.edits.has(formula) {
+        if !self.edits.is_edited(formula) {
             return Ok((self.reading.motion_half)(corners));
         }
         let values: &[f64] = match formula {
             Formula::MeanOfFour => &[a, b, c, d],
             _ => &[a, if left < right { b } else { c }],
         };
-        Ok(byte(self.edits.value(formula, values, &[])))
+        Ok(to_byte(self.edits.value(formula, values, &[])))
     }
 
     /// Returns the sample at a position that may be outside the plane.
@@ -506,12 +506,12 @@ impl CompressedPlanes<'_> {
         let variables = [x, y, width, height];
         let column = self.edits.value(Formula::EdgeX, &variables, &[]);
         let row = self.edits.value(Formula::EdgeY, &variables, &[]);
-        element(plane, row * width + column).copied()
+        element_at(plane, row * width + column).copied()
     }
 
     /// Adds the predictor to the residuals.
-    fn add(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
-        if !self.edits.has(Formula::Plane) {
+    fn add_predictor(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
+        if !self.edits.is_edited(Formula::Plane) {
             return match self.coded.coding {
                 Coding::Jpeg => (self.reading.predict)(plane, predictor),
                 Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
@@ -520,7 +520,7 @@ impl CompressedPlanes<'_> {
         let [inverted, moved] = [step.inverted, step.moved].map(|is| f64::from(u8::from(is)));
         for (value, &predictor) in plane.iter_mut().zip(predictor) {
             let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
-            *value = byte(self.edits.value(Formula::Plane, &variables, &[]));
+            *value = to_byte(self.edits.value(Formula::Plane, &variables, &[]));
         }
     }
 
@@ -545,7 +545,7 @@ impl CompressedPlanes<'_> {
             let mut bytes = [0.0; 5];
             for (k, value) in bytes.iter_mut().enumerate() {
                 let address = edits.value(Formula::RecordByte, &[r as f64, k as f64, count], &[]);
-                *value = f64::from(*element(block, address)?);
+                *value = f64::from(*element_at(block, address)?);
             }
             let position = edits.value(Formula::RecordPosition, &bytes, &[]);
             let value = bytes[4];
@@ -557,10 +557,10 @@ impl CompressedPlanes<'_> {
                 position, row, column, width, height, r as f64, value, predicted,
             ];
             let place = edits.value(Formula::RecordPlace, &record, &[]);
-            let before = f64::from(*element(plane, place)?);
+            let before = f64::from(*element_at(plane, place)?);
             let residual = f64::from(residuals[place as usize]);
             let correction = [value, before, residual, position, r as f64, predicted];
-            plane[place as usize] = byte(edits.value(Formula::Corrected, &correction, &[]));
+            plane[place as usize] = to_byte(edits.value(Formula::Corrected, &correction, &[]));
         }
         Ok(())
     }
@@ -579,7 +579,7 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
                 true => Formula::FinalCoefficient,
                 false => Formula::FinalColor,
             };
-            if edits.has(formula) {
+            if edits.is_edited(formula) {
                 *value = final_value(formula, raw, channel, set, edits);
             }
         }
@@ -628,7 +628,7 @@ pub(crate) fn image(
                 texel[7],
                 reading,
             );
-            if !edits.has(Formula::MatrixRow) {
+            if !edits.is_edited(Formula::MatrixRow) {
                 return own;
             }
             let y = polynomial(&texel[..6]);

@@ -71,7 +71,7 @@ impl KnownDecoder<'_> {
                 * 4
                 + question.built.file.len(),
             timeout_factor: 1,
-            alone: false,
+            needs_new_process: false,
         };
         (self.ask)(&request, 0).answer
     }

@@ -58,13 +58,13 @@ impl<'a> Anatomy<'a> {
 
     /// Returns the `n`th field with this clause in the header.
     #[must_use]
-    pub fn field(&self, clause: &str, n: usize) -> Option<&Field> {
+    pub fn nth_field(&self, clause: &str, n: usize) -> Option<&Field> {
         self.tokens().filter(|field| field.clause == clause).nth(n)
     }
 
     /// Returns the texts of all header fields with these clauses.
     #[must_use]
-    pub fn texts(&self, clauses: &[&str]) -> Vec<&'a str> {
+    pub fn field_texts(&self, clauses: &[&str]) -> Vec<&'a str> {
         let chosen = self
             .tokens()
             .filter(|field| clauses.contains(&field.clause));
@@ -75,7 +75,7 @@ impl<'a> Anatomy<'a> {
 
     /// Returns the offset of the payload, which starts after the line feed of the last header line.
     #[must_use]
-    pub fn payload(&self) -> usize {
+    pub fn payload_offset(&self) -> usize {
         let end = self.tokens().last().map_or(0, |field| field.range.end);
         let line_feed = self.file[end..].iter().position(|&byte| byte == b'\n');
         line_feed.map_or(self.file.len(), |length| end + length + 1)
@@ -84,12 +84,12 @@ impl<'a> Anatomy<'a> {
     /// Returns the bytes of the header.
     #[must_use]
     pub fn header(&self) -> &'a [u8] {
-        &self.file[..self.payload()]
+        &self.file[..self.payload_offset()]
     }
 
     /// Returns the bytes between the `n`th field with this clause and the next field.
     #[must_use]
-    pub fn after(&self, clause: &str, n: usize) -> &'a [u8] {
+    pub fn bytes_after(&self, clause: &str, n: usize) -> &'a [u8] {
         let mut from = self
             .tokens()
             .skip_while(|field| field.clause != clause)
@@ -97,7 +97,7 @@ impl<'a> Anatomy<'a> {
         let start = from.next().map(|field| field.range.end);
         let end = from.next().map(|field| field.range.start);
         start.map_or(&[], |start| {
-            &self.file[start..end.unwrap_or(self.payload())]
+            &self.file[start..end.unwrap_or(self.payload_offset())]
         })
     }
 

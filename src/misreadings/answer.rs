@@ -15,7 +15,7 @@ use crate::reading::Reading;
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
     match read(misreadings, reading, file) {
-        Ok((ptm, reading)) => show(misreadings, &reading, &ptm, view),
+        Ok((ptm, reading)) => render(misreadings, &reading, &ptm, view),
         Err(why) => refusal_answer(why),
     }
 }
@@ -61,7 +61,7 @@ pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) ->
 }
 
 /// Renders a decoded map like a decoder with these mistakes. `reading` must already include them.
-pub(crate) fn show(
+pub(crate) fn render(
     misreadings: &[&Misreading],
     reading: &Reading,
     ptm: &Ptm,
@@ -77,7 +77,7 @@ pub(crate) fn show(
 
 /// Computes the colors of a decoder with these mistakes under a light, before rounding.
 #[cfg(unix)]
-pub(crate) fn colors(
+pub(crate) fn unrounded_colors(
     misreadings: &[&Misreading],
     reading: &Reading,
     ptm: &Ptm,

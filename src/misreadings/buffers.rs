@@ -9,7 +9,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "nul-ends-the-payload",
         At::Bytes(|file| {
-            let payload = &file.file[file.payload()..];
+            let payload = &file.file[file.payload_offset()..];
             let end = payload.iter().position(|&byte| byte == 0);
             let mut copied = payload.to_vec();
             copied[end.unwrap_or(payload.len())..].fill(0);
@@ -19,7 +19,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "byte-255-is-the-end",
         At::Bytes(|file| {
-            let payload = &file.file[file.payload()..];
+            let payload = &file.file[file.payload_offset()..];
             let end = payload.iter().position(|&byte| byte == 255);
             let end = end.unwrap_or(payload.len());
             EditedFile::File([file.header(), &payload[..end]].concat())
@@ -28,7 +28,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "byte-order-mark-skipped",
         At::Bytes(|file| {
-            let payload = &file.file[file.payload()..];
+            let payload = &file.file[file.payload_offset()..];
             let payload = payload.strip_prefix(b"\xef\xbb\xbf").unwrap_or(payload);
             EditedFile::File([file.header(), payload].concat())
         }),
@@ -36,7 +36,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "comment-skipped",
         At::Bytes(|file| {
-            let payload = &file.file[file.payload()..];
+            let payload = &file.file[file.payload_offset()..];
             let is_comment = payload.first() == Some(&b'#');
             let length = payload.iter().position(|&byte| byte == b'\n');
             let skipped = if is_comment {
@@ -103,7 +103,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "count-in-15-bits",
         At::Bytes(|file| {
-            let counts = file.texts(&["2.5/2"]);
+            let counts = file.field_texts(&["2.5/2"]);
             let mut numbers = counts.iter().filter_map(|text| text.parse::<u64>().ok());
             file.refuse_if(numbers.any(|count| count & 0xffff > 0x7fff))
         }),

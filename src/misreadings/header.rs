@@ -25,7 +25,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "carriage-return-skipped",
-        At::Bytes(|file| match file.file.get(file.payload()) {
+        At::Bytes(|file| match file.file.get(file.payload_offset()) {
             Some(b'\r') => remove_payload_bytes(file, 1),
             _ => file.unchanged(),
         }),
@@ -37,25 +37,31 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "names-compared-with-their-space",
         At::Bytes(|file| {
-            file.refuse_if(file.after("2.1/1", 0) == b" \n" || file.after("2.2/1", 0) == b" \n")
+            file.refuse_if(
+                file.bytes_after("2.1/1", 0) == b" \n" || file.bytes_after("2.2/1", 0) == b" \n",
+            )
         }),
     ),
     (
         "no-space-behind-the-size",
         At::Bytes(|file| {
-            file.refuse_if(file.after("2.3/1", 0) == b" \n" || file.after("2.3/1", 1) == b" \n")
+            file.refuse_if(
+                file.bytes_after("2.3/1", 0) == b" \n" || file.bytes_after("2.3/1", 1) == b" \n",
+            )
         }),
     ),
     (
         "no-space-behind-scale-and-bias",
         At::Bytes(|file| {
-            file.refuse_if(file.after(SCALE, 5) == b" \n" || file.after(BIAS, 5) == b" \n")
+            file.refuse_if(
+                file.bytes_after(SCALE, 5) == b" \n" || file.bytes_after(BIAS, 5) == b" \n",
+            )
         }),
     ),
     (
         "version-with-space-is-1.1",
         At::Bytes(|file| {
-            if file.after("2.1/1", 0) == b" \n" {
+            if file.bytes_after("2.1/1", 0) == b" \n" {
                 deinterleave_payload(file)
             } else {
                 file.unchanged()
@@ -70,7 +76,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 .windows(2)
                 .filter(|pair| *pair == b" \n")
                 .count();
-            let payload = file.payload();
+            let payload = file.payload_offset();
             EditedFile::File([file.header(), &file.file[payload - spaces..]].concat())
         }),
     ),
@@ -162,19 +168,19 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "size-two-lines-only",
-        At::Bytes(|file| file.refuse_if(!file.after("2.3/1", 0).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(!file.bytes_after("2.3/1", 0).contains(&b'\n'))),
     ),
     (
         "size-one-line-only",
-        At::Bytes(|file| file.refuse_if(file.after("2.3/1", 0).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(file.bytes_after("2.3/1", 0).contains(&b'\n'))),
     ),
     (
         "scale-bias-two-lines-only",
-        At::Bytes(|file| file.refuse_if(!file.after(SCALE, 5).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(!file.bytes_after(SCALE, 5).contains(&b'\n'))),
     ),
     (
         "scale-bias-one-line-only",
-        At::Bytes(|file| file.refuse_if(file.after(SCALE, 5).contains(&b'\n'))),
+        At::Bytes(|file| file.refuse_if(file.bytes_after(SCALE, 5).contains(&b'\n'))),
     ),
     (
         "double-space-dies",
@@ -195,7 +201,9 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let mut bytes = file.file.to_vec();
             // Change the biases first, so that the offsets of the scales stay valid.
             for clause in [BIAS, SCALE] {
-                if let (Some(field), b"\n") = (file.field(clause, 5), file.after(clause, 5)) {
+                if let (Some(field), b"\n") =
+                    (file.nth_field(clause, 5), file.bytes_after(clause, 5))
+                {
                     bytes.splice(field.range.clone(), *b"0");
                 }
             }
@@ -252,7 +260,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "leading-zeros-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&["2.3/1", BIAS])
+                file.field_texts(&["2.3/1", BIAS])
                     .iter()
                     .any(|text| text.len() > 1 && text.starts_with('0')),
             )
@@ -304,7 +312,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "exponent-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[SCALE])
+                file.field_texts(&[SCALE])
                     .iter()
                     .any(|text| text.contains(['e', 'E'])),
             )
@@ -313,14 +321,18 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "capital-exponent-refused",
         At::Bytes(|file| {
-            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| text.contains('E')))
+            file.refuse_if(
+                file.field_texts(&[SCALE])
+                    .iter()
+                    .any(|text| text.contains('E')),
+            )
         }),
     ),
     (
         "plus-sign-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[SCALE, BIAS])
+                file.field_texts(&[SCALE, BIAS])
                     .iter()
                     .any(|text| text.starts_with('+')),
             )
@@ -330,7 +342,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "leading-point-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[SCALE])
+                file.field_texts(&[SCALE])
                     .iter()
                     .any(|text| text.trim_start_matches(['+', '-']).starts_with('.')),
             )
@@ -339,13 +351,21 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "trailing-point-refused",
         At::Bytes(|file| {
-            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| text.ends_with('.')))
+            file.refuse_if(
+                file.field_texts(&[SCALE])
+                    .iter()
+                    .any(|text| text.ends_with('.')),
+            )
         }),
     ),
     (
         "scale-needs-a-point",
         At::Bytes(|file| {
-            file.refuse_if(file.texts(&[SCALE]).iter().any(|text| !text.contains('.')))
+            file.refuse_if(
+                file.field_texts(&[SCALE])
+                    .iter()
+                    .any(|text| !text.contains('.')),
+            )
         }),
     ),
     (
@@ -373,7 +393,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "negative-scale-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[SCALE])
+                file.field_texts(&[SCALE])
                     .iter()
                     .any(|text| text.starts_with('-')),
             )
@@ -383,7 +403,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "zero-scale-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[SCALE])
+                file.field_texts(&[SCALE])
                     .iter()
                     .any(|text| text.parse() == Ok(0.0)),
             )
@@ -392,14 +412,18 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "negative-bias-refused",
         At::Bytes(|file| {
-            file.refuse_if(file.texts(&[BIAS]).iter().any(|text| text.starts_with('-')))
+            file.refuse_if(
+                file.field_texts(&[BIAS])
+                    .iter()
+                    .any(|text| text.starts_with('-')),
+            )
         }),
     ),
     (
         "large-bias-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&[BIAS])
+                file.field_texts(&[BIAS])
                     .iter()
                     .any(|text| text.parse::<f64>().is_ok_and(|bias| bias > 255.0)),
             )
@@ -466,7 +490,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "header-ends-at-its-last-space",
         At::Bytes(|file| {
-            let payload = file.payload();
+            let payload = file.payload_offset();
             if file.header().ends_with(b" \n") {
                 EditedFile::File(
                     [&file.file[..payload - 2], b"\n", &file.file[payload - 1..]].concat(),
@@ -480,7 +504,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
 
 /// Removes the bytes at the start of the payload that `skip` accepts as white space.
 fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
-    let count = file.file[file.payload()..]
+    let count = file.file[file.payload_offset()..]
         .iter()
         .take_while(|&&byte| skip(byte))
         .count();
@@ -489,16 +513,16 @@ fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
 
 /// Removes the first `count` bytes of the payload.
 fn remove_payload_bytes(file: &Anatomy, count: usize) -> EditedFile {
-    EditedFile::File([file.header(), &file.file[file.payload() + count..]].concat())
+    EditedFile::File([file.header(), &file.file[file.payload_offset() + count..]].concat())
 }
 
 /// Rearranges an LRGB payload so that a correct decoder finds the values that a decoder for nine interleaved bytes
 /// would find.
 fn deinterleave_payload(file: &Anatomy) -> EditedFile {
-    if file.texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
+    if file.field_texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
         return file.unchanged();
     }
-    let texels = || file.file[file.payload()..].chunks_exact(9);
+    let texels = || file.file[file.payload_offset()..].chunks_exact(9);
     let blocks = texels()
         .flat_map(|texel| &texel[..6])
         .chain(texels().flat_map(|texel| &texel[6..]));

@@ -11,7 +11,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "payload-reversed",
         At::Bytes(|file| {
-            let flip_rows = file.file[file.payload()..].iter().rev();
+            let flip_rows = file.file[file.payload_offset()..].iter().rev();
             EditedFile::File(file.header().iter().chain(flip_rows).copied().collect())
         }),
     ),
@@ -139,7 +139,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "height-before-width",
         At::Bytes(
-            |file| match (file.field("2.3/1", 0), file.field("2.3/1", 1)) {
+            |file| match (file.nth_field("2.3/1", 0), file.nth_field("2.3/1", 1)) {
                 (Some(width), Some(height)) => EditedFile::File(
                     [
                         &file.file[..width.range.start],
@@ -157,14 +157,14 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "blocks-separated",
         At::Bytes(|file| {
-            let format = file.texts(&["2.2/1"]);
+            let format = file.field_texts(&["2.2/1"]);
             let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
                 (decode(file.file), &format[..])
             else {
                 return file.unchanged();
             };
             // Each block after the first starts one byte later than the previous one.
-            let first = file.payload() + ptm.header.size.texels() * 6;
+            let first = file.payload_offset() + ptm.header.size.texels() * 6;
             let second = first + ptm.header.size.texels() * 6 + 1;
             let mut bytes = file.file.to_vec();
             for separator in [second, first] {
@@ -184,7 +184,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 (Some(end), Ok(_)) => file.file.len() - end,
                 _ => 0,
             };
-            match file.file.get(file.payload() + extra..) {
+            match file.file.get(file.payload_offset() + extra..) {
                 Some(payload) => EditedFile::File([file.header(), payload].concat()),
                 None => file.unchanged(),
             }

@@ -6,8 +6,13 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "motion-on-one-line-only",
         At::Bytes(|file| {
-            let vectors = file.texts(&["2.9.3/1"]).len();
-            file.refuse_if(vectors > 1 && file.after("2.9.3/1", vectors / 2 - 1).contains(&b'\n'))
+            let vectors = file.field_texts(&["2.9.3/1"]).len();
+            file.refuse_if(
+                vectors > 1
+                    && file
+                        .bytes_after("2.9.3/1", vectors / 2 - 1)
+                        .contains(&b'\n'),
+            )
         }),
     ),
     (
@@ -39,24 +44,24 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "parameter-not-read",
-        At::Bytes(|file| file.refuse_if(!file.texts(&["2.9.1/1"]).is_empty())),
+        At::Bytes(|file| file.refuse_if(!file.field_texts(&["2.9.1/1"]).is_empty())),
     ),
     (
         "parameter-always-a-quality",
         At::Bytes(|file| {
             let below = |text: &&str| text.parse().is_ok_and(|value: i64| value < 20);
-            file.refuse_if(file.texts(&["2.9.1/1"]).first().is_some_and(below))
+            file.refuse_if(file.field_texts(&["2.9.1/1"]).first().is_some_and(below))
         }),
     ),
     (
         "jpeg-ls-lossless-only",
         At::Bytes(|file| {
             let lossy = file
-                .texts(&["2.9.1/1"])
+                .field_texts(&["2.9.1/1"])
                 .first()
                 .is_some_and(|text| *text != "0");
             let jpeg_ls = file
-                .texts(&["2.2/1"])
+                .field_texts(&["2.2/1"])
                 .first()
                 .is_some_and(|text| text.contains("JPEGLS"));
             file.refuse_if(lossy && jpeg_ls)
@@ -66,7 +71,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "compressed-lists-of-nine",
         At::Bytes(|file| {
             let rgb = file
-                .texts(&["2.2/1"])
+                .field_texts(&["2.2/1"])
                 .first()
                 .is_some_and(|text| text.starts_with("PTM_FORMAT_JPEG") && text.ends_with("_RGB"));
             file.refuse_if(rgb)
@@ -76,7 +81,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
         "negative-vectors-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&["2.9.3/1"])
+                file.field_texts(&["2.9.3/1"])
                     .iter()
                     .any(|text| text.starts_with('-')),
             )

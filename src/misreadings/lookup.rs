@@ -8,7 +8,7 @@ use crate::ptm::Format;
 pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "lut-formats-swapped",
-        At::Bytes(|file| match file.texts(&["2.2/1"])[..] {
+        At::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_C_LUT"),
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
@@ -16,7 +16,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     ),
     (
         "c-lut-is-ptm-lut",
-        At::Bytes(|file| match file.texts(&["2.2/1"])[..] {
+        At::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
@@ -28,7 +28,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 [
                     file.header(),
                     &vec![0; count * size],
-                    &file.file[file.payload()..],
+                    &file.file[file.payload_offset()..],
                 ]
                 .concat(),
             ),
@@ -55,7 +55,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 return file.unchanged();
             }
             // The indices are read 256 entries after the start of the table.
-            let table = file.payload();
+            let table = file.payload_offset();
             match file.file.get(table + 256 * size..) {
                 Some(rest) => EditedFile::File([&file.file[..table + count * size], rest].concat()),
                 None => EditedFile::Refused,
@@ -82,7 +82,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             let (Some(count), Some(size)) = (entries(file), entry_size(file)) else {
                 return file.unchanged();
             };
-            let table = file.payload();
+            let table = file.payload_offset();
             let step = size + 1;
             let bytes = (count * step).saturating_sub(1);
             let Some(rest) = file.file.get(table + bytes..) else {
@@ -141,7 +141,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
 ];
 
 fn format(file: &Anatomy) -> Option<Format> {
-    file.texts(&["2.2/1"]).first()?.parse().ok()
+    file.field_texts(&["2.2/1"]).first()?.parse().ok()
 }
 
 /// Maximum number of table entries that a mistake allocates, which is far more than two-byte indices can address.
@@ -150,7 +150,7 @@ const MAX_ENTRIES: usize = 1 << 20;
 /// Returns the number of table entries, if the file has a table.
 fn entries(file: &Anatomy) -> Option<usize> {
     format(file).filter(|format| format.has_table())?;
-    file.texts(&["2.5/2"])
+    file.field_texts(&["2.5/2"])
         .iter()
         .find_map(|text| text.parse().ok())
         .filter(|count| (1..=MAX_ENTRIES).contains(count))
@@ -162,7 +162,7 @@ fn entry_size(file: &Anatomy) -> Option<usize> {
 
 fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     let mut bytes = file.file.to_vec();
-    if let Some(field) = file.field("2.2/1", 0) {
+    if let Some(field) = file.nth_field("2.2/1", 0) {
         bytes.splice(field.range.clone(), name.iter().copied());
     }
     EditedFile::File(bytes)
@@ -176,7 +176,7 @@ fn resize_table(
     let (Some(count), Some(size)) = (entries(file), entry_size(file)) else {
         return file.unchanged();
     };
-    let Some((start, length)) = length(file.payload(), size, count) else {
+    let Some((start, length)) = length(file.payload_offset(), size, count) else {
         return file.unchanged();
     };
     let Some(rest) = file.file.get(start + length..) else {

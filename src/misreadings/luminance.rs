@@ -7,18 +7,18 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-not-read",
         At::Bytes(|file| {
-            let Some(start) = file.field("2.6/2", 0).map(|field| field.range.start) else {
+            let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
-            let matrix = &file.file[start..file.payload()];
-            EditedFile::File([file.header(), matrix, &file.file[file.payload()..]].concat())
+            let matrix = &file.file[start..file.payload_offset()];
+            EditedFile::File([file.header(), matrix, &file.file[file.payload_offset()..]].concat())
         }),
     ),
     (
         "matrix-exponent-refused",
         At::Bytes(|file| {
             file.refuse_if(
-                file.texts(&["2.6/2"])
+                file.field_texts(&["2.6/2"])
                     .iter()
                     .any(|text| text.contains(['e', 'E'])),
             )
@@ -27,7 +27,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
     (
         "matrix-fifteen-elements",
         At::Bytes(|file| {
-            let Some(start) = file.field("2.6/2", 0).map(|field| field.range.start) else {
+            let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
             let line = file.file[start..]

@@ -70,7 +70,7 @@ pub(crate) use answer::plane_edits;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{apply_to_reading, colors, show};
+pub(crate) use answer::{apply_to_reading, render, unrounded_colors};
 pub use at::At;
 pub use catalog::{all, find};
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -183,7 +183,7 @@ fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
         step.reference = if reference.value < 0 {
             None
         } else {
-            Some(plane(lists, reference)?)
+            Some(plane_index(lists, reference)?)
         };
     }
     plan.sequence.sort_unstable();
@@ -193,11 +193,11 @@ fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
 /// Interprets the order list as plane indices.
 fn order_as_planes(lists: &RawLists) -> Result<Vec<usize>> {
     let numbers = lists.order.iter();
-    numbers.map(|number| plane(lists, number)).collect()
+    numbers.map(|number| plane_index(lists, number)).collect()
 }
 
 /// Returns the index of a plane if it is in range.
-fn plane(lists: &RawLists, number: &Number) -> Result<usize> {
+fn plane_index(lists: &RawLists, number: &Number) -> Result<usize> {
     let planes = lists.planes;
     let found = usize::try_from(number.value)
         .ok()

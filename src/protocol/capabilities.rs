@@ -45,9 +45,9 @@ struct CapabilitiesRecord {
 }
 
 /// Removes unprintable characters from a word.
-fn escape_controls(word: &str) -> String {
-    let escape_controls = word.chars().filter(|c| !c.is_control());
-    escape_controls.take(MAX_NAME_LENGTH).collect()
+fn printable(word: &str) -> String {
+    let printable = word.chars().filter(|c| !c.is_control());
+    printable.take(MAX_NAME_LENGTH).collect()
 }
 
 impl Capabilities {
@@ -91,8 +91,8 @@ impl Capabilities {
             usable
         });
         Ok(Capabilities {
-            name: record.name.as_deref().map(escape_controls),
-            version: record.version.as_deref().map(escape_controls),
+            name: record.name.as_deref().map(printable),
+            version: record.version.as_deref().map(printable),
             views,
             formats,
             serves: modes.is_some_and(|modes| modes.contains(&"serve")),
@@ -117,7 +117,7 @@ fn known_words<T>(
     know: impl Fn(&str) -> Option<T>,
 ) -> Vec<T> {
     let one = |word: String| {
-        let word = escape_controls(&word);
+        let word = printable(&word);
         let known = know(&word);
         if known.is_none() && remarks.len() < 10 {
             remarks.push(format!("it declares an unknown {what}: {word:?}"));

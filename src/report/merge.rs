@@ -115,7 +115,7 @@ impl<C: Reported> RecordedAnswers<C> {
             self.known
                 .get(&(file.clone(), request.view.to_string(), alone))
         };
-        let again = known(true).filter(|_| request.alone);
+        let again = known(true).filter(|_| request.needs_new_process);
         let kept = again.or_else(|| known(false))?;
         let answer = match &kept.answer {
             Some(answer) => answer.clone(),
@@ -124,7 +124,7 @@ impl<C: Reported> RecordedAnswers<C> {
         Some(Reply {
             stderr: kept.stderr.clone(),
             exit: kept.exit,
-            after: kept.after.clone(),
+            previous_request: kept.after.clone(),
             served: kept.served.clone(),
             ..answer.into()
         })

@@ -191,11 +191,11 @@ impl<C: TestCase> AnswerRecorder<C> {
             case: request.name.to_owned(),
             file: digest(request.file),
             view: request.view.to_string(),
-            alone: request.alone,
+            alone: request.needs_new_process,
             answer: Some(reply.answer.clone()),
             exit: reply.exit,
             stderr: reply.stderr.clone(),
-            after: reply.after.clone(),
+            after: reply.previous_request.clone(),
             served: reply.served.clone(),
         };
         let mut state = self.0.lock().expect("no worker panics");

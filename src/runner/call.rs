@@ -98,7 +98,7 @@ impl Call {
         workplace: &Path,
     ) -> io::Result<CallOutput> {
         let kill_reason = self.watch(limits, workplace)?;
-        let status = self.end(workplace)?;
+        let status = self.kill_and_reap(workplace)?;
         let ended = match kill_reason {
             Some(ended) => ended,
             None if self.output.len() > limits.output => CallEnd::Flood,
@@ -153,7 +153,7 @@ impl Call {
 
     /// Kills the process if it is still running, its process group, and its orphans in `workplace`. Returns the exit
     /// status.
-    pub(crate) fn end(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
+    pub(crate) fn kill_and_reap(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
         processes::kill_orphans(workplace);
         status
@@ -206,11 +206,11 @@ impl Call {
         }
     }
 
-    /// Reads all available output, until `output` has more than `most` bytes.
+    /// Reads all available output, until `output` has more than `max_bytes` bytes.
     #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
-    pub(crate) fn read_available(&mut self, most: usize) -> io::Result<()> {
+    pub(crate) fn read_available(&mut self, max_bytes: usize) -> io::Result<()> {
         let mut buffer = [0; 65_536];
-        while self.output.len() <= most {
+        while self.output.len() <= max_bytes {
             match read_some(&mut self.stdout, &mut buffer)? {
                 0 => break,
                 count => self.output.extend_from_slice(&buffer[..count]),

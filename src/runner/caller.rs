@@ -68,14 +68,14 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     let connection = stream.get_mut();
     connection.write_all(&[line.as_bytes(), file].concat())?;
     let (word, length) = read_first_line(stream)?;
-    let most = match word.as_str() {
-        "ok" => request.most() as u64,
+    let max_bytes = match word.as_str() {
+        "ok" => request.max_answer_bytes() as u64,
         _ => MAX_MESSAGE_LENGTH,
     };
     let mut bytes = Vec::new();
     let read = stream
         .by_ref()
-        .take(length.min(most))
+        .take(length.min(max_bytes))
         .read_to_end(&mut bytes)? as u64;
     let rest = io::copy(&mut stream.by_ref().take(length - read), &mut io::sink())?;
     if read + rest != length {
@@ -83,10 +83,10 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     }
     let message = || String::from_utf8_lossy(&bytes).into_owned();
     let answer = match word.as_str() {
-        "ok" if length > most => {
-            Answer::Flooded(format!("{length} bytes exceed the limit of {most}"))
+        "ok" if length > max_bytes => {
+            Answer::Flooded(format!("{length} bytes exceed the limit of {max_bytes}"))
         }
-        "ok" => answer_from_bytes(&bytes, request.view, request.most()),
+        "ok" => answer_from_bytes(&bytes, request.view, request.max_answer_bytes()),
         "reject" => Answer::Rejected,
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
@@ -104,8 +104,8 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     })
 }
 
-fn answer_from_bytes(bytes: &[u8], view: &View, most: usize) -> Answer {
-    match forms::read(bytes, view, most) {
+fn answer_from_bytes(bytes: &[u8], view: &View, max_bytes: usize) -> Answer {
+    match forms::read(bytes, view, max_bytes) {
         Ok(frame) => Answer::Decoded(frame),
         Err(what) => Answer::ProtocolError(what),
     }
@@ -149,7 +149,7 @@ mod tests {
             file: b"PTM",
             largest_frame: 30,
             timeout_factor: 1,
-            alone: false,
+            needs_new_process: false,
         });
         let mut asked = [0; 11];
         theirs.read_exact(&mut asked).expect("a request");

@@ -64,20 +64,20 @@ pub(crate) fn is_file_size_limited_by_environment() -> bool {
 pub fn start(command: &mut Command) -> io::Result<Child> {
     let _starting = START_LOCK.read().unwrap_or_else(PoisonError::into_inner);
     let child = command.spawn()?;
-    started().push(child.id());
+    lock_started_processes().push(child.id());
     Ok(child)
 }
 
 /// Unregisters a process that was [started](start) and has been reaped.
 pub fn unregister(pid: u32) {
-    let mut started = started();
+    let mut started = lock_started_processes();
     // The id may already belong to another started process, which has a separate entry.
     if let Some(i) = started.iter().position(|&known| known == pid) {
         started.swap_remove(i);
     }
 }
 
-fn started() -> std::sync::MutexGuard<'static, Vec<u32>> {
+fn lock_started_processes() -> std::sync::MutexGuard<'static, Vec<u32>> {
     STARTED_PROCESSES
         .lock()
         .unwrap_or_else(PoisonError::into_inner)
@@ -143,7 +143,7 @@ fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     let inherited = || {
         let mut children = children_of_thread(this, this);
         if !children.is_empty() {
-            let started = started();
+            let started = lock_started_processes();
             children.retain(|pid| !started.contains(pid));
         }
         children

@@ -24,7 +24,7 @@ use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::start;
-use crate::runner::template::{Template, absolute};
+use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
 /// Maximum time to repeat a call because of trouble in this program, before the run stops.
@@ -63,12 +63,12 @@ pub struct Request<'a, V = View> {
     /// Factor for the timeout. The first call may have to warm up.
     pub timeout_factor: u32,
     /// True to use a new process, even in serve mode.
-    pub alone: bool,
+    pub needs_new_process: bool,
 }
 
 impl<V> Request<'_, V> {
     /// Returns the maximum number of bytes to read from an answer.
-    pub(crate) fn most(&self) -> usize {
+    pub(crate) fn max_answer_bytes(&self) -> usize {
         4 * self.largest_frame + 65_536
     }
 }
@@ -83,7 +83,7 @@ pub struct Reply<T = Frame> {
     /// Exit status, if the process exited.
     pub exit: Option<i32>,
     /// Name of the previous request to the same process.
-    pub after: Option<String>,
+    pub previous_request: Option<String>,
     /// Failed answer in serve mode. If present, `answer` is the answer of a new process.
     pub served: Option<Answer<T>>,
     /// Standard output, up to the read limit.
@@ -97,7 +97,7 @@ impl<T> From<Answer<T>> for Reply<T> {
             answer,
             stderr: String::new(),
             exit: None,
-            after: None,
+            previous_request: None,
             served: None,
             stdout: Vec::new(),
         }
@@ -123,7 +123,7 @@ pub struct Invocation<'a> {
     /// Contents of the file.
     pub file: &'a [u8],
     /// Maximum number of bytes in an answer.
-    pub most: usize,
+    pub max_bytes: usize,
     /// Factor for the timeout.
     pub timeout_factor: u32,
 }
@@ -182,16 +182,16 @@ impl From<Answer> for CallResult {
 }
 
 /// The reason why a call has no result.
-pub(crate) enum Failure {
+pub(crate) enum CallFailure {
     /// The program cannot be started, for this reason.
     NotStarted(String),
     /// This program could not do its part of the call.
     Trouble(Trouble),
 }
 
-impl From<Trouble> for Failure {
-    fn from(trouble: Trouble) -> Failure {
-        Failure::Trouble(trouble)
+impl From<Trouble> for CallFailure {
+    fn from(trouble: Trouble) -> CallFailure {
+        CallFailure::Trouble(trouble)
     }
 }
 
@@ -205,7 +205,7 @@ impl Decoder {
         let command = command
             .iter()
             .enumerate()
-            .map(|(i, word)| absolute(word, i == 0).map_err(io::Error::other))
+            .map(|(i, word)| make_absolute(word, i == 0).map_err(io::Error::other))
             .collect::<io::Result<_>>()?;
         Ok(Decoder {
             command,
@@ -254,18 +254,18 @@ impl Decoder {
     /// Sends one request. `scratch` provides the directories for the file and the decoder.
     #[must_use]
     pub fn ask(&self, request: &Request, scratch: &Scratch) -> Reply {
-        let most = request.most();
+        let max_bytes = request.max_answer_bytes();
         let result = self.invoke(
             &Invocation {
                 view: &request.view.to_string(),
                 file_name: "case.ptm",
                 file: request.file,
-                most,
+                max_bytes,
                 timeout_factor: request.timeout_factor,
             },
             scratch,
         );
-        result.into_reply(|bytes| forms::read(bytes, request.view, most))
+        result.into_reply(|bytes| forms::read(bytes, request.view, max_bytes))
     }
 
     /// Runs the decoder once and returns the result.
@@ -275,14 +275,17 @@ impl Decoder {
     }
 
     /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
-    pub(crate) fn retry(&self, attempt: impl Fn() -> Result<CallResult, Failure>) -> CallResult {
+    pub(crate) fn retry(
+        &self,
+        attempt: impl Fn() -> Result<CallResult, CallFailure>,
+    ) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);
         loop {
             let trouble = match attempt() {
                 Ok(result) => return result,
-                Err(Failure::NotStarted(why)) => return Answer::NotStarted(why).into(),
-                Err(Failure::Trouble(trouble)) => trouble.into_text(),
+                Err(CallFailure::NotStarted(why)) => return Answer::NotStarted(why).into(),
+                Err(CallFailure::Trouble(trouble)) => trouble.into_text(),
             };
             if begin.elapsed() > MAX_TROUBLE_TIME {
                 let _ = self.trouble.set(trouble.clone());
@@ -296,7 +299,11 @@ impl Decoder {
         }
     }
 
-    fn attempt(&self, invocation: &Invocation, scratch: &Scratch) -> Result<CallResult, Failure> {
+    fn attempt(
+        &self,
+        invocation: &Invocation,
+        scratch: &Scratch,
+    ) -> Result<CallResult, CallFailure> {
         let mut workspace = scratch.workspace()?;
         // The name of the file must not reveal the expected result.
         let input = workspace.write_input(invocation.file_name, invocation.file)?;
@@ -305,12 +312,12 @@ impl Decoder {
             Some(template) => template.output_file(workplace)?,
             None => None,
         };
-        let words = self.words(invocation.view, &input, workplace);
+        let words = self.command_words(invocation.view, &input, workplace);
         let time = self.timeout.saturating_mul(invocation.timeout_factor);
-        let mut result = self.call(&words, invocation.most, time, workplace)?;
+        let mut result = self.run_command(&words, invocation.max_bytes, time, workplace)?;
         if let (Ok(stdout), Some(file)) = (&mut result.output, &output_file) {
             result.stdout = std::mem::take(stdout);
-            result.output = file.read(invocation.most)?;
+            result.output = file.read(invocation.max_bytes)?;
         }
         result.stderr = workspace.strip_directories(&result.stderr);
         if !is_unchanged(&input, invocation.file)? {
@@ -320,46 +327,46 @@ impl Decoder {
     }
 
     /// Returns the command line of a call, including the program.
-    fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
+    fn command_words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
         match &self.template {
-            Some(template) => template.words(view, input, workplace),
-            None => self.followed_by(&[OsStr::new(view), input.as_os_str()]),
+            Some(template) => template.command_words(view, input, workplace),
+            None => self.command_with(&[OsStr::new(view), input.as_os_str()]),
         }
     }
 
     /// Returns the command, followed by additional arguments.
-    pub(crate) fn followed_by(&self, words: &[&OsStr]) -> Vec<OsString> {
+    pub(crate) fn command_with(&self, words: &[&OsStr]) -> Vec<OsString> {
         let more = words.iter().map(|&word| word.to_owned());
         self.command.iter().cloned().chain(more).collect()
     }
 
     /// Runs a command line until it ends or reaches a limit.
-    pub(crate) fn call(
+    pub(crate) fn run_command(
         &self,
         words: &[OsString],
-        most: usize,
+        max_bytes: usize,
         time: Duration,
         workplace: &Path,
-    ) -> Result<CallResult, Failure> {
-        let call = self.start(words, workplace, Stdio::null())?;
+    ) -> Result<CallResult, CallFailure> {
+        let call = self.start_command(words, workplace, Stdio::null())?;
         let limits = CallLimits {
-            output: most,
+            output: max_bytes,
             time,
             memory: self.memory,
             stop: &self.stop,
         };
         let remains = call.finish(&limits, workplace);
         let remains = remains.map_err(|error| Trouble::new("follow a call", &error))?;
-        Ok(self.result(remains, &limits)?)
+        Ok(self.call_result(remains, &limits)?)
     }
 
     /// Starts a command line.
-    pub(crate) fn start(
+    pub(crate) fn start_command(
         &self,
         words: &[OsString],
         workplace: &Path,
         stdin: Stdio,
-    ) -> Result<Call, Failure> {
+    ) -> Result<Call, CallFailure> {
         let mut command = Command::new(&words[0]);
         command
             .args(&words[1..])
@@ -376,13 +383,13 @@ impl Decoder {
             if is_shortage(&error) || !workplace.is_dir() {
                 Trouble::new("start a process", &error).into()
             } else {
-                Failure::NotStarted(start::describe_start_failure(&words[0], &error))
+                CallFailure::NotStarted(start::describe_start_failure(&words[0], &error))
             }
         })?;
         Ok(Call::new(child).map_err(|error| Trouble::new("follow a call", &error))?)
     }
 
-    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `most`
+    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes`
     /// bytes.
     ///
     /// # Errors
@@ -390,7 +397,7 @@ impl Decoder {
     pub(crate) fn run_with_argument(
         &self,
         word: &str,
-        most: usize,
+        max_bytes: usize,
         scratch: &Scratch,
     ) -> Result<Vec<u8>, String> {
         if self.template.is_some() {
@@ -398,8 +405,8 @@ impl Decoder {
         }
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
-            let words = self.followed_by(&[OsStr::new(word)]);
-            self.call(&words, most, self.timeout, &workspace.workplace)
+            let words = self.command_with(&[OsStr::new(word)]);
+            self.run_command(&words, max_bytes, self.timeout, &workspace.workplace)
         });
         result.output.map_err(|answer| match answer.violation() {
             Some(what) => format!("{}: {what}", answer.name()),
@@ -407,7 +414,7 @@ impl Decoder {
         })
     }
 
-    pub(crate) fn out_of_memory(&self) -> Answer {
+    pub(crate) fn out_of_memory_answer(&self) -> Answer {
         Answer::OutOfMemory(format!(
             "its processes held more than {} MiB",
             self.memory >> 20
@@ -415,10 +422,10 @@ impl Decoder {
     }
 
     /// Converts the end of a call to its result.
-    fn result(&self, remains: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
+    fn call_result(&self, remains: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match remains.ended {
-            CallEnd::OutOfMemory => Err(self.out_of_memory()),
+            CallEnd::OutOfMemory => Err(self.out_of_memory_answer()),
             CallEnd::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
             CallEnd::Flood => Err(Answer::Flooded(format!(
                 "more than {} bytes on standard output",
@@ -430,7 +437,7 @@ impl Decoder {
             ))),
             CallEnd::Exited(status) => {
                 exit = status.code();
-                match self.refusal(status)? {
+                match self.failure_answer(status)? {
                     None => Ok(remains.stdout),
                     Some(answer) => Err(answer),
                 }
@@ -445,7 +452,7 @@ impl Decoder {
     }
 
     /// Returns the answer that an exit status represents, or `None` for 0.
-    fn refusal(&self, status: ExitStatus) -> Result<Option<Answer>, Trouble> {
+    fn failure_answer(&self, status: ExitStatus) -> Result<Option<Answer>, Trouble> {
         let too_large = status.signal() == Some(Signal::XFSZ.as_raw());
         if too_large && processes::is_file_size_limited_by_environment() {
             let error = rustix::io::Errno::FBIG.into();

@@ -127,7 +127,7 @@ fn find_work_root(roots: &[TempDir]) -> usize {
 impl Drop for Scratch {
     fn drop(&mut self) {
         for directory in self.directories() {
-            remove(directory);
+            remove_directory(directory);
         }
     }
 }
@@ -191,13 +191,13 @@ impl Drop for Workspace<'_> {
     fn drop(&mut self) {
         // Files that cannot be removed are left behind. They do not affect the answer.
         for directory in &self.directories {
-            remove(directory);
+            remove_directory(directory);
         }
         if is_unchanged_directory(&self.workplace) {
             let mut free = self.scratch.free.lock().expect("nothing panics here");
             free.push(std::mem::take(&mut self.workplace));
         } else {
-            remove(&self.workplace);
+            remove_directory(&self.workplace);
         }
     }
 }
@@ -250,20 +250,20 @@ fn is_unchanged_directory(directory: &Path) -> bool {
 }
 
 /// Removes a directory and its contents, even if a decoder has locked some of it. Leaves what cannot be removed.
-pub fn remove(directory: &Path) {
+pub fn remove_directory(directory: &Path) {
     if fs::remove_dir_all(directory).is_err() {
-        unlock(directory);
+        restore_permissions(directory);
         let _ = fs::remove_dir_all(directory);
     }
 }
 
 /// Restores the permissions of a directory and all directories below it. Does not follow links.
-fn unlock(directory: &Path) {
+fn restore_permissions(directory: &Path) {
     let is_directory = |path: &Path| fs::symlink_metadata(path).is_ok_and(|file| file.is_dir());
     if is_directory(directory) {
         let _ = fs::set_permissions(directory, fs::Permissions::from_mode(0o700));
         for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
-            unlock(&entry.path());
+            restore_permissions(&entry.path());
         }
     }
 }

@@ -24,7 +24,7 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    Decoder, Failure, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe_exit,
+    CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe_exit,
     escape_controls,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
@@ -92,7 +92,7 @@ impl<'a> Servers<'a> {
     /// disabled.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
-        if request.alone || self.is_serve_mode_disabled() {
+        if request.needs_new_process || self.is_serve_mode_disabled() {
             return self.decoder.ask(request, self.scratch);
         }
         let mut place = self.jobs[job].lock().expect("a job asks alone");
@@ -104,12 +104,15 @@ impl<'a> Servers<'a> {
         let Ok(mut server) = started else {
             return self.decoder.ask(request, self.scratch);
         };
-        let after = server.before.replace(request.name.to_owned());
+        let previous_request = server.last_request.replace(request.name.to_owned());
         let served = match server.ask(request, self.decoder) {
             Ok(reply) => {
                 self.answered.fetch_add(1, Ordering::Relaxed);
                 *place = Some(server);
-                return Reply { after, ..reply };
+                return Reply {
+                    previous_request,
+                    ..reply
+                };
             }
             Err(NotServed::Trouble) => {
                 drop(server);
@@ -129,7 +132,7 @@ impl<'a> Servers<'a> {
         // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
         let served = alone.answer.violation().is_none().then_some(served);
         Reply {
-            after,
+            previous_request,
             served,
             ..alone
         }
@@ -153,16 +156,16 @@ struct Server<'a> {
     /// Sequence number of the last request.
     sequence: u64,
     /// Name of the last request.
-    before: Option<String>,
+    last_request: Option<String>,
     /// Time of the last memory measurement.
     last_measured: Instant,
 }
 
 impl<'a> Server<'a> {
-    fn start(decoder: &Decoder, scratch: &'a Scratch) -> Result<Server<'a>, Failure> {
+    fn start(decoder: &Decoder, scratch: &'a Scratch) -> Result<Server<'a>, CallFailure> {
         let workspace = scratch.workspace()?;
-        let words = decoder.followed_by(&[OsStr::new("serve")]);
-        let mut call = decoder.start(&words, &workspace.workplace, Stdio::piped())?;
+        let words = decoder.command_with(&[OsStr::new("serve")]);
+        let mut call = decoder.start_command(&words, &workspace.workplace, Stdio::piped())?;
         let stdin = call.child.stdin.take().map(OwnedFd::from);
         if let Some(stdin) = &stdin {
             rustix::io::ioctl_fionbio(stdin, true)
@@ -174,7 +177,7 @@ impl<'a> Server<'a> {
             workspace,
             input: None,
             sequence: 0,
-            before: None,
+            last_request: None,
             last_measured: Instant::now(),
         })
     }
@@ -206,11 +209,11 @@ impl<'a> Server<'a> {
     }
 
     /// Returns an error if the process wrote anything that is not an answer.
-    fn expect_silence(&self, before: &str, after: &str) -> Result<(), Answer> {
+    fn expect_silence(&self, last_request: &str, after: &str) -> Result<(), Answer> {
         if self.call.output.is_empty() {
             Ok(())
         } else {
-            let says = format!("{before} {} {after}", quote_start(&self.call.output));
+            let says = format!("{last_request} {} {after}", quote_start(&self.call.output));
             Err(Answer::ProtocolError(says.trim_end().to_owned()))
         }
     }
@@ -222,7 +225,7 @@ impl<'a> Server<'a> {
         request: &Request,
         decoder: &Decoder,
     ) -> Result<Answer, NotServed> {
-        let most = request.most();
+        let max_bytes = request.max_answer_bytes();
         let limit = decoder.timeout.saturating_mul(request.timeout_factor);
         let deadline = Instant::now() + limit.min(MAX_WAIT);
         let line = [
@@ -233,20 +236,20 @@ impl<'a> Server<'a> {
         .concat();
         let mut unsent = &line[..];
         loop {
-            self.send(&mut unsent)?;
-            if let Some(answer) = self.answer(most, decoder)? {
+            self.send_request(&mut unsent)?;
+            if let Some(answer) = self.take_answer(max_bytes, decoder)? {
                 return Ok(answer);
             }
             if self.call.has_ended() {
                 // The process may have written its final output in the meantime.
-                return match self.read_answer(most, decoder)? {
+                return match self.read_answer(max_bytes, decoder)? {
                     Some(answer) => Ok(answer),
-                    None => Err(self.ended().into()),
+                    None => Err(self.exit_answer().into()),
                 };
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Err(self.timeout_answer(most, limit, decoder).into());
+                return Err(self.timeout_answer(max_bytes, limit, decoder).into());
             }
             if decoder.stop.load(Ordering::Relaxed) {
                 return Err(Answer::Hung(STOPPED_MESSAGE.to_owned()).into());
@@ -255,12 +258,12 @@ impl<'a> Server<'a> {
             let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
             self.call
                 .wait_for_event(writing.map(AsFd::as_fd), left.min(POLL_INTERVAL))?;
-            self.call.read_available(most + MAX_LINE_LENGTH)?;
+            self.call.read_available(max_bytes + MAX_LINE_LENGTH)?;
         }
     }
 
     /// Sends as much as possible without blocking. The timeout detects a process that does not read its input.
-    fn send(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
+    fn send_request(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
         while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
             match rustix::io::write(stdin, unsent) {
                 Ok(count) => *unsent = &unsent[count..],
@@ -273,14 +276,27 @@ impl<'a> Server<'a> {
         Ok(())
     }
 
-    fn read_answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, NotServed> {
-        self.call.read_available(most + MAX_LINE_LENGTH)?;
-        Ok(self.answer(most, decoder)?)
+    fn read_answer(
+        &mut self,
+        max_bytes: usize,
+        decoder: &Decoder,
+    ) -> Result<Option<Answer>, NotServed> {
+        self.call.read_available(max_bytes + MAX_LINE_LENGTH)?;
+        Ok(self.take_answer(max_bytes, decoder)?)
     }
 
     /// Consumes the answer from the output if it is complete.
-    fn answer(&mut self, most: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
-        let read = read_answer(&self.call.output, self.sequence, most, decoder.reject_exit);
+    fn take_answer(
+        &mut self,
+        max_bytes: usize,
+        decoder: &Decoder,
+    ) -> Result<Option<Answer>, Answer> {
+        let read = read_answer(
+            &self.call.output,
+            self.sequence,
+            max_bytes,
+            decoder.reject_exit,
+        );
         let taken = read.map_err(Answer::ProtocolError)?;
         Ok(taken.map(|(answer, length)| {
             self.call.output.drain(..length);
@@ -295,15 +311,18 @@ impl<'a> Server<'a> {
         }
         self.last_measured = Instant::now();
         if processes::memory_of_call(self.call.group, &self.workspace.workplace) > decoder.memory {
-            return Err(decoder.out_of_memory());
+            return Err(decoder.out_of_memory_answer());
         }
         Ok(())
     }
 
     /// Returns the answer for a process that ended before it answered.
-    fn ended(&mut self) -> Answer {
+    fn exit_answer(&mut self) -> Answer {
         let answered = self.sequence - 1;
-        let how = self.call.end(&self.workspace.workplace).map(describe_exit);
+        let how = self
+            .call
+            .kill_and_reap(&self.workspace.workplace)
+            .map(describe_exit);
         Answer::Crashed(format!(
             "the serving process ended ({}) without an answer; it had answered {answered} requests",
             how.unwrap_or_else(|error| error.to_string())
@@ -311,13 +330,13 @@ impl<'a> Server<'a> {
     }
 
     /// Returns the answer for a timeout. If the process answers when its input is closed, it had buffered its output.
-    fn timeout_answer(&mut self, most: usize, limit: Duration, decoder: &Decoder) -> Answer {
+    fn timeout_answer(&mut self, max_bytes: usize, limit: Duration, decoder: &Decoder) -> Answer {
         drop(self.stdin.take());
         let deadline = Instant::now() + GRACE_PERIOD;
         let mut was_buffered = false;
         while !was_buffered && Instant::now() < deadline {
             let ended = self.call.has_ended();
-            was_buffered = matches!(self.read_answer(most, decoder), Ok(Some(_)));
+            was_buffered = matches!(self.read_answer(max_bytes, decoder), Ok(Some(_)));
             if ended || self.call.wait_for_event(None, POLL_INTERVAL).is_err() {
                 break;
             }
@@ -345,7 +364,7 @@ impl Drop for Server<'_> {
                 break;
             }
         }
-        let _ = self.call.end(&self.workspace.workplace);
+        let _ = self.call.kill_and_reap(&self.workspace.workplace);
     }
 }
 
@@ -354,7 +373,7 @@ impl Drop for Server<'_> {
 fn read_answer(
     bytes: &[u8],
     sequence: u64,
-    most: usize,
+    max_bytes: usize,
     reject_exit: Option<i32>,
 ) -> Result<Option<(Answer, usize)>, String> {
     let mut beginning = bytes.iter().take(MAX_LINE_LENGTH);
@@ -370,7 +389,7 @@ fn read_answer(
     let line = &bytes[..end];
     let mut words = line.splitn(3, |&byte| byte == b' ');
     let number = words.next().and_then(parse_digits);
-    let number = number.ok_or_else(|| unexpected(line, sequence))?;
+    let number = number.ok_or_else(|| unexpected_line_message(line, sequence))?;
     if number != sequence {
         return Err(format!(
             "its answer to request {sequence} has the number {number}: {}",
@@ -380,8 +399,9 @@ fn read_answer(
     let (kind, rest) = (words.next(), words.next().unwrap_or_default());
     match kind {
         Some(b"ok") => {
-            let length = parse_digits(rest).ok_or_else(|| unexpected(line, sequence))?;
-            read_frame(&bytes[end + 1..], length, most)
+            let length =
+                parse_digits(rest).ok_or_else(|| unexpected_line_message(line, sequence))?;
+            read_frame(&bytes[end + 1..], length, max_bytes)
                 .map(|frame| frame.map(|frame| (frame, end + 1 + length as usize)))
         }
         Some(b"reject") => match parse_digits(rest).and_then(|code| i32::try_from(code).ok()) {
@@ -394,15 +414,15 @@ fn read_answer(
             )),
         },
         Some(b"unsupported") => Ok(Some((Answer::Unsupported, end + 1))),
-        _ => Err(unexpected(line, sequence)),
+        _ => Err(unexpected_line_message(line, sequence)),
     }
 }
 
 /// Parses a frame of `length` bytes at the start of `bytes`. Returns `None` while it is incomplete.
-fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, String> {
-    if length > most as u64 {
+fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answer>, String> {
+    if length > max_bytes as u64 {
         return Err(format!(
-            "it announces {length} bytes, but no frame of that file has more than {most}"
+            "it announces {length} bytes, but no frame of that file has more than {max_bytes}"
         ));
     }
     let Some(frame) = bytes.get(..length as usize) else {
@@ -415,7 +435,7 @@ fn read_frame(bytes: &[u8], length: u64, most: usize) -> Result<Option<Answer>, 
 }
 
 /// Returns the message for a line that is not an answer.
-fn unexpected(line: &[u8], sequence: u64) -> String {
+fn unexpected_line_message(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
         [b'P', b'T', b'M', b'1', ..] => "; a frame follows a separate line",

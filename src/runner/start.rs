@@ -72,7 +72,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
             "name the decoder by a path such as ./my-decoder, after --".to_owned(),
         ));
     }
-    let beginning = beginning(&program);
+    let beginning = read_beginning(&program);
     if about.permissions().mode() & 0o111 == 0 {
         if let Some(language) = source_language(text) {
             return Err(source_code_obstacle(text, language));
@@ -108,7 +108,7 @@ fn find_in_path(word: &OsStr) -> Option<PathBuf> {
 }
 
 /// Returns the first bytes of a file, or nothing if the file cannot be read. It may still be executable.
-fn beginning(path: &Path) -> Vec<u8> {
+fn read_beginning(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     if fs::metadata(path).is_ok_and(|about| about.is_file()) {
         let _ = fs::File::open(path).and_then(|file| file.take(512).read_to_end(&mut bytes));

@@ -131,10 +131,15 @@ impl Template {
 
     /// Returns the command line of a call that requests `view`, reads `input` and runs in `workplace`. For a view
     /// without a light, the light is 0, 0.
-    pub(crate) fn words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
+    pub(crate) fn command_words(
+        &self,
+        view: &str,
+        input: &Path,
+        workplace: &Path,
+    ) -> Vec<OsString> {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
-        self.fill(input, workplace, &|piece| match piece {
+        self.fill_placeholders(input, workplace, &|piece| match piece {
             TemplatePiece::Lu => lu.into(),
             TemplatePiece::Lv => lv.into(),
             _ => view.into(),
@@ -142,13 +147,13 @@ impl Template {
     }
 
     /// Returns the command line of a call that executes the request in `input`, with named values.
-    pub(crate) fn words_of_values(
+    pub(crate) fn command_words_with_values(
         &self,
         input: &Path,
         workplace: &Path,
         values: &[(&str, OsString)],
     ) -> Vec<OsString> {
-        self.fill(input, workplace, &|piece| {
+        self.fill_placeholders(input, workplace, &|piece| {
             let of_name = values
                 .iter()
                 .find(|(name, _)| matches!(piece, TemplatePiece::Value(of) if of == name));
@@ -156,7 +161,7 @@ impl Template {
         })
     }
 
-    fn fill(
+    fn fill_placeholders(
         &self,
         input: &Path,
         workplace: &Path,
@@ -247,7 +252,7 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePi
         }
     }
     if pieces.is_empty() {
-        return Ok(vec![TemplatePiece::Text(absolute(
+        return Ok(vec![TemplatePiece::Text(make_absolute(
             OsStr::new(&text),
             is_program,
         )?)]);
@@ -270,7 +275,7 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
 
 /// Makes a word of a command absolute if it names an existing file. A program name without a directory is only looked
 /// up in PATH.
-pub(crate) fn absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
+pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
     let names_file = path.exists() && (!is_program || path.components().count() > 1);
     if names_file {
@@ -289,17 +294,17 @@ pub(crate) struct OutputFile {
 }
 
 impl OutputFile {
-    /// Returns true if the file is a regular file of more than `most` bytes.
-    pub(crate) fn is_longer_than(&self, most: usize) -> bool {
+    /// Returns true if the file is a regular file of more than `max_bytes` bytes.
+    pub(crate) fn is_longer_than(&self, max_bytes: usize) -> bool {
         let about = rustix::fs::statat(&self.directory, &self.name, AtFlags::SYMLINK_NOFOLLOW);
         about.is_ok_and(|about| {
             FileType::from_raw_mode(about.st_mode) == FileType::RegularFile
-                && u64::try_from(about.st_size).is_ok_and(|size| size > most as u64)
+                && u64::try_from(about.st_size).is_ok_and(|size| size > max_bytes as u64)
         })
     }
 
-    /// Reads at most `most` bytes of the file. Follows no links, and opens only regular files.
-    pub(crate) fn read(&self, most: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
+    /// Reads at most `max_bytes` bytes of the file. Follows no links, and opens only regular files.
+    pub(crate) fn read(&self, max_bytes: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
         let fault = |what: &str| {
             Ok(Err(Answer::ProtocolError(format!(
                 "its output file {what}"
@@ -320,11 +325,11 @@ impl OutputFile {
             _ => return fault("is not a regular file"),
         }
         let mut bytes = Vec::new();
-        if let Err(error) = file.take(most as u64 + 1).read_to_end(&mut bytes) {
+        if let Err(error) = file.take(max_bytes as u64 + 1).read_to_end(&mut bytes) {
             return fault(&format!("cannot be read: {error}"));
         }
-        if bytes.len() > most {
-            let says = format!("more than {most} bytes in its output file");
+        if bytes.len() > max_bytes {
+            let says = format!("more than {max_bytes} bytes in its output file");
             return Ok(Err(Answer::Flooded(says)));
         }
         match bytes.is_empty() {

@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::protocol::frame::Answer;
-use crate::runner::run::{CallResult, Decoder, Failure, INPUT_CHANGED_MESSAGE};
+use crate::runner::run::{CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
 
@@ -32,7 +32,7 @@ pub struct WriteCall<'a> {
     /// Values that a template may refer to.
     pub values: &'a [(&'static str, String)],
     /// Maximum size of the written file, in bytes.
-    pub most: usize,
+    pub max_bytes: usize,
     /// Factor for the timeout.
     pub timeout_factor: u32,
 }
@@ -62,7 +62,7 @@ impl Decoder {
         &self,
         order: &WriteCall,
         scratch: &Scratch,
-    ) -> Result<CallResult, Failure> {
+    ) -> Result<CallResult, CallFailure> {
         let template = self
             .template
             .as_ref()
@@ -84,16 +84,16 @@ impl Decoder {
         let workplace = workspace.workplace.clone();
         let output = template.output_file(&workplace)?;
         let output = output.expect("a writer's template names its output");
-        let words = template.words_of_values(&input, &workplace, &values);
+        let words = template.command_words_with_values(&input, &workplace, &values);
         let time = self.timeout.saturating_mul(order.timeout_factor);
-        let mut result = self.call(&words, 1 << 20, time, &workplace)?;
+        let mut result = self.run_command(&words, 1 << 20, time, &workplace)?;
         result.stderr = workspace.strip_directories(&result.stderr);
-        if output.is_longer_than(order.most) {
-            let says = format!("more than {} bytes in its output file", order.most);
+        if output.is_longer_than(order.max_bytes) {
+            let says = format!("more than {} bytes in its output file", order.max_bytes);
             result.output = Err(Answer::Flooded(says));
         } else if let Ok(stdout) = &mut result.output {
             result.stdout = std::mem::take(stdout);
-            result.output = output.read(order.most)?;
+            result.output = output.read(order.max_bytes)?;
         }
         inputs.push((input, request.as_bytes()));
         for (path, bytes) in inputs {

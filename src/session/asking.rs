@@ -120,7 +120,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             file: C::file(&built),
             largest_frame: case.largest_answer(&built),
             timeout_factor: timeout_factor.unwrap_or(1),
-            alone: timeout_factor.is_none(),
+            needs_new_process: timeout_factor.is_none(),
         };
         let reply = (self.ask)(&request, worker);
         let response = match &reply.answer {
@@ -152,7 +152,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             response,
             weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
-            after: reply.after.clone(),
+            after: reply.previous_request.clone(),
             nondeterminism: serve_mode_failure(&reply),
         };
         (observation, reply)
@@ -185,7 +185,10 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
-    let (after, alone) = (previous_request_text(reply.after.as_ref()), &reply.answer);
+    let (after, alone) = (
+        previous_request_text(reply.previous_request.as_ref()),
+        &reply.answer,
+    );
     let says = || {
         let (trouble, alone) = (served.describe(), alone.name());
         format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})")

@@ -80,7 +80,7 @@ pub fn check_file(
             file,
             largest_frame: texels * 72,
             timeout_factor: 3,
-            alone: true,
+            needs_new_process: true,
         };
         ask(&request).answer
     };

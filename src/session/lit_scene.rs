@@ -79,7 +79,7 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
             file: &file,
             largest_frame: (SIDE * SIDE) as usize * 18 * 4,
             timeout_factor: 1,
-            alone: false,
+            needs_new_process: false,
         };
         let Answer::Decoded(frame) = ask(&request, 0).answer else {
             return None;

@@ -69,7 +69,7 @@ pub fn difference(
             file: &case.build(run.table).file,
             largest_frame: frame.samples.bytes(),
             timeout_factor: 1,
-            alone: true,
+            needs_new_process: true,
         };
         let answer = decoder.ask(&request, scratch).answer;
         let got = match &answer {

@@ -163,7 +163,7 @@ impl Outputs {
             None => Answer::NotStarted("no answer was given".to_owned()),
             Some(Err(refusal)) => refusal.clone(),
             Some(Ok(path)) => {
-                let most = request.most();
+                let most = request.max_answer_bytes();
                 read(path, most)
                     .and_then(|bytes| forms::read(&bytes, request.view, most))
                     .map_or_else(Answer::ProtocolError, Answer::Decoded)

@@ -17,7 +17,7 @@ pub fn ask(
         view: &request.view.to_string(),
         file_name: "case.json",
         file: request.file,
-        most: request.largest_frame,
+        max_bytes: request.largest_frame,
         timeout_factor: request.timeout_factor,
     };
     let result = decoder.invoke(&invocation, scratch);

@@ -95,13 +95,13 @@ impl Coverage {
             count: row.killed_by.len(),
             cases: row.killed_by.iter().map(id).collect(),
         });
-        let (separation, unique_separators) = separation(suite, rows);
+        let (separation, unique_separators) = measure_separation(suite, rows);
         Ok(Coverage {
-            clauses: clauses(suite, rows)?,
+            clauses: measure_clauses(suite, rows)?,
             misreadings: kills.collect(),
             separation,
-            pairwise: pairwise(suite),
-            redundant: redundant(suite, rows, &unique_separators),
+            pairwise: measure_pairs(suite),
+            redundant: find_redundant_cases(suite, rows, &unique_separators),
         })
     }
 
@@ -180,7 +180,7 @@ impl Coverage {
 /// Maximum number of missing pairs of parameters in the summary.
 const MAX_MISSING: usize = 20;
 
-fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
+fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
     let one = |clause: clauses::Clause| ClauseCoverage {
         status: match clause.status {
             ClauseStatus::Tested => "tested",
@@ -205,7 +205,7 @@ fn clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, Str
 }
 
 /// Returns the separation of misreadings, and the cases that are the only ones to separate some pair.
-fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
+fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
     let mut unique_separators = BTreeSet::new();
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
     let mut separated = 0;
@@ -232,7 +232,7 @@ fn separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>
     (separation, unique_separators)
 }
 
-fn redundant(
+fn find_redundant_cases(
     suite: &Suite,
     rows: &[MatrixRow],
     unique_separators: &BTreeSet<usize>,
@@ -250,7 +250,7 @@ fn redundant(
 }
 
 /// Returns the parameters of a recipe, with names and values.
-fn parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
+fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let lines = |two: bool| if two { "two lines" } else { "one line" };
     let bias = match recipe.bias.values.iter().any(|&bias| bias > 255.0) {
@@ -335,13 +335,13 @@ fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
     !(rules_out(a, b) || rules_out(b, a) || apart(a.0, b.0) || apart(b.0, a.0))
 }
 
-fn pairwise(suite: &Suite) -> Pairwise {
+fn measure_pairs(suite: &Suite) -> Pairwise {
     let mut values: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
     let mut seen = BTreeSet::new();
     let decoded = suite.cases.iter();
     let decoded = decoded.filter(|case| case.expect == Expect::Decode);
     for (case, recipe) in decoded.filter_map(|case| Some((case, case.recipe()?))) {
-        let chosen = parameters(case, recipe);
+        let chosen = recipe_parameters(case, recipe);
         for (i, (a, x)) in chosen.iter().enumerate() {
             values.entry(a).or_default().insert(x.clone());
             for (b, y) in &chosen[i + 1..] {

@@ -83,7 +83,7 @@ pub fn ask<C: WritingCase>(
         request: &sent.json,
         attachments: &sent.attachments,
         values: &sent.values,
-        most: case.largest_answer(&built),
+        max_bytes: case.largest_answer(&built),
         timeout_factor,
     };
     let result = writer.write(&call, scratch);

@@ -96,7 +96,7 @@ pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
 
 /// Returns the bytes after the header.
 fn payload(file: &[u8]) -> &[u8] {
-    &file[Anatomy::new(file, &Reading::SPEC).payload()..]
+    &file[Anatomy::new(file, &Reading::SPEC).payload_offset()..]
 }
 
 impl MisreadFile {

@@ -22,45 +22,49 @@ pub(in crate::diagnose) fn describe(
     for w in left.iter().copied().filter(accepted) {
         let clause = violated_clause(&witnesses[w]);
         match clauses.iter_mut().find(|(known, _)| *known == clause) {
-            Some((_, of)) => of.push(w),
+            Some((_, indices)) => indices.push(w),
             None => clauses.push((clause, vec![w])),
         }
     }
     left.retain(|w| !accepted(w));
-    clauses.sort_by_key(|(_, of)| std::cmp::Reverse(of.len()));
-    let diagnosis =
-        |(clause, of): (&str, Vec<usize>)| describe_acceptance(witnesses, &of).with_clause(clause);
+    clauses.sort_by_key(|(_, indices)| std::cmp::Reverse(indices.len()));
+    let diagnosis = |(clause, indices): (&str, Vec<usize>)| {
+        describe_acceptance(witnesses, &indices).with_clause(clause)
+    };
     clauses.into_iter().map(diagnosis).collect()
 }
 
 /// Describes malformed files that the decoder accepts.
-fn describe_acceptance(witnesses: &[Witness], of: &[usize]) -> Diagnosis {
-    let first = &witnesses[of[0]];
+fn describe_acceptance(witnesses: &[Witness], indices: &[usize]) -> Diagnosis {
+    let first = &witnesses[indices[0]];
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
         format!(", which is the legal {twin} with this one fault")
     });
     let words = CauseWords {
-        effect: format!("accepts malformed files: {}", list_faults(witnesses, of)),
+        effect: format!(
+            "accepts malformed files: {}",
+            list_faults(witnesses, indices)
+        ),
         fix: "refuse such files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };
-    Diagnosis::from_description(Category::Acceptance, witnesses, of, words)
+    Diagnosis::from_description(Category::Acceptance, witnesses, indices, words)
 }
 
 /// Describes the accepted malformed files if a misreading explains nothing else. Malformed files have no correct
 /// image, so these cases do not reveal how the decoder reads them.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
-    of: &[usize],
+    indices: &[usize],
     misreading: &Misreading,
 ) -> Option<Cause> {
     let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
     let expect = |w: &usize| witnesses[*w].case.expect;
     let is_malformed = |w: &usize| matches!(expect(w), Expect::Reject | Expect::Refuse);
-    let malformed: Vec<usize> = of.iter().copied().filter(is_malformed).collect();
+    let malformed: Vec<usize> = indices.iter().copied().filter(is_malformed).collect();
     let says_more = !misreading.effect.starts_with("accepts");
     let &first = malformed.first()?;
-    (says_more && of.iter().all(is_accepted)).then(|| {
+    (says_more && indices.iter().all(is_accepted)).then(|| {
         describe_acceptance(witnesses, &malformed)
             .with_clause(violated_clause(&witnesses[first]))
             .cause
@@ -74,9 +78,9 @@ fn violated_clause<'w>(witness: &'w Witness<'_>) -> &'w str {
 }
 
 /// Lists the distinct faults of these files.
-fn list_faults(witnesses: &[Witness], of: &[usize]) -> String {
+fn list_faults(witnesses: &[Witness], indices: &[usize]) -> String {
     let mut faults: Vec<&str> = Vec::new();
-    for fault in of.iter().map(|&w| fault_text(witnesses[w].case)) {
+    for fault in indices.iter().map(|&w| fault_text(witnesses[w].case)) {
         if !faults.contains(&fault) {
             faults.push(fault);
         }

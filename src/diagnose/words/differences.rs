@@ -10,7 +10,7 @@ use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::ImagePair;
 use crate::diagnose::scope::{SharedScope, shared_scope};
-use crate::diagnose::search::{Id, Search, Set, without_id};
+use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, ViewKind};
@@ -130,7 +130,11 @@ impl Phase {
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
 /// that were found.
-pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) -> Vec<Diagnosis> {
+pub(in crate::diagnose) fn describe(
+    search: &Search,
+    set: &MistakeSet,
+    left: &[usize],
+) -> Vec<Diagnosis> {
     let mut steps = search.map_parallel(left, |&w| first_difference(search, set, w));
     // If files without streams have wrong values as well, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
@@ -153,19 +157,24 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
     };
     let seen: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
     let mut diagnoses = Vec::new();
-    for (step, mut of) in by_step {
-        let mut parts = take_scopes(search, &seen, &mut of, &[None]);
+    for (step, mut indices) in by_step {
+        let mut parts = take_scopes(search, &seen, &mut indices, &[None]);
         let mut by_clause: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
-        for &w in &of {
+        for &w in &indices {
             let clause = step.common_clause().or(step.clause(format(w)));
             by_clause.entry(clause).or_default().push(w);
         }
-        for mut of in by_clause.into_values() {
-            parts.extend(take_scopes(search, &seen, &mut of, &Format::ALL.map(Some)));
-            if !of.is_empty() {
-                let files = share_text(search.witnesses, &of);
+        for mut indices in by_clause.into_values() {
+            parts.extend(take_scopes(
+                search,
+                &seen,
+                &mut indices,
+                &Format::ALL.map(Some),
+            ));
+            if !indices.is_empty() {
+                let files = share_text(search.witnesses, &indices);
                 parts.push(CauseGroup {
-                    cases: of,
+                    cases: indices,
                     files,
                     clause: None,
                 });
@@ -183,7 +192,7 @@ pub(in crate::diagnose) fn describe(search: &Search, set: &Set, left: &[usize]) 
 /// are wrong in that view. "Enough" means more than half as many, of the same format or of all formats with wrong
 /// images in that view. Images that are described elsewhere count as well. The phase `Rearranged` applies only if most
 /// wrong images of the format have it.
-fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, Phase>) {
+fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
     open.retain(|w| {
@@ -215,7 +224,8 @@ fn follow_earlier_steps(search: &Search, set: &Set, steps: &mut HashMap<usize, P
         ];
         for (view, earlier) in views {
             let explains = |earlier: &&ViewKind| {
-                let is_wrong = |of: &Format| in_view(**earlier, &[*of]).len() >= MIN_SHARING_FILES;
+                let is_wrong =
+                    |indices: &Format| in_view(**earlier, &[*indices]).len() >= MIN_SHARING_FILES;
                 let formats: Vec<Format> = Format::ALL.into_iter().filter(is_wrong).collect();
                 let is_in = |formats: &[Format]| {
                     is_most(
@@ -260,9 +270,9 @@ fn take_scopes(
 ) -> Vec<CauseGroup> {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
-    let of_format = |of: &[usize], one: Option<Format>| -> Vec<usize> {
+    let of_format = |indices: &[usize], one: Option<Format>| -> Vec<usize> {
         let is_of = |w: &usize| one.is_none_or(|one| format(*w) == one);
-        of.iter().copied().filter(is_of).collect()
+        indices.iter().copied().filter(is_of).collect()
     };
     // The rest of what a mistake explains nearly always shares some property by chance.
     let is_explained = |w: &&usize| {
@@ -288,17 +298,24 @@ fn take_scopes(
     parts
 }
 
-fn describe_difference(search: &Search, set: &[Id], step: Phase, part: &CauseGroup) -> Diagnosis {
-    let (witnesses, of) = (search.witnesses, &part.cases[..]);
-    let clauses = of.iter().map(|&w| step.clause(witnesses[w].case.format()));
+fn describe_difference(
+    search: &Search,
+    set: &[MistakeId],
+    step: Phase,
+    part: &CauseGroup,
+) -> Diagnosis {
+    let (witnesses, indices) = (search.witnesses, &part.cases[..]);
+    let clauses = indices
+        .iter()
+        .map(|&w| step.clause(witnesses[w].case.format()));
     let clauses: BTreeSet<_> = clauses.collect();
     let first = clauses.first().copied().flatten();
     let clause = match clauses.len() {
         1 => first,
         _ => step.common_clause().or(part.clause).or(first),
     };
-    let mut wrong = wrong_channels(search, set, of);
-    wrong.retain(|_| of.len() >= MIN_SHARING_FILES);
+    let mut wrong = wrong_channels(search, set, indices);
+    wrong.retain(|_| indices.len() >= MIN_SHARING_FILES);
     // Only R, G and B are wrong in a format with one polynomial.
     let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
     let clause = match (step, clause) {
@@ -310,14 +327,14 @@ fn describe_difference(search: &Search, set: &[Id], step: Phase, part: &CauseGro
     let (effect, only, views) = (
         step.effect(),
         channels_phrase(&wrong),
-        views_phrase(witnesses, of),
+        views_phrase(witnesses, indices),
     );
     let words = CauseWords {
         effect: format!("{effect}{only}, in {}{views}", part.files),
         fix: step.fix().to_owned(),
-        example: example_with_mistakes(search, set, smallest_file(witnesses, of)),
+        example: example_with_mistakes(search, set, smallest_file(witnesses, indices)),
     };
-    let described = Diagnosis::from_description(Category::Difference, witnesses, of, words);
+    let described = Diagnosis::from_description(Category::Difference, witnesses, indices, words);
     match clause {
         Some(clause) => described.with_clause(clause),
         None => described,
@@ -325,10 +342,10 @@ fn describe_difference(search: &Search, set: &[Id], step: Phase, part: &CauseGro
 }
 
 /// Returns " (12 in view raw, 10 in view coef)" if the images belong to several views.
-fn views_phrase(witnesses: &[Witness], of: &[usize]) -> String {
+fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     let count = |view: &ViewKind| {
         let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
-        of.iter().filter(is_of).count()
+        indices.iter().filter(is_of).count()
     };
     let shown = ViewKind::ALL.iter().filter(|view| count(view) > 0);
     let counts: Vec<String> = shown
@@ -342,8 +359,12 @@ fn views_phrase(witnesses: &[Witness], of: &[usize]) -> String {
 
 /// Returns one flag per channel: true if it is wrong in any image of the earliest view. Returns an empty list if the
 /// images differ in their number of channels.
-pub(in crate::diagnose) fn wrong_channels(search: &Search, set: &[Id], of: &[usize]) -> Vec<bool> {
-    let mut pairs: Vec<ImagePair> = of
+pub(in crate::diagnose) fn wrong_channels(
+    search: &Search,
+    set: &[MistakeId],
+    indices: &[usize],
+) -> Vec<bool> {
+    let mut pairs: Vec<ImagePair> = indices
         .iter()
         .filter_map(|&w| image_pair(search, set, w))
         .collect();
@@ -370,7 +391,7 @@ fn channels_phrase(wrong: &[bool]) -> String {
 }
 
 /// Returns the step at which the values of an image first differ.
-fn first_difference(search: &Search, set: &[Id], w: usize) -> Phase {
+fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     let witness = &search.witnesses[w];
     let Some(received) = witness.wrong_image() else {
         return Phase::Choice;
@@ -465,8 +486,8 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
-    set: &[Id],
-    member: Id,
+    set: &[MistakeId],
+    member: MistakeId,
 ) -> bool {
     let witness = &search.witnesses[w];
     let (with, without) = (
@@ -494,7 +515,11 @@ pub(in crate::diagnose) fn reduces_wrong_samples(
 }
 
 /// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ.
-pub(in crate::diagnose) fn image_pair(search: &Search, set: &[Id], w: usize) -> Option<ImagePair> {
+pub(in crate::diagnose) fn image_pair(
+    search: &Search,
+    set: &[MistakeId],
+    w: usize,
+) -> Option<ImagePair> {
     let shown = search.witnesses[w].wrong_image()?;
     match &*search.best_answer(w, set) {
         Answer::Decoded(wanted) => ImagePair::new(wanted, shown),
@@ -503,14 +528,14 @@ pub(in crate::diagnose) fn image_pair(search: &Search, set: &[Id], w: usize) -> 
 }
 
 /// Returns the smallest of these files. Prefers stored and final values to colors.
-pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], of: &[usize]) -> usize {
+pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize]) -> usize {
     let size = |w: &usize| {
         (
             witnesses[*w].requests_colors(),
             witnesses[*w].built.file.len(),
         )
     };
-    let smallest = of.iter().copied().min_by_key(size);
+    let smallest = indices.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }
 
@@ -521,7 +546,7 @@ pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
 }
 
 /// Like [`example`], but for the first sample that the mistakes in `set` do not explain.
-fn example_with_mistakes(search: &Search, set: &[Id], w: usize) -> String {
+fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
     let first = image_pair(search, &[], w).and_then(|mut pair| {

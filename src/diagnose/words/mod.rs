@@ -39,8 +39,11 @@ fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Fo
 
 /// Returns the clause about the layout that these files share: of their format, of tables, or of compressed planes.
 /// Files of different formats have only the header in common.
-fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
-    let formats: Vec<Format> = of.iter().map(|&w| witnesses[w].case.format()).collect();
+fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
+    let formats: Vec<Format> = indices
+        .iter()
+        .map(|&w| witnesses[w].case.format())
+        .collect();
     let first = formats[0].layout_clause();
     match formats.iter().all(|format| format.layout_clause() == first) {
         true => first,
@@ -53,8 +56,12 @@ fn shared_clause(witnesses: &[Witness], of: &[usize]) -> &'static str {
 const MAX_FORMATS: usize = 4;
 
 /// Returns the formats of these files, such as " of RGB, LRGB", or an empty string if there are too many to list.
-fn format_names(witnesses: &[Witness], of: &[usize]) -> String {
-    let is_shown = |format: &Format| of.iter().any(|&w| witnesses[w].case.format() == *format);
+fn format_names(witnesses: &[Witness], indices: &[usize]) -> String {
+    let is_shown = |format: &Format| {
+        indices
+            .iter()
+            .any(|&w| witnesses[w].case.format() == *format)
+    };
     let formats = Format::ALL.into_iter().filter(is_shown);
     let names: Vec<&str> = formats.map(Format::short_name).collect();
     match (1..=MAX_FORMATS).contains(&names.len()) {
@@ -64,26 +71,26 @@ fn format_names(witnesses: &[Witness], of: &[usize]) -> String {
 }
 
 /// Returns ", in files of RGB" if a mistake in all files affects only a few formats.
-pub(super) fn formats_phrase(witnesses: &[Witness], of: &[usize]) -> String {
-    match format_names(witnesses, of) {
+pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
+    match format_names(witnesses, indices) {
         names if names.is_empty() => names,
         names => format!(", in files{names}"),
     }
 }
 
 /// Returns "12 of 160 legal files of LRGB, LUM", with the number of files that need not be decoded.
-fn share_text(witnesses: &[Witness], of: &[usize]) -> String {
+fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-    let of_format = |one: Format| of.iter().find(|&&w| format(w) == one);
+    let of_format = |one: Format| indices.iter().find(|&&w| format(w) == one);
     let counts = Format::ALL
         .into_iter()
         .filter_map(of_format)
         .map(|&w| witnesses[w].legal_files);
     let all: usize = counts.sum();
-    let legal = of.iter().filter(|w| is_legal(w)).count();
-    let names = format_names(witnesses, of);
-    match (legal, of.len() - legal) {
+    let legal = indices.iter().filter(|w| is_legal(w)).count();
+    let names = format_names(witnesses, indices);
+    match (legal, indices.len() - legal) {
         (0, 1) => format!("1 file{names} that need not be decoded"),
         (0, others) => format!("{others} files{names} that need not be decoded"),
         (_, 0) => format!("{legal} of {all} legal files{names}"),

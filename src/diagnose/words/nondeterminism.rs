@@ -29,8 +29,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     let (garbled, served): (Vec<_>, Vec<_>) = served
         .into_iter()
         .partition(|&(place, _)| is_garbled(place));
-    let diagnosis = |of: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
-        let &(place, how) = of.first()?;
+    let diagnosis = |indices: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
+        let &(place, how) = indices.first()?;
         let case = &suite.cases[place];
         Some(Diagnosis::new(
             Cause::Described {
@@ -41,7 +41,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
                 example: format!("for example {}: {}", case.id, how.says),
                 alike: Vec::new(),
             },
-            of.iter().map(|&(place, _)| place).collect(),
+            indices.iter().map(|&(place, _)| place).collect(),
         ))
     };
     let garbling = diagnosis(

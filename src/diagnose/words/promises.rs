@@ -14,9 +14,9 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
         run.judgement.cases[place].is_some()
             && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[place], seen))
     };
-    let of: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
-    let first = &suite.cases[*of.first()?];
-    let formats = of
+    let indices: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
+    let first = &suite.cases[*indices.first()?];
+    let formats = indices
         .iter()
         .map(|&place| suite.cases[place].format().short_name());
     let formats: Vec<&str> = formats.collect::<BTreeSet<_>>().into_iter().collect();
@@ -26,13 +26,13 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
             clause: "2.2/1".to_owned(),
             effect: format!(
                 "exits with 69 (unsupported) on {} files of {}, which its capabilities declare",
-                of.len(),
+                indices.len(),
                 formats.join(", ")
             ),
             fix: "read these formats, or remove them from the capabilities".to_owned(),
             example: format!("for example {}: {}", first.id, first.because),
             alike: Vec::new(),
         },
-        of,
+        indices,
     ))
 }

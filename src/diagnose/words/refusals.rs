@@ -25,8 +25,9 @@ pub(in crate::diagnose) fn describe(
         // A property shared by a few of many files is a coincidence.
         let shared_by = |open: &[usize], one: Option<Format>| {
             let is_of = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
-            let of = |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
-            let shared = shared_scope(witnesses, &of(open), &of(&read), true)?;
+            let indices =
+                |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
+            let shared = shared_scope(witnesses, &indices(open), &indices(&read), true)?;
             is_substantial(shared.cases.len(), open.len()).then_some((shared, one))
         };
         let formats = || [None].into_iter().chain(Format::ALL.map(Some));
@@ -47,7 +48,7 @@ pub(in crate::diagnose) fn describe(
 /// Returns the diagnosis for files that fail in the same way.
 fn describe_refusal(
     witnesses: &[Witness],
-    of: &[usize],
+    indices: &[usize],
     mode: &FailureMode,
     effect: String,
 ) -> Diagnosis {
@@ -61,9 +62,9 @@ fn describe_refusal(
     let words = CauseWords {
         effect,
         fix: fix.to_owned(),
-        example: example(witnesses, of),
+        example: example(witnesses, indices),
     };
-    Diagnosis::from_description(Category::Refusal, witnesses, of, words)
+    Diagnosis::from_description(Category::Refusal, witnesses, indices, words)
 }
 
 /// Returns, for each failure mode, the failures that a single shared property explains.
@@ -72,13 +73,13 @@ pub(in crate::diagnose) fn shared_failures(
     failing: &[usize],
 ) -> Vec<Vec<usize>> {
     let read = files_read(witnesses);
-    let of = |mode: FailureMode| {
-        let of = mode.select(witnesses, failing);
-        shared_scope(witnesses, &of, &read, true).map(|shared| shared.cases)
+    let indices = |mode: FailureMode| {
+        let indices = mode.select(witnesses, failing);
+        shared_scope(witnesses, &indices, &read, true).map(|shared| shared.cases)
     };
     FailureMode::list_by_frequency(witnesses, failing)
         .into_iter()
-        .filter_map(of)
+        .filter_map(indices)
         .collect()
 }
 
@@ -93,9 +94,9 @@ fn files_read(witnesses: &[Witness]) -> Vec<usize> {
 }
 
 /// Returns the failure mode that all of these cases share, if any.
-fn one_mode(witnesses: &[Witness], of: &[usize]) -> Option<FailureMode> {
-    let mode = FailureMode::new(&witnesses[*of.first()?])?;
-    (mode.select(witnesses, of).len() == of.len()).then_some(mode)
+fn one_mode(witnesses: &[Witness], indices: &[usize]) -> Option<FailureMode> {
+    let mode = FailureMode::new(&witnesses[*indices.first()?])?;
+    (mode.select(witnesses, indices).len() == indices.len()).then_some(mode)
 }
 
 /// Formats whose legal files all fail in the same way, without an image.
@@ -121,15 +122,15 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
             continue;
         };
         let alike = mode.select(witnesses, &all).into_iter();
-        let of = alike.filter(|&w| witnesses[w].failed);
+        let indices = alike.filter(|&w| witnesses[w].failed);
         match whole.iter_mut().find(|known| known.mode == mode) {
             Some(known) => {
                 known.formats.push(format);
-                known.cases.extend(of);
+                known.cases.extend(indices);
             }
             None => whole.push(WholeFormats {
                 formats: vec![format],
-                cases: of.collect(),
+                cases: indices.collect(),
                 mode,
             }),
         }
@@ -153,51 +154,53 @@ impl WholeFormats {
 /// the same way.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
-    of: &[usize],
+    indices: &[usize],
 ) -> Option<Diagnosis> {
-    let mode = one_mode(witnesses, of)?;
-    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !of.contains(w);
+    let mode = one_mode(witnesses, indices)?;
+    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !indices.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-    let shared = shared_scope(witnesses, of, &others, false)?;
+    let shared = shared_scope(witnesses, indices, &others, false)?;
     let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
-    (shared.cases.len() == of.len()).then(|| describe_refusal(witnesses, of, &mode, effect))
+    (shared.cases.len() == indices.len())
+        .then(|| describe_refusal(witnesses, indices, &mode, effect))
 }
 
-/// Describes the failures on the legal files in `of`, if hardly any of them produced an image and no other evidence
+/// Describes the failures on the legal files in `indices`, if hardly any of them produced an image and no other evidence
 /// supports the misreading. Returns `None` if the misreading itself predicts the refusals.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
-    of: &[usize],
+    indices: &[usize],
     misreading: &Misreading,
 ) -> Option<Cause> {
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-    let of: Vec<usize> = of.iter().copied().filter(is_legal).collect();
+    let indices: Vec<usize> = indices.iter().copied().filter(is_legal).collect();
     let is_refusal =
         |mode: &FailureMode| matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
-    let modes = FailureMode::list_by_frequency(witnesses, &of);
-    let shown = of
+    let modes = FailureMode::list_by_frequency(witnesses, &indices);
+    let shown = indices
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
     let is_the_mistake = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
-    if of.is_empty() || !is_few(shown.count(), of.len()) || is_the_mistake {
+    if indices.is_empty() || !is_few(shown.count(), indices.len()) || is_the_mistake {
         return None;
     }
     let mode = modes.first()?;
-    let effect = outcomes_text(witnesses, &of, &modes);
-    let refusal = describe_refusal(witnesses, &of, mode, effect);
+    let effect = outcomes_text(witnesses, &indices, &modes);
+    let refusal = describe_refusal(witnesses, &indices, mode, effect);
     Some(refusal.with_clause(misreading.clause).cause)
 }
 
 /// Returns a list of outcomes: "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
-fn outcomes_text(witnesses: &[Witness], of: &[usize], modes: &[FailureMode]) -> String {
+fn outcomes_text(witnesses: &[Witness], indices: &[usize], modes: &[FailureMode]) -> String {
     let files = |count: usize| match count {
         1 => "1 legal file".to_owned(),
         count => format!("{count} legal files"),
     };
-    let way = |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, of).len()));
+    let way =
+        |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, indices).len()));
     let mut outcomes_text: Vec<String> = modes.iter().map(way).collect();
     let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
-    match of.iter().filter(is_image).count() {
+    match indices.iter().filter(is_image).count() {
         0 => {}
         count => outcomes_text.push(format!("shows a wrong image for {}", files(count))),
     }
@@ -211,29 +214,29 @@ pub(in crate::diagnose) fn describe_unexplained(
 ) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     for mode in FailureMode::list_by_frequency(witnesses, left) {
-        let of = mode.select(witnesses, left);
-        left.retain(|w| !of.contains(w));
-        let effect = match of.len() {
+        let indices = mode.select(witnesses, left);
+        left.retain(|w| !indices.contains(w));
+        let effect = match indices.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
                 "{mode} {count} legal files; it reads too few others to find a property that separates them"
             ),
-            _ => format!("{mode} {}", share_text(witnesses, &of)),
+            _ => format!("{mode} {}", share_text(witnesses, &indices)),
         };
         let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
-            example: example(witnesses, &of),
+            example: example(witnesses, &indices),
         };
-        let described = Diagnosis::from_description(Category::Refusal, witnesses, &of, words);
-        diagnoses.push(described.with_clause(shared_clause(witnesses, &of)));
+        let described = Diagnosis::from_description(Category::Refusal, witnesses, &indices, words);
+        diagnoses.push(described.with_clause(shared_clause(witnesses, &indices)));
     }
     diagnoses
 }
 
 /// Describes the smallest of these files: the reason for its case, and the end of its standard error.
-pub(in crate::diagnose) fn example(witnesses: &[Witness], of: &[usize]) -> String {
-    let smallest = of
+pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> String {
+    let smallest = indices
         .iter()
         .map(|&w| &witnesses[w])
         .min_by_key(|witness| witness.built.file.len())

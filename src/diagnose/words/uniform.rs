@@ -14,15 +14,16 @@ pub(in crate::diagnose) fn describe(
     left: &mut Vec<usize>,
 ) -> Vec<Diagnosis> {
     let found = find_uniform_images(witnesses, left);
-    let diagnosis = |(effect, of): (String, Vec<usize>)| {
-        let clause = witnesses[of[0]].observation.view.kind().clause();
-        left.retain(|w| !of.contains(w));
+    let diagnosis = |(effect, indices): (String, Vec<usize>)| {
+        let clause = witnesses[indices[0]].observation.view.kind().clause();
+        left.retain(|w| !indices.contains(w));
         let words = CauseWords {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
-            example: example(witnesses, &of),
+            example: example(witnesses, &indices),
         };
-        Diagnosis::from_description(Category::Difference, witnesses, &of, words).with_clause(clause)
+        Diagnosis::from_description(Category::Difference, witnesses, &indices, words)
+            .with_clause(clause)
     };
     found.into_iter().map(diagnosis).collect()
 }
@@ -32,7 +33,7 @@ pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();
     let found = find_uniform_images(witnesses, &failing);
-    let count: usize = found.iter().map(|(_, of)| of.len()).sum();
+    let count: usize = found.iter().map(|(_, indices)| indices.len()).sum();
     is_most(count, failing.len())
 }
 
@@ -64,20 +65,20 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
         if shown.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
             let what = format!("the same image of {width} × {height} for {count} files");
-            let of = shown.into_iter().map(|(w, _)| w).collect();
-            found.push((format!("shows {what} in view {view}"), of));
+            let indices = shown.into_iter().map(|(w, _)| w).collect();
+            found.push((format!("shows {what} in view {view}"), indices));
             continue;
         }
         let common = shown.iter().find_map(|(_, frame)| uniform_value(frame));
         let is_common =
             |(_, frame): &&(usize, &Frame)| common.is_some() && uniform_value(frame) == common;
-        let of: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
-        if let Some(value) = common.filter(|_| is_few(count - of.len(), count)) {
+        let indices: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
+        if let Some(value) = common.filter(|_| is_few(count - indices.len(), count)) {
             let effect = format!(
                 "shows {value} in every sample of {} images in view {view}",
-                of.len()
+                indices.len()
             );
-            found.push((effect, of));
+            found.push((effect, indices));
         }
     }
     found

@@ -20,12 +20,12 @@ pub(in crate::diagnose) fn describe(
         let response = &witnesses[*w].observation.response;
         refusable(*w) && matches!(response, Response::Violation(_) | Response::Unsupported)
     };
-    let of: Vec<usize> = left.iter().copied().filter(violates).collect();
-    left.retain(|w| !of.contains(w));
+    let indices: Vec<usize> = left.iter().copied().filter(violates).collect();
+    left.retain(|w| !indices.contains(w));
     let refuses = (0..witnesses.len())
         .any(|w| refusable(w) && matches!(witnesses[w].observation.response, Response::Rejected));
     let diagnosis = |mode: FailureMode| {
-        let these = mode.select(witnesses, &of);
+        let these = mode.select(witnesses, &indices);
         let expect = |w: &usize| witnesses[*w].case.expect;
         let may_be_read = |w: &usize| {
             matches!(
@@ -40,7 +40,7 @@ pub(in crate::diagnose) fn describe(
         };
         Diagnosis::from_description(Category::Violation, witnesses, &these, words)
     };
-    FailureMode::list_by_frequency(witnesses, &of)
+    FailureMode::list_by_frequency(witnesses, &indices)
         .into_iter()
         .map(diagnosis)
         .collect()

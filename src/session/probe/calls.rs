@@ -57,7 +57,7 @@ impl Calls<'_> {
             // All output is examined: an f64 for each byte of the file, and more.
             largest_frame: file.len().max(1 << 12) * 18,
             timeout_factor: 1,
-            alone: true,
+            needs_new_process: true,
         };
         match template {
             None => self.decoder.ask(&request, self.scratch),

@@ -140,8 +140,8 @@ const MAX_ANSWER: usize = 1 << 20;
 impl<'a> Dialog<'a> {
     fn start(calls: &Calls<'a>) -> Option<Dialog<'a>> {
         let (decoder, workspace) = (calls.decoder, calls.scratch.workspace().ok()?);
-        let words = decoder.followed_by(&[OsStr::new("serve")]);
-        let call = decoder.start(&words, &workspace.workplace, Stdio::piped());
+        let words = decoder.command_with(&[OsStr::new("serve")]);
+        let call = decoder.start_command(&words, &workspace.workplace, Stdio::piped());
         Some(Dialog {
             call: call.ok()?,
             workspace,
@@ -185,7 +185,7 @@ impl<'a> Dialog<'a> {
                 return served;
             }
             if has_ended {
-                let status = self.call.end(&self.workspace.workplace);
+                let status = self.call.kill_and_reap(&self.workspace.workplace);
                 return Served::Gone(status.is_ok_and(|status| status.success()));
             }
             let left = deadline.saturating_duration_since(Instant::now());
@@ -228,6 +228,6 @@ impl<'a> Dialog<'a> {
 impl Drop for Dialog<'_> {
     fn drop(&mut self) {
         // An error means that no process is left.
-        let _ = self.call.end(&self.workspace.workplace);
+        let _ = self.call.kill_and_reap(&self.workspace.workplace);
     }
 }

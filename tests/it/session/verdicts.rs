@@ -242,7 +242,7 @@ fn different_limits_are_not_nondeterminism() {
             let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
             let case = suite.case(request.name).expect("a case of the suite");
             match hoards(case) {
-                true if request.alone => Reply::from(hang()),
+                true if request.needs_new_process => Reply::from(hang()),
                 true => Reply {
                     served: served.then(hang),
                     ..Reply::from(out_of_memory)
