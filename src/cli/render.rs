@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::render::{encode_image, lit, normals, sheet, upscale};
+use ptm_conform::tools::render::{encode_image, normals, render_lit, sheet, upscale};
 
 /// Render a map: under one light, under many lights, or its normals.
 ///
@@ -60,7 +60,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         ),
         (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
         (None, false, (lu, lv)) => {
-            let image = lit(&ptm.coefficients(), lu, lv);
+            let image = render_lit(&ptm.coefficients(), lu, lv);
             (image, format!("light {lu},{lv}"))
         }
     };
@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
     files::write_atomically(&args.output, encode_image(image, format)?)?;
-    output::note(&format!(
+    output::print_note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)

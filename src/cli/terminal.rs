@@ -39,7 +39,7 @@ const STYLED_PREFIXES: [(&[&str], Style); 6] = [
 ];
 
 /// Prints text, colored and wrapped for the terminal.
-pub fn show(text: &str) {
+pub fn print_styled(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stdout()));
     print(&add_links(&style_text(text, width)));
 }

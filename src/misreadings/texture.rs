@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use super::misreading::{Misreading, catalog};
-use crate::texture::compose::{mix, times};
+use crate::texture::compose::{mix, multiply};
 use crate::texture::parameterize::{dot, length};
 use crate::texture::primitive::Terms;
 use crate::texture::stage::is_split;
@@ -450,7 +450,7 @@ const CHANGES: &[(&str, Change)] = &[
         };
     }),
     ("modulate-lit-twice", |r| {
-        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
+        r.modulate = |x| changed((SPEC.modulate)(x), |y| y.color = multiply(x.white, y.color));
     }),
     ("blend-the-other-way", |r| {
         r.blend_env_color =
@@ -458,13 +458,13 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("blend-adds", |r| {
         r.blend_env_color = |x| {
-            let environment = times(x.white, x.entry.env_color);
+            let environment = multiply(x.white, x.entry.env_color);
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
             multiply_by_color((SPEC.blend_env_color)(x), sum)
         };
     }),
     ("blend-with-the-texel", |r| {
-        r.blend_env_color = |x| blended(x, times(x.white, x.color));
+        r.blend_env_color = |x| blended(x, multiply(x.white, x.color));
     }),
     ("blend-environment-unlit", |r| {
         r.blend_env_color = |x| blended(x, x.entry.env_color);
@@ -473,7 +473,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.blend_env_color = |x| with_alpha((SPEC.blend_env_color)(x), x.input.alpha);
     }),
     ("background-for-environment", |r| {
-        r.blend_env_color = |x| blended(x, times(x.white, x.entry.background_color));
+        r.blend_env_color = |x| blended(x, multiply(x.white, x.entry.background_color));
     }),
     ("channel-ignored", |r| {
         r.gamma = |_, texel| [(SPEC.texel_color)(texel)[0]; 3];
@@ -510,12 +510,12 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("decal-the-other-way", |r| {
         r.decal = |x| match x.alpha {
-            Some(alpha) => covered(x, times(x.white, x.color), [1.0 - alpha; 3]),
+            Some(alpha) => covered(x, multiply(x.white, x.color), [1.0 - alpha; 3]),
             None => (SPEC.decal)(x),
         };
     }),
     ("decal-by-primitive-alpha", |r| {
-        r.decal = |x| covered(x, times(x.white, x.color), [x.input.alpha; 3]);
+        r.decal = |x| covered(x, multiply(x.white, x.color), [x.input.alpha; 3]);
     }),
     ("decal-replaces-alpha", |r| {
         r.decal = |x| with_alpha((SPEC.decal)(x), x.alpha.unwrap_or(x.input.alpha));
@@ -527,7 +527,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.decal = |x| x.alpha.map_or(x.input, |_| (SPEC.decal)(x));
     }),
     ("decal-by-channel", |r| {
-        r.decal = |x| covered(x, times(x.white, x.color), x.gamma);
+        r.decal = |x| covered(x, multiply(x.white, x.color), x.gamma);
     }),
     ("decal-unlit", |r| {
         r.decal = |x| covered(x, x.color, [x.alpha.unwrap_or(1.0); 3]);
@@ -538,12 +538,12 @@ const CHANGES: &[(&str, Change)] = &[
     ("environment-for-background", |r| {
         r.decal_background = |x| {
             let over = mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]);
-            multiply_by_color(x.input, times(x.white, over))
+            multiply_by_color(x.input, multiply(x.white, over))
         };
     }),
     ("background-unlit", |r| {
         r.decal_background = |x| {
-            let [lit, share] = [times(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
+            let [lit, share] = [multiply(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
             multiply_by_color(x.input, mix(x.entry.background_color, lit, share))
         };
     }),
@@ -554,14 +554,14 @@ const CHANGES: &[(&str, Change)] = &[
     ("background-without-alpha", |r| {
         r.decal_background = |x| match x.alpha {
             Some(_) => (SPEC.decal_background)(x),
-            None => multiply_by_color(x.input, times(x.white, x.entry.background_color)),
+            None => multiply_by_color(x.input, multiply(x.white, x.entry.background_color)),
         };
     }),
     ("background-the-other-way", |r| {
         r.decal_background = |x| match x.alpha {
             Some(alpha) => {
                 let under = mix(x.color, x.entry.background_color, [alpha; 3]);
-                multiply_by_color(x.input, times(x.white, under))
+                multiply_by_color(x.input, multiply(x.white, under))
             }
             None => (SPEC.decal_background)(x),
         };
@@ -819,7 +819,7 @@ fn all_at(maps: &[(Entry, Fetched)], control: RenderingControl) -> Vec<(Entry, F
 /// Applies the maps to the lit color, as if the light on a white surface were white.
 fn unlit(maps: &[(Entry, Fetched)], lit: &LitPrimitive, rules: &Rules) -> Shade {
     let diffuse = LitPrimitive {
-        surface: multiply_by_color(lit.surface, times(lit.white, lit.surface.color)),
+        surface: multiply_by_color(lit.surface, multiply(lit.white, lit.surface.color)),
         white: [1.0; 3],
         ..*lit
     };

@@ -9,7 +9,7 @@ use maud::{Markup, html};
 
 use crate::evaluate::Coefficients;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
-use crate::tools::render::{encode_image, lit};
+use crate::tools::render::{encode_image, render_lit};
 
 /// Maximum side length of a displayed image, in CSS pixels.
 const MAX_DISPLAYED_SIDE: u32 = 224;
@@ -20,7 +20,7 @@ const SEPARATOR_GRAY: Luma<u8> = Luma([128]);
 
 /// Renders a map under a light as an embedded image. `says` is the alternative text.
 pub(super) fn render_map(map: &Coefficients, (lu, lv): (f64, f64), says: &str) -> Markup {
-    embed_image(subsample(&lit(map, lu, lv)), says)
+    embed_image(subsample(&render_lit(map, lu, lv)), says)
 }
 
 /// Renders a frame as an embedded image: colors directly, and other views as planes side by side.

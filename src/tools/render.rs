@@ -22,7 +22,7 @@ const RIM_RADIUS: f64 = 0.9;
 
 /// Renders a map under one light.
 #[must_use]
-pub fn lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
+pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
     rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 
@@ -51,7 +51,7 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     for row in 0..side {
         for column in 0..side {
             let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
-            let small = downscale(&lit(&coefficients, lu, lv), factor);
+            let small = downscale(&render_lit(&coefficients, lu, lv), factor);
             let (x, y) = (place(column, width), place(row, height));
             imageops::replace(&mut sheet, &small, x.into(), y.into());
         }
@@ -141,7 +141,7 @@ pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
     image.expect("three samples per pixel")
 }
 
-/// Encodes an image in the given file format. JPEG files use [`JPEG_QUALITY`].
+/// Encodes an image in the given file format. JPEG files use `JPEG_QUALITY`.
 ///
 /// # Errors
 /// Returns an error if the image is too large for the format.

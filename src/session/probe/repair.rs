@@ -5,7 +5,7 @@ use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
 use super::body::body;
-use super::message::{ProbeFault, fault, joined};
+use super::message::{ProbeFault, fault, join_texts};
 
 /// The mistakes that must be undone to get the right image.
 pub(super) struct Repair {
@@ -16,7 +16,7 @@ pub(super) struct Repair {
 
 impl Repair {
     pub(super) fn fault(self) -> ProbeFault {
-        joined(self.mistakes, "\n")
+        join_texts(self.mistakes, "\n")
     }
 }
 
