@@ -10,9 +10,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use ptm_conform::misreadings;
-use ptm_conform::writers::reference::{NotWritten, written};
+use ptm_conform::writers::reference::{NotWritten, write_requested_file};
 use ptm_conform::writers::request::RequestHeader;
-use ptm_conform::writers::wrong::miswritten;
+use ptm_conform::writers::wrong::write_with_mistake;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();
@@ -36,7 +36,8 @@ fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
     let header = RequestHeader::read(&read(request)?)?;
     let array = read(&header.planes)?;
     let request = header.with_planes(&array)?;
-    let file = miswritten(&request, mistake).map_or_else(|| written(&request), Ok);
+    let file =
+        write_with_mistake(&request, mistake).map_or_else(|| write_requested_file(&request), Ok);
     match file {
         Ok(file) => {
             let said = |error| format!("{}: {error}", out.display());

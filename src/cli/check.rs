@@ -13,7 +13,7 @@ use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::save_files;
 use super::subject::{Answers, Subject, program};
-use super::terminal::show;
+use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::capabilities::Capabilities;
@@ -161,7 +161,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let command = quote_command(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = save_files(repeat, &command, &directory) {
-            show(&format!("see it again:\n  $ {command}\n"));
+            print_styled(&format!("see it again:\n  $ {command}\n"));
         }
     }
 }

@@ -38,6 +38,6 @@ pub fn run_man(args: &ManArgs, program: &Command) -> CommandResult {
     let directory = &args.directory;
     fs::create_dir_all(directory).map_err(with_path(directory))?;
     clap_mangen::generate_to(program.clone(), directory).map_err(with_path(directory))?;
-    output::note(&format!("man pages in {}\n", directory.display()));
+    output::print_note(&format!("man pages in {}\n", directory.display()));
     Ok(0)
 }

@@ -78,7 +78,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         converted.bytes.len(),
         describe_losses(&converted),
     );
-    output::note(&format!(
+    output::print_note(&format!(
         "{output}: {source} -> {format}, {before} -> {after} bytes, {losses}\n"
     ));
     Ok(0)
@@ -94,7 +94,7 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
     files::write_atomically(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {
-        output::note(&format!("{output}: {change}\n"));
+        output::print_note(&format!("{output}: {change}\n"));
     }
     Ok(0)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{self, MachineFormatArgs};
-use super::terminal::show;
+use super::terminal::print_styled;
 use super::{CommandResult, files};
 use ptm_conform::tools::diff::diff;
 use ptm_conform::tools::dissection::Dissection;
@@ -43,12 +43,12 @@ pub fn run(args: &DiffArgs) -> CommandResult {
         return Ok(2);
     };
     let difference = diff((&a_file, a), (&b_file, b));
-    if !args.machine.print(&difference)? && !output::quiet() {
+    if !args.machine.print(&difference)? && !output::is_quiet() {
         let same = match difference.same {
             true => "the same map\n",
             false => "",
         };
-        show(&(difference.to_text() + same));
+        print_styled(&(difference.to_text() + same));
     }
     Ok(u8::from(!difference.same))
 }

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
-use super::terminal::show;
+use super::terminal::print_styled;
 use ptm_conform::report::Report;
 use ptm_conform::report::baseline::{Baseline, BaselineComparison};
 use ptm_conform::report::github;
@@ -126,7 +126,7 @@ impl<'a> ReportWriter<'a> {
         }
         let text = report.to_text(suite, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
-        show(&match self.args.github {
+        print_styled(&match self.args.github {
             true => github::quote_commands(&text),
             false => text,
         });

@@ -15,7 +15,7 @@ use super::links::page_line;
 use super::names::nearest_names;
 #[cfg(unix)]
 use super::output::{bar, jobs};
-use super::terminal::show;
+use super::terminal::print_styled;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 use ptm_conform::ptm::Format;
@@ -44,13 +44,13 @@ pub struct ExplainArgs {
 /// Explains an id, or suggests similar ids if it is unknown.
 pub fn run(args: &ExplainArgs) -> CommandResult {
     let Some(id) = &args.id else {
-        show(&list_ids(&Suite::load()?)?);
+        print_styled(&list_ids(&Suite::load()?)?);
         return Ok(0);
     };
     let Some(text) = explain(id)? else {
         return Err(unknown_id_message(id, &Suite::load()?)?.into());
     };
-    show(&text);
+    print_styled(&text);
     Ok(0)
 }
 

@@ -68,6 +68,6 @@ pub fn run(args: &ExportArgs) -> CommandResult {
     };
     files::write_atomically(&args.output, bytes)?;
     let (output, size) = (args.output.display(), ptm.header.size);
-    output::note(&format!("{output}: {what}, {size} texels\n"));
+    output::print_note(&format!("{output}: {what}, {size} texels\n"));
     Ok(0)
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::arguments::id_filter;
 use super::names::did_you_mean;
-use super::output::{jobs, note, with_progress};
+use super::output::{jobs, print_note, with_progress};
 use super::{CommandResult, files};
 #[cfg(unix)]
 use ptm_conform::protocol::frame::ViewKind;
@@ -64,7 +64,7 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
         let count = with_progress(|progress| outputs::export(&suite, view, out, &progress))
             .map_err(|error| error.to_string())?;
         let out = out.display();
-        note(&format!(
+        print_note(&format!(
             "{count} requests for {view} in {out}; next steps: {out}/README.txt\n"
         ));
         return Ok(0);
@@ -86,7 +86,7 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     let bytes = entries.iter().map(|entry| entry.bytes);
     let bytes: usize = bytes.filter(|&bytes| bytes <= largest).sum();
     let (count, out) = (entries.len(), out.display());
-    note(&format!(
+    print_note(&format!(
         "{count} cases, {bytes} bytes of PTM files in {out}{hint}\n"
     ));
     Ok(0)
@@ -116,7 +116,7 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
         let file = &case.build(TableSpelling::default()).file;
         files::write_atomically(&path, file)?;
         let (path, size, expected) = (path.display(), file.len(), case.expect.name());
-        note(&format!(
+        print_note(&format!(
             "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
         ));
     }
@@ -128,7 +128,7 @@ fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> Co
         .map_err(|error| error.to_string())?;
     let answers: usize = manifest.cases.iter().map(|case| case.expected.len()).sum();
     let (files, out) = (manifest.cases.len(), out.display());
-    note(&format!(
+    print_note(&format!(
         "{files} files and {answers} correct answers in {out}; README.md explains how to use them\n"
     ));
     Ok(0)

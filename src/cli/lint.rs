@@ -22,7 +22,7 @@ use ptm_conform::kit::yaml;
 use ptm_conform::readers::ReaderProfile;
 use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::lint::codes::{ALL, Severity};
-use ptm_conform::tools::lint::names::printable;
+use ptm_conform::tools::lint::names::escape_name;
 use ptm_conform::tools::lint::settings::Settings;
 use ptm_conform::tools::lint::status::{MAGIC, Status};
 
@@ -227,7 +227,11 @@ impl Judge<'_> {
     /// Reads and checks a file. A panic affects only the result for this file.
     fn lint_item(&self, met: WalkItem) -> Row {
         let unread = |path: &Path, reason: &str| {
-            Lint::unread(&printable(path.as_os_str()), None, Some(reason.to_owned()))
+            Lint::unread(
+                &escape_name(path.as_os_str()),
+                None,
+                Some(reason.to_owned()),
+            )
         };
         let (path, judged) = match met {
             WalkItem::File(path) => {
@@ -247,7 +251,7 @@ impl Judge<'_> {
 
     /// Checks a file. Waits until there is enough memory for a PTM and its planes.
     fn judge(&self, path: &Path) -> io::Result<Lint> {
-        let (name, limit) = (printable(path.as_os_str()), self.limit);
+        let (name, limit) = (escape_name(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
             let reason = format!("larger than the limit of {limit} bytes");
             Lint::unread(&name, length, Some(reason))

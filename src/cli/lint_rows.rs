@@ -99,7 +99,7 @@ impl Rows {
             RowFormat::Yaml if self.totals.files == 0 => emit("[]\n")?,
             _ => {}
         }
-        if self.totals.files > 1 && !output::quiet() {
+        if self.totals.files > 1 && !output::is_quiet() {
             let totals = self.totals.to_text();
             match self.format {
                 RowFormat::Text => emit(&totals)?,
@@ -122,7 +122,7 @@ impl Rows {
 }
 
 fn print_text(lint: &Lint) -> io::Result<()> {
-    let (least, summary) = match output::quiet() {
+    let (least, summary) = match output::is_quiet() {
         // Without a finding, the summary is the only line about the file.
         true if lint.reason.is_none() => (Severity::Error, String::new()),
         _ => (Severity::Info, lint.summary()),

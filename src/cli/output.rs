@@ -57,7 +57,7 @@ impl GlobalArgs {
 }
 
 /// Returns true if only results and errors should be printed.
-pub fn quiet() -> bool {
+pub fn is_quiet() -> bool {
     QUIET.load(Relaxed)
 }
 
@@ -75,8 +75,8 @@ pub fn print_error(text: &str) {
 }
 
 /// Prints a note unless `--quiet` is given.
-pub fn note(text: &str) {
-    if !quiet() {
+pub fn print_note(text: &str) {
+    if !is_quiet() {
         print(text);
     }
 }
@@ -105,7 +105,7 @@ pub fn jobs(requested: Option<usize>) -> Result<usize, String> {
 
 /// Creates a progress bar on standard error. The bar is hidden if standard error is not a terminal or `--quiet` is given.
 pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
-    let bar = match (quiet(), length) {
+    let bar = match (is_quiet(), length) {
         (true, _) => ProgressBar::hidden(),
         (false, Some(length)) => ProgressBar::new(length),
         (false, None) => ProgressBar::no_length(),

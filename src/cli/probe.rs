@@ -10,7 +10,7 @@ use super::CommandResult;
 use super::arguments::positive_seconds;
 use super::calls::quote_command;
 use super::guard::{ScratchGuard, check_trouble};
-use super::terminal::show;
+use super::terminal::print_styled;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
@@ -70,8 +70,8 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         (1, false) => "1 thing to fix; then probe again\n".to_owned(),
         (faults, false) => format!("{faults} things to fix; then probe again\n"),
     };
-    show(&list.to_text(&repeat));
-    show(&next);
+    print_styled(&list.to_text(&repeat));
+    print_styled(&next);
     Ok(list.exit_status())
 }
 

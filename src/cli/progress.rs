@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
-use super::output::{bar, print_error, quiet};
+use super::output::{bar, is_quiet, print_error};
 
 /// Interval of updates on a terminal, and interval of new lines elsewhere.
 const UPDATE_INTERVALS: (Duration, Duration) =
@@ -78,7 +78,7 @@ impl ProgressLine {
             since: Instant::now(),
         }));
         let bar = bar(Some(0), "{bar:30} {msg}");
-        let ticker = (!quiet()).then(|| {
+        let ticker = (!is_quiet()).then(|| {
             let (bar, activity) = (bar.clone(), Arc::clone(&activity));
             let (end, ended) = channel();
             let on_terminal = std::io::stderr().is_terminal();
@@ -147,7 +147,7 @@ impl ProgressLine {
 
     /// Prints a message without disturbing the progress display.
     pub fn print_message(&self, text: &str) {
-        if !quiet() {
+        if !is_quiet() {
             self.bar.suspend(|| print_error(text));
         }
     }

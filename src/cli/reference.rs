@@ -98,7 +98,7 @@ fn malformed(path: &Path) -> impl Fn(String) -> CommandError + '_ {
 
 /// Writes the requested file, or returns the reason why it cannot be written.
 fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
-    let (status, says) = match reference::written(request) {
+    let (status, says) = match reference::write_requested_file(request) {
         Ok(bytes) => return Ok(files::write_atomically(out, bytes).map(|()| 0)?),
         Err(NotWritten::Impossible(says)) => (EXIT_MALFORMED, says),
         Err(NotWritten::Unsupported(says)) => (EXIT_UNSUPPORTED, says),

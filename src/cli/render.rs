@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
     files::write_atomically(&args.output, encode_image(image, format)?)?;
-    output::note(&format!(
+    output::print_note(&format!(
         "{output}: {what}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)

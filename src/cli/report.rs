@@ -134,7 +134,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
                 let says = "no case of the report matches";
                 return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
             }
-            super::terminal::show(&escape_control_characters(&text));
+            super::terminal::print_styled(&escape_control_characters(&text));
             Ok(0)
         }
         ReportCommand::Merge(args) => {
@@ -160,7 +160,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         }
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
-            super::terminal::show(&escape_control_characters(&changes));
+            super::terminal::print_styled(&escape_control_characters(&changes));
             Ok(u8::from(!changes.is_empty()))
         }
     }

@@ -8,7 +8,7 @@ use ptm_conform::site::build;
 
 use super::CommandResult;
 use super::files::{read, with_path};
-use super::output::{jobs, note, print};
+use super::output::{jobs, print, print_note};
 
 /// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
 ///
@@ -47,7 +47,7 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let index = args.out.join("index.html");
     print(&format!("{count} files, {size} MB: {}\n", index.display()));
     if module.is_none() {
-        note("drop.html says how to add the page on which files can be dropped\n");
+        print_note("drop.html says how to add the page on which files can be dropped\n");
     }
     Ok(0)
 }

@@ -39,7 +39,7 @@ const STYLED_PREFIXES: [(&[&str], Style); 6] = [
 ];
 
 /// Prints text, colored and wrapped for the terminal.
-pub fn show(text: &str) {
+pub fn print_styled(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stdout()));
     print(&add_links(&style_text(text, width)));
 }
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn lines_are_colored_by_their_meaning() {
-        let multiply_by_color = |line: &str| {
+        let colored_word = |line: &str| {
             let (end, style) = styled_prefix(line)?;
             Some((line[..end].to_owned(), style))
         };
@@ -130,12 +130,12 @@ mod tests {
             ("clause 2.5/2: x", "clause 2.5/2:", HEADING_STYLE),
         ] {
             assert_eq!(
-                multiply_by_color(line),
+                colored_word(line),
                 Some((marked.to_owned(), style)),
                 "{line}"
             );
         }
-        assert_eq!(multiply_by_color("3 of the failures: x"), None);
-        assert_eq!(multiply_by_color("  case of need"), None);
+        assert_eq!(colored_word("3 of the failures: x"), None);
+        assert_eq!(colored_word("  case of need"), None);
     }
 }

@@ -7,7 +7,7 @@
 use std::sync::LazyLock;
 
 use super::misreading::{Misreading, load_catalog};
-use crate::texture::compose::{mix, times};
+use crate::texture::compose::{mix, multiply};
 use crate::texture::parameterize::{dot, length};
 use crate::texture::primitive::Terms;
 use crate::texture::stage::is_split;
@@ -465,7 +465,7 @@ const CHANGES: &[(&str, Change)] = &[
         };
     }),
     ("modulate-lit-twice", |r| {
-        r.modulate = |x| with_change((SPEC.modulate)(x), |y| y.color = times(x.white, y.color));
+        r.modulate = |x| with_change((SPEC.modulate)(x), |y| y.color = multiply(x.white, y.color));
     }),
     ("blend-the-other-way", |r| {
         r.blend_env_color =
@@ -473,13 +473,13 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("blend-adds", |r| {
         r.blend_env_color = |x| {
-            let environment = times(x.white, x.entry.env_color);
+            let environment = multiply(x.white, x.entry.env_color);
             let sum = [0, 1, 2].map(|c| x.input.color[c] + x.gamma[c] * environment[c]);
             with_color((SPEC.blend_env_color)(x), sum)
         };
     }),
     ("blend-with-the-texel", |r| {
-        r.blend_env_color = |x| blend_with(x, times(x.white, x.color));
+        r.blend_env_color = |x| blend_with(x, multiply(x.white, x.color));
     }),
     ("blend-environment-unlit", |r| {
         r.blend_env_color = |x| blend_with(x, x.entry.env_color);
@@ -488,7 +488,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.blend_env_color = |x| with_alpha((SPEC.blend_env_color)(x), x.input.alpha);
     }),
     ("background-for-environment", |r| {
-        r.blend_env_color = |x| blend_with(x, times(x.white, x.entry.background_color));
+        r.blend_env_color = |x| blend_with(x, multiply(x.white, x.entry.background_color));
     }),
     ("channel-ignored", |r| {
         r.gamma = |_, texel| [(SPEC.texel_color)(texel)[0]; 3];
@@ -525,12 +525,12 @@ const CHANGES: &[(&str, Change)] = &[
     }),
     ("decal-the-other-way", |r| {
         r.decal = |x| match x.alpha {
-            Some(alpha) => cover_with(x, times(x.white, x.color), [1.0 - alpha; 3]),
+            Some(alpha) => cover_with(x, multiply(x.white, x.color), [1.0 - alpha; 3]),
             None => (SPEC.decal)(x),
         };
     }),
     ("decal-by-primitive-alpha", |r| {
-        r.decal = |x| cover_with(x, times(x.white, x.color), [x.input.alpha; 3]);
+        r.decal = |x| cover_with(x, multiply(x.white, x.color), [x.input.alpha; 3]);
     }),
     ("decal-replaces-alpha", |r| {
         r.decal = |x| with_alpha((SPEC.decal)(x), x.alpha.unwrap_or(x.input.alpha));
@@ -542,7 +542,7 @@ const CHANGES: &[(&str, Change)] = &[
         r.decal = |x| x.alpha.map_or(x.input, |_| (SPEC.decal)(x));
     }),
     ("decal-by-channel", |r| {
-        r.decal = |x| cover_with(x, times(x.white, x.color), x.gamma);
+        r.decal = |x| cover_with(x, multiply(x.white, x.color), x.gamma);
     }),
     ("decal-unlit", |r| {
         r.decal = |x| cover_with(x, x.color, [x.alpha.unwrap_or(1.0); 3]);
@@ -553,12 +553,12 @@ const CHANGES: &[(&str, Change)] = &[
     ("environment-for-background", |r| {
         r.decal_background = |x| {
             let over = mix(x.entry.env_color, x.color, [x.alpha.unwrap_or(1.0); 3]);
-            with_color(x.input, times(x.white, over))
+            with_color(x.input, multiply(x.white, over))
         };
     }),
     ("background-unlit", |r| {
         r.decal_background = |x| {
-            let [lit, share] = [times(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
+            let [lit, share] = [multiply(x.white, x.color), [x.alpha.unwrap_or(1.0); 3]];
             with_color(x.input, mix(x.entry.background_color, lit, share))
         };
     }),
@@ -569,14 +569,14 @@ const CHANGES: &[(&str, Change)] = &[
     ("background-without-alpha", |r| {
         r.decal_background = |x| match x.alpha {
             Some(_) => (SPEC.decal_background)(x),
-            None => with_color(x.input, times(x.white, x.entry.background_color)),
+            None => with_color(x.input, multiply(x.white, x.entry.background_color)),
         };
     }),
     ("background-the-other-way", |r| {
         r.decal_background = |x| match x.alpha {
             Some(alpha) => {
                 let under = mix(x.color, x.entry.background_color, [alpha; 3]);
-                with_color(x.input, times(x.white, under))
+                with_color(x.input, multiply(x.white, under))
             }
             None => (SPEC.decal_background)(x),
         };
@@ -837,7 +837,7 @@ fn with_rendering_control(
 /// Applies the maps to the lit color, as if the light on a white surface were white.
 fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &LitPrimitive, rules: &Rules) -> Shade {
     let diffuse = LitPrimitive {
-        surface: with_color(lit.surface, times(lit.white, lit.surface.color)),
+        surface: with_color(lit.surface, multiply(lit.white, lit.surface.color)),
         white: [1.0; 3],
         ..*lit
     };

@@ -232,12 +232,12 @@ fn escape_property(text: &str) -> String {
 
 /// Escapes Markdown and HTML in `text` and joins its lines.
 fn escape_markdown(text: &str) -> String {
-    escaped(text, |c| format!("\\{c}"))
+    escape_with(text, |c| format!("\\{c}"))
 }
 
 /// Formats `text` as inline code; any characters are allowed.
 fn inline_code(text: &str) -> String {
-    let escaped = escaped(text, |c| match c {
+    let escaped = escape_with(text, |c| match c {
         '#' | '!' => c.to_string(),
         _ => format!("&#{};", u32::from(c)),
     });
@@ -245,7 +245,7 @@ fn inline_code(text: &str) -> String {
 }
 
 /// Escapes HTML and replaces line breaks by spaces. Markdown characters are escaped with `markdown`.
-fn escaped(text: &str, markdown: impl Fn(char) -> String) -> String {
+fn escape_with(text: &str, markdown: impl Fn(char) -> String) -> String {
     let escape = |c: char| match c {
         '<' => "&lt;".to_owned(),
         '>' => "&gt;".to_owned(),

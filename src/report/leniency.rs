@@ -79,7 +79,7 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
 }
 
 /// Returns the ids of the first passing cases whose indices satisfy `is`.
-pub(super) fn passing<C: TestCase>(
+pub(super) fn passing_case_ids<C: TestCase>(
     suite: &Suite<C>,
     run: &Run<C>,
     is: impl Fn(usize) -> bool,

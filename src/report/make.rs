@@ -7,7 +7,7 @@ use crate::misreadings::Misreading;
 use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
 };
-use crate::report::leniency::{leniency, passing};
+use crate::report::leniency::{leniency, passing_case_ids};
 use crate::report::reported::Reported;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
@@ -126,7 +126,7 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
         FollowedReading {
             ruling: choice.ruling.to_owned(),
             reading: choice.readings[reading].0.to_owned(),
-            shown_by: passing(suite, run, shows),
+            shown_by: passing_case_ids(suite, run, shows),
         }
     });
     let mut readings = C::readings_of_files(suite, run);

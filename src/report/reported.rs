@@ -9,7 +9,7 @@ use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
 use crate::report::document::FollowedReading;
 use crate::report::html::evidence;
-use crate::report::leniency::passing;
+use crate::report::leniency::passing_case_ids;
 use crate::session::contact::Contact;
 use crate::session::observation::Observation;
 use crate::session::run::{Run, Session};
@@ -117,7 +117,7 @@ impl Reported for Case {
         let reading = |ruling: &str, reading: &str| FollowedReading {
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
-            shown_by: passing(suite, run, |i| {
+            shown_by: passing_case_ids(suite, run, |i| {
                 let case = &suite.cases[i];
                 case.expect == Expect::Spelling && case.ruling.as_deref() == Some(ruling)
             }),

@@ -141,7 +141,7 @@ impl<C: TestCase> Page<'_, C> {
             writeln!(out, "  {}{}{}", detail.before, detail.name, detail.after)?;
         }
         if let Some(example) = &cause.example {
-            writeln!(out, "  {}", capitalized(example))?;
+            writeln!(out, "  {}", capitalize(example))?;
         }
         let (more, examples) = match &cause.misreading {
             Some(slug) => (format!(" More: ptm-conform explain {slug}"), MAX_EXAMPLES.0),
@@ -270,7 +270,7 @@ fn write_list(
     }
 }
 
-fn capitalized(text: &str) -> String {
+fn capitalize(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| {
         first.to_uppercase().chain(letters).collect()

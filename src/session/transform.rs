@@ -10,7 +10,7 @@ use crate::protocol::frame::{Frame, ViewKind};
 use crate::session::asking::{Undo, Undoing};
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::curve;
-use crate::session::probe::{Arrangement, ProbeFault, joined};
+use crate::session::probe::{Arrangement, ProbeFault, join_texts};
 use crate::session::remark::Remark;
 use crate::suite::cases::{Case, Suite};
 
@@ -120,7 +120,7 @@ fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
     let mut arrangements: Vec<Arrangement> = Arrangement::all().skip(1).collect();
     arrangements.sort_by_key(|arrangement| arrangement.mistakes().len());
     let arrangements = arrangements.into_iter().map(|arrangement| {
-        let mistakes = joined(arrangement.mistakes(), "\n  ");
+        let mistakes = join_texts(arrangement.mistakes(), "\n  ");
         change(mistakes, Arc::new(move |frame, _| arrangement.undo(frame)))
     });
     let pairs = pictures.iter();

@@ -149,7 +149,7 @@ fn render_example(
             } }
             (result(&executed.asks, &executed.found, example.because.as_deref()))
             @for (reading, found) in &executed.otherwise {
-                p.otherwise { "Under the other reading, " em { (reading) } ": " (in_line(found)) "." }
+                p.otherwise { "Under the other reading, " em { (reading) } ": " (inline_result(found)) "." }
             }
         }
     }
@@ -158,7 +158,7 @@ fn render_example(
 fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
     html! {
         @match found {
-            Found::Refused(..) => p.result { (in_line(found)) "." },
+            Found::Refused(..) => p.result { (inline_result(found)) "." },
             Found::Values(names, rows) => div.scroll tabindex="0" { table.values {
                 thead { tr { th scope="col" { code { (asks) } } @for name in names { th.number scope="col" { (name) } } } }
                 tbody { @for (texel, values) in rows { tr { th scope="row" { "texel " (texel) } @for value in values { td.number { (value) } } } } }
@@ -168,7 +168,7 @@ fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
     }
 }
 
-fn in_line(found: &Found) -> Markup {
+fn inline_result(found: &Found) -> Markup {
     match found {
         Found::Refused(clause, why) => {
             html! { b { "Refused" } " for clause " (clause) ": " code { (why) } }

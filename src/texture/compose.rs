@@ -67,7 +67,7 @@ pub(crate) fn compose_texel(
 /// Composes with method Replace (R-CMP-30, R-CMP-31).
 pub(crate) fn replace(x: &Terms) -> Shade {
     Shade {
-        color: times(x.white, x.color),
+        color: multiply(x.white, x.color),
         alpha: x.alpha.unwrap_or(x.input.alpha),
     }
 }
@@ -75,14 +75,14 @@ pub(crate) fn replace(x: &Terms) -> Shade {
 /// Composes with method Modulate (R-CMP-32, R-CMP-33).
 pub(crate) fn modulate(x: &Terms) -> Shade {
     Shade {
-        color: times(x.input.color, x.color),
+        color: multiply(x.input.color, x.color),
         alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
     }
 }
 
 /// Composes with method `BlendEnvColor` (R-CMP-34, R-CMP-35).
 pub(crate) fn blend_env_color(x: &Terms) -> Shade {
-    let environment = times(x.white, x.entry.env_color);
+    let environment = multiply(x.white, x.entry.env_color);
     Shade {
         color: mix(x.input.color, environment, x.gamma),
         alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
@@ -93,7 +93,7 @@ pub(crate) fn blend_env_color(x: &Terms) -> Shade {
 pub(crate) fn decal(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     Shade {
-        color: mix(x.input.color, times(x.white, x.color), [share; 3]),
+        color: mix(x.input.color, multiply(x.white, x.color), [share; 3]),
         alpha: x.input.alpha,
     }
 }
@@ -103,7 +103,7 @@ pub(crate) fn decal_background(x: &Terms) -> Shade {
     let share = x.alpha.unwrap_or(1.0);
     let over = mix(x.entry.background_color, x.color, [share; 3]);
     Shade {
-        color: times(x.white, over),
+        color: multiply(x.white, over),
         alpha: x.input.alpha,
     }
 }
@@ -121,7 +121,7 @@ pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     [gamma; 3]
 }
 
-pub(crate) fn times(a: Color, b: Color) -> Color {
+pub(crate) fn multiply(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 

@@ -181,9 +181,9 @@ fn light_surface(preview: &Preview, point: &Point) -> LitPrimitive {
     let normal = point.wc.normal.unwrap_or_default();
     let (lu, lv) = preview.light;
     let lw = (1.0 - lu * lu - lv * lv).max(0.0).sqrt();
-    let to_lamp = normalized([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
-    let to_eye = normalized([0, 1, 2].map(|c| EYE_POSITION[c] - position[c]));
-    let halfway = normalized([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
+    let to_lamp = normalize([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
+    let to_eye = normalize([0, 1, 2].map(|c| EYE_POSITION[c] - position[c]));
+    let halfway = normalize([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
     let diffuse = dot(normal, to_lamp).max(0.0);
     let highlight = dot(normal, halfway).max(0.0).powi(60);
     LitPrimitive {
@@ -196,7 +196,7 @@ fn light_surface(preview: &Preview, point: &Point) -> LitPrimitive {
     }
 }
 
-fn normalized(a: Vector) -> Vector {
+fn normalize(a: Vector) -> Vector {
     let length = length(a);
     a.map(|c| c / length)
 }

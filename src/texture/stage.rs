@@ -11,7 +11,7 @@
 //! - Both forms give the same color because of the position of CW in the equations (ruling `split-form`).
 //! - If a list contains maps of both kinds, there are two stages, each in the order of the list (ruling `two-stages`).
 
-use super::compose::{compose, times};
+use super::compose::{compose, multiply};
 use super::entry::{Color, Entry, RenderingControl};
 use super::primitive::{Fetched, Frequency, Interpolation, LitPrimitive, Shade};
 use super::rules::Rules;
@@ -45,7 +45,7 @@ pub(crate) fn apply_all_maps(
     };
     let lit = if is_split(interpolation, frequency) {
         let diffuse = Shade {
-            color: times(lit.white, lit.surface.color),
+            color: multiply(lit.white, lit.surface.color),
             ..lit.surface
         };
         let textured = all(RenderingControl::PreLight, diffuse, lit.white);
@@ -74,6 +74,6 @@ pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
 
 /// Performs the reflectance calculation: CW·C + CS.
 pub(crate) fn light(shade: Shade, lit: &LitPrimitive) -> Shade {
-    let color = times(lit.white, shade.color);
+    let color = multiply(lit.white, shade.color);
     add_specular(Shade { color, ..shade }, lit.specular)
 }

@@ -14,7 +14,7 @@ use crate::generate::plan::Residuals;
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Coding, Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::{describe_position, joined};
+use crate::tools::{describe_position, join_texts};
 
 /// Target of a conversion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
 /// else is spelled as every known reader accepts it.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
-        joined((0..count).filter_map(|i| dissection.text(role(i))), " ")
+        join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
     };
     let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
     recipe.scale = texts(Role::Scale, 6).parse()?;

@@ -5,7 +5,7 @@
 
 use super::convert::{Converted, Target, convert};
 use super::dissection::Dissection;
-use super::joined;
+use super::join_texts;
 use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
@@ -34,7 +34,7 @@ pub fn convert_for(
     let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
     let formats = std::iter::once(own).chain(others).filter(read_by_all);
     let formats: Vec<Format> = formats.collect();
-    let names = joined(readers.iter().map(|reader| &*reader.name), " and ");
+    let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
         return Err(format!(
             "{names}: no lossless format is read by all of them"

@@ -10,7 +10,7 @@ use exr::prelude::{
 use image::GrayImage;
 
 use crate::ptm::{Ptm, Shape, Size, channel_name};
-use crate::tools::joined;
+use crate::tools::join_texts;
 
 /// Encodes a map as an EXR file with named float channels for the final coefficients and the other channels. Blocks of 16
 /// scan lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix.
@@ -20,10 +20,13 @@ use crate::tools::joined;
 pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let coefficients = ptm.coefficients();
     let set = &ptm.header.scale_bias;
-    let (scale, bias) = (joined(set.scale, " "), joined(set.bias, " "));
+    let (scale, bias) = (join_texts(set.scale, " "), join_texts(set.bias, " "));
     let mut about = format!("{}; scale {scale}; bias {bias}", ptm.header.format);
     if let Shape::Lum(matrix) = &coefficients.shape {
-        about = format!("{about}; matrix, columns first, {}", joined(matrix.0, " "));
+        about = format!(
+            "{about}; matrix, columns first, {}",
+            join_texts(matrix.0, " ")
+        );
     }
     let channels = coefficients.shape.channels();
     encode_exr(&coefficients.values, coefficients.size, channels, &about)

@@ -10,7 +10,7 @@ use crate::error::{Class, Kind};
 use crate::ptm::{Format, Size, channel_name};
 use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
 use crate::tools::segments::segments;
-use crate::tools::{describe_position, joined, texel_index};
+use crate::tools::{describe_position, join_texts, texel_index};
 
 /// Number of table entries or records that are displayed unless all are requested.
 const MAX_ENTRIES: usize = 8;
@@ -154,7 +154,7 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
     let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
-        let (name, value) = (format!("entry {i}"), joined(entry, " "));
+        let (name, value) = (format!("entry {i}"), join_texts(entry, " "));
         let range = i * size..i * size + entry.len();
         new_element(part, range, part.clause, name, value)
     };
@@ -233,7 +233,13 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
     let mut parts: Vec<FilePart> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
-        parts.push(new_element(part, range, CLAUSE, name, joined(rest, " ")));
+        parts.push(new_element(
+            part,
+            range,
+            CLAUSE,
+            name,
+            join_texts(rest, " "),
+        ));
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -385,5 +391,5 @@ fn hexadecimal(bytes: &[u8]) -> String {
     } else {
         ""
     };
-    joined(shown, " ") + more
+    join_texts(shown, " ") + more
 }

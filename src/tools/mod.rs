@@ -26,7 +26,10 @@ fn texel_index(size: Size, position: u32) -> usize {
 }
 
 /// Joins the string representations of `items` with a separator.
-pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>, separator: &str) -> String {
+pub(crate) fn join_texts<T: ToString>(
+    items: impl IntoIterator<Item = T>,
+    separator: &str,
+) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
     texts.join(separator)
 }

@@ -272,7 +272,7 @@ fn answers(
     if let Some(path) = &slack {
         outputs.push((path.clone(), npy_floats(&expected.slack, size, channels)));
     }
-    for (encoding, bytes) in encoded(expected, &stem, profile)? {
+    for (encoding, bytes) in encode_answer(expected, &stem, profile)? {
         let path = format!("{stem}.{encoding}");
         answers.push(ProfiledAnswer {
             view: view.to_string(),
@@ -289,7 +289,7 @@ fn answers(
 }
 
 /// Encodes an answer as NPY and, depending on the profile, as an image or EXR. Returns pairs of file suffix and bytes.
-fn encoded(
+fn encode_answer(
     expected: &Expected,
     description: &str,
     profile: Profile,

@@ -141,7 +141,7 @@ pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
     image.expect("three samples per pixel")
 }
 
-/// Encodes an image in the given file format. JPEG files use [`JPEG_QUALITY`].
+/// Encodes an image in the given file format. JPEG files use `JPEG_QUALITY`.
 ///
 /// # Errors
 /// Returns an error if the image is too large for the format.

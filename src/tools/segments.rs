@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use crate::tools::joined;
+use crate::tools::join_texts;
 
 /// Part of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -225,7 +225,7 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
                 .iter()
                 .map(|pair| u16::from_be_bytes(*pair));
             let words = names.iter().zip(numbers);
-            joined(words.map(|(name, number)| format!("{name} {number}")), ", ")
+            join_texts(words.map(|(name, number)| format!("{name} {number}")), ", ")
         }
         (0xe0..=0xef | 0xfe, _) => body[..body.len().min(24)].escape_ascii().to_string(),
         _ => String::new(),

@@ -8,7 +8,7 @@ use crate::runner::scratch::Scratch;
 use crate::runner::write::{Attachment, WriteCall};
 use crate::session::run::Run;
 use crate::suite::cases::TableSpelling;
-use crate::tools::joined;
+use crate::tools::join_texts;
 use crate::writers::cases::WriterCase;
 use crate::writers::request::RequestHeader;
 use crate::writers::test_case::{BuiltRequest, WriteView, WrittenFile};
@@ -103,7 +103,7 @@ pub fn ask<C: WritingCase>(
 
 /// Formats the values of a header for a command line. Elements of lists are separated by commas.
 fn values(header: &RequestHeader) -> Vec<(&'static str, String)> {
-    let list = |numbers: &[f64]| joined(numbers, ",");
+    let list = |numbers: &[f64]| join_texts(numbers, ",");
     let matrix = header.matrix.map_or(String::new(), |matrix| list(&matrix));
     let number = |number: Option<u8>| number.map_or(String::new(), |number| number.to_string());
     vec![

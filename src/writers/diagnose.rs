@@ -20,7 +20,7 @@ use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
-use crate::writers::reference::written;
+use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
 use crate::writers::seen::{MisreadFile, explains, is_right_under};
 use crate::writers::test_case::{WrittenFile, wrong_file};
@@ -84,7 +84,7 @@ pub fn diagnose(
 /// Returns the exhibit for a request, or `None` if the file is too large or missing.
 fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Option<Exhibit> {
     let request = suite.cases[place].request();
-    let right = written(&request).ok()?;
+    let right = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[place].as_ref());
     let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
     let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;

@@ -9,7 +9,7 @@ use crate::decode::texels::block_containing;
 use crate::error::Error;
 use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::joined;
+use crate::tools::join_texts;
 use crate::tools::lint::codes::Severity;
 use crate::tools::lint::lint;
 use crate::writers::fault::WriterFault;
@@ -108,7 +108,7 @@ fn compare_numbers(
     let Some(i) = (0..wanted.len()).find(differs) else {
         return Ok(());
     };
-    let [all, instead] = [found, wanted].map(|numbers| joined(numbers, " "));
+    let [all, instead] = [found, wanted].map(|numbers| join_texts(numbers, " "));
     let says = format!(
         "{name} {i}: expected {}, the file has {} (all of them: {all} instead of {instead})",
         wanted[i], found[i],

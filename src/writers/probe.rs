@@ -10,7 +10,7 @@ use crate::suite::cases::Suite;
 use crate::writers::asking;
 use crate::writers::cases::WriterCase;
 use crate::writers::judge::judge;
-use crate::writers::reference::written;
+use crate::writers::reference::write_requested_file;
 use crate::writers::seen::explains;
 use crate::writers::test_case::WrittenFile;
 
@@ -54,7 +54,7 @@ fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         Ok(()) => return list.add_good(format!("{format}: the file has the values")),
         Err(fault) => fault,
     };
-    let right = written(&request).unwrap_or_default();
+    let right = write_requested_file(&request).unwrap_or_default();
     let mistake = writing::all().find(|one| explains(&request, &right, &file.0, one.at));
     let next = match mistake {
         Some(mistake) => format!(

@@ -18,7 +18,7 @@ pub enum NotWritten {
 ///
 /// # Errors
 /// Returns the reason why the file cannot be written.
-pub fn written(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
+pub fn write_requested_file(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
     let recipe = recipe(request)?;
     let model = Model::new(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
     Ok(write(&recipe, &model).bytes)

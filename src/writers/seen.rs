@@ -121,7 +121,7 @@ impl MisreadFile {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
             && matches_within_loss(request, &self.ptm.planes.samples)
-            && self.has_equal_numbers(&MisreadFile::wanted(request), self.stage)
+            && self.has_equal_numbers(&MisreadFile::from_request(request), self.stage)
     }
 
     /// Returns true if `file`, read without mistakes, contains exactly the values that this reader sees.
@@ -164,7 +164,7 @@ impl MisreadFile {
     }
 
     /// Creates the file that a reader without mistakes should see for a request.
-    pub fn wanted(request: &WriteRequest) -> MisreadFile {
+    pub fn from_request(request: &WriteRequest) -> MisreadFile {
         let (header, size) = (&request.header, request.size());
         let scale_bias = ScaleBias {
             scale: header.scale,

@@ -8,7 +8,7 @@
 
 use crate::misreadings::Misreading;
 use crate::ptm::Ptm;
-use crate::writers::reference::written;
+use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
 use crate::writers::seen::{MisreadFile, edit_bytes, explains};
 
@@ -24,9 +24,9 @@ const STARTING_HEADERS: [fn(&mut RequestHeader); 3] = [
 
 /// Returns the file that a writer with this mistake would write, or `None` if no rule produces one.
 #[must_use]
-pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
-    let right = written(request).ok()?;
-    let lost = || reference_file(&with_values(request, &misread(request, mistake)?));
+pub fn write_with_mistake(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
+    let right = write_requested_file(request).ok()?;
+    let lost = || reference_file(&with_values(request, &read_with_mistake(request, mistake)?));
     let repaired = |start: &fn(&mut RequestHeader)| repair_values(request, *start, mistake);
     let is_right =
         |file: &[u8]| MisreadFile::new(file, &[]).is_some_and(|seen| seen.is_right(request));
@@ -40,11 +40,11 @@ pub fn miswritten(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8
 /// Returns the file of the reference for a request, if there is one.
 fn reference_file(request: &WriteRequest) -> Option<Vec<u8>> {
     let is_finite = request.header.scale.iter().all(|scale| scale.is_finite());
-    is_finite.then(|| written(request).ok())?
+    is_finite.then(|| write_requested_file(request).ok())?
 }
 
 /// Returns the map that a reader with this mistake gets from the file of the reference.
-fn misread(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
+fn read_with_mistake(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
     let map = MisreadFile::new(&reference_file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
 }
@@ -68,7 +68,7 @@ fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> 
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
         for (from, byte) in from
             .iter_mut()
-            .zip(misread(&other, mistake)?.planes.samples)
+            .zip(read_with_mistake(&other, mistake)?.planes.samples)
         {
             *from |= usize::from(byte) << shift;
         }
@@ -88,7 +88,7 @@ fn repair_values(
     let mut other = request.clone();
     start(&mut other.header);
     for _ in 0..MAX_REPAIRS {
-        let map = misread(&other, mistake)?;
+        let map = read_with_mistake(&other, mistake)?;
         let values = other.samples.iter_mut().zip(&request.samples);
         for ((value, wanted), seen) in values.zip(&map.planes.samples) {
             *value = value.wrapping_add(wanted.wrapping_sub(*seen));

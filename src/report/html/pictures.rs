@@ -62,14 +62,14 @@ pub(super) fn figure(
         pair.spans = (0..channels).map(|channel| pair.span(channel)).collect();
     }
     Some(match expected.view {
-        ViewKind::Rgb if channels == 3 => pair.multiply_by_color(),
+        ViewKind::Rgb if channels == 3 => pair.color_images(),
         _ => pair.planes(),
     })
 }
 
 impl ImageComparison<'_> {
     /// Renders the images in color.
-    fn multiply_by_color(&self) -> Markup {
+    fn color_images(&self) -> Markup {
         let positions = || {
             self.rows
                 .clone()

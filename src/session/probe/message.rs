@@ -28,7 +28,7 @@ pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {
 }
 
 /// Joins the messages of several mistakes; `separator` is between their fixes.
-pub(in crate::session) fn joined(mistakes: Vec<ProbeFault>, separator: &str) -> ProbeFault {
+pub(in crate::session) fn join_texts(mistakes: Vec<ProbeFault>, separator: &str) -> ProbeFault {
     let (says, next): (Vec<String>, Vec<String>) = mistakes.into_iter().unzip();
     (says.join("; and "), next.join(separator))
 }

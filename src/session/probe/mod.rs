@@ -11,7 +11,7 @@ use crate::runner::scratch::Scratch;
 
 pub(super) use arrangement::Arrangement;
 pub use checklist::{Checklist, Mark, ProbeRequest, ProbeStep, Reproduction};
-pub(super) use message::{ProbeFault, joined};
+pub(super) use message::{ProbeFault, join_texts};
 pub use wrapper::wrapper_faults;
 
 mod arrangement;

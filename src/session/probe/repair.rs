@@ -5,7 +5,7 @@ use crate::suite::compare::Expected;
 
 use super::arrangement::arrangements;
 use super::body::interpret_frame;
-use super::message::{ProbeFault, fault, joined};
+use super::message::{ProbeFault, fault, join_texts};
 
 /// Mistakes that must be undone to get the correct image.
 pub(super) struct Repair {
@@ -16,7 +16,7 @@ pub(super) struct Repair {
 
 impl Repair {
     pub(super) fn fault(self) -> ProbeFault {
-        joined(self.mistakes, "\n")
+        join_texts(self.mistakes, "\n")
     }
 }
 

@@ -1,11 +1,11 @@
 //! CSV output for spreadsheets and scripts, one row per file.
 //!
 //! Cells that a spreadsheet would interpret as a formula are prefixed with an apostrophe. No cell contains a line feed;
-//! file names are already [printable](super::names::printable).
+//! file names are already escaped (see [`escape_name`](super::names::escape_name)).
 
 use super::Lint;
 use super::diagnostic::Diagnostic;
-use crate::tools::joined;
+use crate::tools::join_texts;
 
 /// Returns the header row, with two columns per reader.
 #[must_use]
@@ -46,7 +46,7 @@ pub fn row(lint: &Lint, readers: usize) -> String {
 
 /// Joins cells into a row.
 fn join_cells(texts: impl Iterator<Item = String>) -> String {
-    joined(texts.map(|text| quote_cell(&text)), ",") + "\n"
+    join_texts(texts.map(|text| quote_cell(&text)), ",") + "\n"
 }
 
 /// Quotes a cell according to RFC 4180, and prevents spreadsheets from interpreting it as a formula.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 /// Escapes control characters, bidirectional marks, line separators, and bytes that are not UTF-8. A backslash that is not
 /// a separator is doubled, so the escapes are unambiguous.
 #[must_use]
-pub fn printable(name: &OsStr) -> String {
+pub fn escape_name(name: &OsStr) -> String {
     let mut out = String::new();
     for chunk in name.as_encoded_bytes().utf8_chunks() {
         for character in chunk.valid().chars() {
@@ -59,8 +59,8 @@ mod tests {
     #[test]
     fn invalid_bytes_and_backslashes_are_distinguishable() {
         use std::os::unix::ffi::OsStrExt;
-        assert_eq!(printable(OsStr::from_bytes(b"a\xffb")), "a\\xffb");
-        assert_eq!(printable(OsStr::new("a\\xffb")), "a\\\\xffb");
+        assert_eq!(escape_name(OsStr::from_bytes(b"a\xffb")), "a\\xffb");
+        assert_eq!(escape_name(OsStr::new("a\\xffb")), "a\\\\xffb");
         assert_eq!(
             as_uri(OsStr::from_bytes(b"/a b/\xff%.ptm")),
             "file:///a%20b/%FF%25.ptm"

@@ -11,7 +11,7 @@ use crate::error::Kind;
 use crate::ptm::{Coding, Format, Size};
 use crate::tools::dissection::Role;
 use crate::tools::segments::{Segment, SegmentKind, frame, near, segments};
-use crate::tools::{describe_position, joined, texel_index};
+use crate::tools::{describe_position, join_texts, texel_index};
 
 /// Reports unusual properties of lists and streams.
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
@@ -98,7 +98,7 @@ fn check_ranks(findings: &mut Findings, count: usize) {
     let mut sorted = ranks.clone();
     sorted.sort_unstable();
     if !sorted.iter().copied().eq((0..).take(count)) {
-        let found = format!("ranks {}", joined(&ranks, " "));
+        let found = format!("ranks {}", join_texts(&ranks, " "));
         findings.add(Problem::Ranks, Role::Rank(0), found);
     }
     let reference = |plane| number(Role::Reference(plane));
@@ -133,7 +133,7 @@ fn check_unused_transforms(findings: &mut Findings, count: usize) {
     };
     let planes: Vec<usize> = (0..count).filter(idle).collect();
     if let Some(&first) = planes.first() {
-        let found = format!("planes {}", joined(&planes, ", "));
+        let found = format!("planes {}", join_texts(&planes, ", "));
         findings.add(Problem::PredictionUnused, Role::Transform(first), found);
     }
 }

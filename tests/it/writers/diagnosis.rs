@@ -13,10 +13,10 @@ use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
 use ptm_conform::writers::diagnose::diagnose;
-use ptm_conform::writers::reference::written;
+use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
-use ptm_conform::writers::wrong::miswritten;
+use ptm_conform::writers::wrong::write_with_mistake;
 
 use crate::common::{Workspace, edited, have, repository_text, rows};
 
@@ -40,7 +40,7 @@ impl Requests {
         suite.cases.retain(|case| !large(case));
         let all = suite.cases.iter().map(|case| {
             let request = case.request();
-            let right = written(&request).expect("the reference writes it");
+            let right = write_requested_file(&request).expect("the reference writes it");
             (case.id.clone(), (request, right))
         });
         Requests {
@@ -53,7 +53,7 @@ impl Requests {
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let (request, right) = &self.all[asked.name];
-            let file = miswritten(request, mistake.at).unwrap_or_else(|| right.clone());
+            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| right.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);
@@ -121,7 +121,7 @@ fn undetectable_mistakes_are_not_reported() {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let mut request = requests.all[asked.name].0.clone();
             edit(&mut request.header);
-            let file = written(&request).expect("a file");
+            let file = write_requested_file(&request).expect("a file");
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&requests.suite, 2);

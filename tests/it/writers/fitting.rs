@@ -10,7 +10,7 @@ use ptm_conform::writers::fitting::optimum::optimum;
 use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
-use ptm_conform::writers::reference::written;
+use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::WriteRequest;
 
 use crate::common::{
@@ -33,7 +33,7 @@ fn optimum_is_as_close_as_the_images_allow() {
         for format in FORMATS {
             let set = plan.make(format);
             let map = optimum(&set, format);
-            let file = written(&WriteRequest::from_ptm(&map)).expect("a file");
+            let file = write_requested_file(&WriteRequest::from_ptm(&map)).expect("a file");
             assert_eq!(judge(&set, format, &file), Ok(()), "{}", plan.name);
             let errors = Polynomials::new(&map).expect("RGB or LRGB").errors(&set);
             let largest = errors.into_iter().fold(0.0, f64::max);

@@ -3,7 +3,7 @@
 use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
 use ptm_conform::writers::judge::judge;
-use ptm_conform::writers::reference::written;
+use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
 use crate::common::assert_conforms;
@@ -15,7 +15,7 @@ fn suite() -> Suite<WriterCase> {
 /// Returns a request and the file that the reference writes for it.
 fn request(id: &str) -> (WriteRequest, Vec<u8>) {
     let request = suite().case(id).expect("a request").request();
-    let file = written(&request).expect("the reference writes it");
+    let file = write_requested_file(&request).expect("the reference writes it");
     (request, file)
 }
 
@@ -39,7 +39,7 @@ fn reference_writes_every_request() {
     assert!(suite.cases.len() >= 120, "{} requests", suite.cases.len());
     for case in &suite.cases {
         let request = case.request();
-        match written(&request) {
+        match write_requested_file(&request) {
             Ok(file) => {
                 assert_eq!(case.expect, Expect::Decode, "{}", case.id);
                 let judged = judge(&request, &file);
@@ -97,7 +97,7 @@ fn lossy_planes_stay_within_their_quality() {
     let (request, _) = request("jpeg-lrgb-quality-90");
     let mut worse = request.clone();
     worse.header.quality = Some(20);
-    let file = written(&worse).expect("the reference writes it");
+    let file = write_requested_file(&worse).expect("the reference writes it");
     assert_fault(
         &request,
         &file,
