@@ -143,8 +143,7 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// Reads the next `count` bytes of the payload. Records several fields, with ranges relative to the current
-    /// position.
+    /// Reads the next `count` bytes of the payload. Records several fields, with ranges relative to the current position.
     pub(crate) fn take_parts(
         &mut self,
         clause: &'static str,

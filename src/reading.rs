@@ -1,9 +1,8 @@
 //! The decisions that the text leaves to a decoder.
 //!
-//! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each
-//! decision is the function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause.
-//! The decoder calls only these functions. For a different reading of an open point, or for a deliberate mistake,
-//! replace the function.
+//! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each decision is the
+//! function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder calls only these
+//! functions. For a different reading of an open point, or for a deliberate mistake, replace the function.
 
 use std::borrow::Cow;
 

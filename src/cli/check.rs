@@ -242,8 +242,7 @@ fn plan(
     })
 }
 
-/// Returns a remark if the answers differ in a locale with a decimal comma. Returns `None` if the system has no such
-/// locale.
+/// Returns a remark if the answers differ in a locale with a decimal comma. Returns `None` if the system has no such locale.
 fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
     let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
     let locale = locale::comma_locale().filter(|_| whole)?;

@@ -59,8 +59,7 @@ pub struct CheckArgs {
     /// report: a decoder that crashes on every malformed file would pass such cases, too.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     pub reject_exit: Option<i32>,
-    /// Check every .ptm file in DIR instead of the suite: against the reference, and against other encodings of the same
-    /// values.
+    /// Check every .ptm file in DIR instead of the suite: against the reference, and against other encodings of the same values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
     /// Run only the smoke subset: a few cases that still catch every misreading of the catalog.

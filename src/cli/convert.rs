@@ -28,8 +28,7 @@ pub struct ConvertArgs {
     /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
-    /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why there is
-    /// none.
+    /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why there is none.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
     readers: Vec<String>,
     /// Repair faults that have only one correction, and list the changes: blanks and line ends in the header, trailing bytes,

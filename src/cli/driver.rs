@@ -83,8 +83,7 @@ impl<'a, C: Reported> Check<'a, C> {
         })
     }
 
-    /// Runs first contact and all cases, and returns the judged run. `look` may inspect and change the result of first
-    /// contact.
+    /// Runs first contact and all cases, and returns the judged run. `look` may inspect and change the result of first contact.
     pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
         let recorder = self.recorder.as_ref().map(|(_, recorder)| recorder);
         let recording = |request: &Request<'_, C::View>, job: usize| {
@@ -114,8 +113,7 @@ impl<'a, C: Reported> Check<'a, C> {
         run
     }
 
-    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request is expected to take about
-    /// `pace`.
+    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request is expected to take about `pace`.
     fn run_smoke_subset_first(
         &self,
         session: &Session<C>,

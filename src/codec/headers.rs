@@ -1,8 +1,7 @@
 //! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
 //!
-//! The frame header contains the size of the image, the precision of its samples and its components. The scan header
-//! names the components in the entropy-coded data that follows. A plane has one component, so both headers have a
-//! fixed length here.
+//! The frame header contains the size of the image, the precision of its samples and its components. The scan header names the
+//! components in the entropy-coded data that follows. A plane has one component, so both headers have a fixed length here.
 //!
 //! ```text
 //! SOF  00 0B  08         00 08   00 10  01          01    11            00
@@ -71,8 +70,7 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
     }
 }
 
-/// Checks the size of a plane against the size in the PTM header (ruling `plane-stream`), before anything is
-/// allocated.
+/// Checks the size of a plane against the size in the PTM header (ruling `plane-stream`), before anything is allocated.
 fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()> {
     let at = header.at;
     let (rows, columns) = (

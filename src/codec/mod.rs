@@ -14,10 +14,9 @@
 //!
 //! # Plain and fast
 //!
-//! Every procedure is implemented as the standard describes it, bit by bit. Faster versions are in separate files:
-//! `bit_buffer` for the bits, `jpeg::lookup` for the Huffman codes, `jpeg::narrow_dct` for the inverse DCT and
-//! `jpeg_ls::fast_golomb` for the Golomb codes. Each is selected in one place, and a property test compares it with
-//! the plain version, including errors.
+//! Every procedure is implemented as the standard describes it, bit by bit. Faster versions are in separate files: `bit_buffer`
+//! for the bits, `jpeg::lookup` for the Huffman codes, `jpeg::narrow_dct` for the inverse DCT and `jpeg_ls::fast_golomb` for the
+//! Golomb codes. Each is selected in one place, and a property test compares it with the plain version, including errors.
 
 #![forbid(unsafe_code)]
 #![allow(

@@ -1,7 +1,6 @@
 //! §2.6 Color Matrix
 //!
-//! Sixteen floating point numbers (clause 2.6/2) after the biases, in column-major order like in OpenGL (clause
-//! 2.6/3).
+//! Sixteen floating point numbers (clause 2.6/2) after the biases, in column-major order like in OpenGL (clause 2.6/3).
 //!
 //! ```text
 //! the numbers of the file     e0 e1 e2 e3   e4 e5 e6 e7   e8 e9 e10 e11   e12 e13 e14 e15

@@ -161,8 +161,7 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
-/// Reads one number of a list. Keeps its offset, because some errors are detected later, by comparison with other
-/// lists.
+/// Reads one number of a list. Keeps its offset, because some errors are detected later, by comparison with other lists.
 fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
@@ -177,8 +176,7 @@ pub(crate) fn make_plan(lists: &RawLists) -> Result<Plan> {
     let steps = (0..planes)
         .map(|plane| prediction_step(lists, plane))
         .collect::<Result<_>>()?;
-    // Planes with the lowest rank come first (clause 2.9.4/2). Planes of equal rank are independent and sorted by
-    // index.
+    // Planes with the lowest rank come first (clause 2.9.4/2). Planes of equal rank are independent and sorted by index.
     let mut sequence: Vec<usize> = (0..planes).collect();
     sequence.sort_by_key(|&plane| lists.order[plane].value);
     let extents = plane_extents(lists)?;
@@ -217,8 +215,7 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     })
 }
 
-/// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2,
-/// 2.9.5/3).
+/// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
 fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
     let named = lists.references[plane];
@@ -247,8 +244,7 @@ fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     Ok(Some(reference))
 }
 
-/// Returns the total size of all planes and their side information. The sum may exceed the address space of this
-/// machine.
+/// Returns the total size of all planes and their side information. The sum may exceed the address space of this machine.
 fn declared_bytes(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());

@@ -36,8 +36,7 @@ fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let end = input.at() + digits.count();
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
-        // A token of digits only was read to its end, and its value does not fit in a `u32`. An empty token starts at
-        // its end.
+        // A token of digits only was read to its end, and its value does not fit in a `u32`. An empty token starts at its end.
         Err(error) if input.at() == end && error.offset() < end => Err(too_large),
         read => read,
     }

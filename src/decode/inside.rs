@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use crate::ptm::Size;
 
-/// Computes the displaced plane. In the interior, combines the four nearest samples with `mean`; at the border, calls
-/// `sample`.
+/// Computes the displaced plane. In the interior, combines the four nearest samples with `mean`; at the border, calls `sample`.
 pub(super) fn displace_rows(
     plane: &[u8],
     size: Size,

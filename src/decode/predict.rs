@@ -130,14 +130,12 @@ fn half_texel_sample(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Readi
     (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(plane, size, x, y)))
 }
 
-/// Returns the displacement of a vector that points from the texel to its predictor (clause 2.9.3/3, ruling
-/// `motion-sign`).
+/// Returns the displacement of a vector that points from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
 pub(crate) fn texel_to_predictor(displacement: i64) -> i64 {
     displacement
 }
 
-/// Returns the displacement of a vector that points from the predictor to the texel (alternative for ruling
-/// `motion-sign`).
+/// Returns the displacement of a vector that points from the predictor to the texel (alternative for ruling `motion-sign`).
 pub(crate) fn predictor_to_texel(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }
@@ -167,8 +165,7 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Returns a sample. Outside the plane, returns the nearest sample of the edge (clause 2.9.3/6, ruling
-/// `motion-border`).
+/// Returns a sample. Outside the plane, returns the nearest sample of the edge (clause 2.9.3/6, ruling `motion-border`).
 pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]

@@ -26,8 +26,7 @@ use crate::ptm::ScaleBias;
 pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
     let scale = read_six(input, |input| input.number("2.4/3", "a scale"))?;
     input.gap_or_line_end("2.4/6")?;
-    // odd-numbers: parse a floating point number and require that it is an integer, so that "3.0" is accepted and
-    // "1.5" is not.
+    // odd-numbers: parse a floating point number and require that it is an integer, so that "3.0" is accepted and "1.5" is not.
     let bias = read_six(input, |input| {
         let fraction = input.unexpected("2.4/4", "an integer bias");
         let value = input.number("2.4/4", "an integer bias")?;
@@ -42,8 +41,7 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
 }
 
 fn read_six(input: &mut Input, read: fn(&mut Input) -> Result<f64>) -> Result<[f64; 6]> {
-    // Only spaces separate the scales from each other, and the biases. A line end is allowed only between scales and
-    // biases.
+    // Only spaces separate the scales from each other, and the biases. A line end is allowed only between scales and biases.
     let mut values = [read(input)?, 0.0, 0.0, 0.0, 0.0, 0.0];
     for value in &mut values[1..] {
         input.gap("2.4/5")?;

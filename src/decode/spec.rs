@@ -1,8 +1,7 @@
 //! The reading of the reference, and alternative readings of the open points.
 //!
-//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor below
-//! replaces one decision with an alternative from a ruling of kind *choice* in `spec-cases/rulings.yaml`. All
-//! readings are equally correct.
+//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor below replaces one
+//! decision with an alternative from a ruling of kind *choice* in `spec-cases/rulings.yaml`. All readings are equally correct.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
 use crate::evaluate::{self, Coefficients, RelitImage};
@@ -18,8 +17,7 @@ impl Ptm {
 }
 
 impl Coefficients {
-    /// Computes the image under the light (`lu`, `lv`). Both coordinates range from −1 to 1; +u is right and +v is
-    /// up.
+    /// Computes the image under the light (`lu`, `lv`). Both coordinates range from −1 to 1; +u is right and +v is up.
     #[must_use]
     pub fn evaluate(&self, lu: f64, lv: f64) -> RelitImage {
         evaluate::evaluate(self, lu, lv, &Reading::SPEC)
@@ -27,8 +25,7 @@ impl Coefficients {
 }
 
 impl Reading {
-    /// The reading of the reference: the text, with the rulings of `spec-cases/rulings.yaml` where the text is
-    /// silent.
+    /// The reading of the reference: the text, with the rulings of `spec-cases/rulings.yaml` where the text is silent.
     pub const SPEC: Reading = Reading {
         // §1.0: the light, unchanged, and the polynomial in it
         light: evaluate::light,
@@ -81,8 +78,7 @@ impl Reading {
         }
     }
 
-    /// Alternative for ruling `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color
-    /// space.
+    /// Alternative for ruling `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color space.
     #[must_use]
     pub const fn with_cr_first(self) -> Reading {
         Reading {
@@ -118,8 +114,7 @@ impl Reading {
         }
     }
 
-    /// Alternative for ruling `motion-vertical`: y increases downward in the image, opposite to the order of stored
-    /// rows.
+    /// Alternative for ruling `motion-vertical`: y increases downward in the image, opposite to the order of stored rows.
     #[must_use]
     pub const fn with_motion_against_rows(self) -> Reading {
         Reading {

@@ -45,8 +45,7 @@ impl Stored<'_> {
     pub fn planes(&self, limits: &Limits) -> Result<Planes> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
-        // The memory that the parts occupy in addition to the file (the planes of a compressed file) is in use at the
-        // same time.
+        // The memory that the parts occupy in addition to the file (the planes of a compressed file) is in use at the same time.
         let held: usize = self.parts.iter().map(Channels::held_bytes).sum();
         let needs = self.header.size.bytes(channels);
         limits.check(needs.saturating_add(held as u64), self.at)?;

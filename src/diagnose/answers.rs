@@ -136,8 +136,7 @@ impl Witness<'_> {
         is_used && misreading.at.stage() <= last && mistake.scope.contains(self)
     }
 
-    /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a
-    /// refusal.
+    /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
     pub fn can_explain(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Image { .. });
         self.can_affect(mistake) && (!refused || mistake.misreading.at.may_refuse())

@@ -69,9 +69,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if too many unexplained images of the same formats are wrong in an earlier view than every image that
-/// the mistake explains. "Too many" means more than half the number of explained images. An earlier step may explain
-/// those images as well.
+/// Returns true if too many unexplained images of the same formats are wrong in an earlier view than every image that the mistake
+/// explains. "Too many" means more than half the number of explained images. An earlier step may explain those images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();

@@ -17,8 +17,7 @@ pub struct Diagnosis<A: 'static = At> {
     pub partly: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
     pub except: Vec<usize>,
-    /// Description of the observed behavior, if other mistakes would have the same effect. Reports state it instead
-    /// of the cause.
+    /// Description of the observed behavior, if other mistakes would have the same effect. Reports state it instead of the cause.
     pub shows: Option<Cause<A>>,
     /// True if a decoder with this mistake was compared with every case and reproduces the responses.
     pub certain: bool,

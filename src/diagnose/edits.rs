@@ -138,8 +138,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the mistake, restricted to files in which no passing case contradicts it. Returns `None` if the evidence
-/// is too weak.
+/// Returns the mistake, restricted to files in which no passing case contradicts it. Returns `None` if the evidence is too weak.
 fn restrict_to_scope(
     search: &Search,
     set: &MistakeSet,
@@ -175,8 +174,7 @@ fn restrict_to_scope(
         channels: mistake.channels,
         scope,
     };
-    // In other views, a later mistake may also change the images. A learned table was compared with the texels of
-    // these images.
+    // In other views, a later mistake may also change the images. A learned table was compared with the texels of these images.
     let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict_to_scope);
     let acting: Vec<usize> = images.iter().filter(acts).copied().collect();
     let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));

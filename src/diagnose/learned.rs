@@ -1,5 +1,4 @@
-//! Mistakes that map each correct value to a wrong one: tables of stored values or stream samples, learned from the
-//! images.
+//! Mistakes that map each correct value to a wrong one: tables of stored values or stream samples, learned from the images.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -103,8 +102,7 @@ fn learn_table(
     (differing > 1 && is_most(differing, changed.count())).then_some(table)
 }
 
-/// Returns, for each sample of an image, the stored values that a decoder with the mistakes in `set` would output as
-/// this sample.
+/// Returns, for each sample of an image, the stored values that a decoder with the mistakes in `set` would output as this sample.
 fn candidate_sources(
     search: &Search,
     set: &MistakeSet,

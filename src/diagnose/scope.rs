@@ -13,8 +13,7 @@ pub(super) enum FileScope {
     Formats(Vec<Format>),
     /// Files with the property at this index in [`PROPERTIES`].
     Property(usize),
-    /// Files whose quantity at this index in [`QUANTITIES`] is at least or at most `nearest`. Other files reach
-    /// `edge`.
+    /// Files whose quantity at this index in [`QUANTITIES`] is at least or at most `nearest`. Other files reach `edge`.
     Beyond {
         quantity: usize,
         nearest: f64,
@@ -197,8 +196,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
     found
 }
 
-/// Returns the scope that contains the `explained` files and none of the `denied` ones: a set of formats, or a
-/// property.
+/// Returns the scope that contains the `explained` files and none of the `denied` ones: a set of formats, or a property.
 pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],

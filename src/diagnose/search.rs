@@ -1,8 +1,7 @@
 //! Searches for the smallest set of mistakes that reproduces the decoder's responses.
 //!
-//! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest
-//! contradictions. If no single mistake explains more, the set grows by a pair. Finally, redundant mistakes are
-//! dropped.
+//! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest contradictions. If
+//! no single mistake explains more, the set grows by a pair. Finally, redundant mistakes are dropped.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -167,8 +166,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the
-    /// catalog.
+    /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the catalog.
     pub fn run(
         &mut self,
         add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),
@@ -690,8 +688,7 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total worth of a mistake with this `gain` on the remaining cases, or `None` if it is below
-    /// `least`.
+    /// Returns the total worth of a mistake with this `gain` on the remaining cases, or `None` if it is below `least`.
     fn total_worth(
         &self,
         set: &MistakeSet,
@@ -749,8 +746,7 @@ impl<'a> Search<'a> {
         left.len().saturating_sub(still.len())
     }
 
-    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the
-    /// answer.
+    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the answer.
     fn explaining_pairs(&self, w: usize, set: &MistakeSet, most: usize) -> Vec<[MistakeId; 2]> {
         let relevant_mistakes: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
@@ -774,8 +770,7 @@ impl<'a> Search<'a> {
         explaining.map(|place| pairs[place]).collect()
     }
 
-    /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on
-    /// every case.
+    /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on every case.
     fn best_pair(
         &self,
         set: &MistakeSet,

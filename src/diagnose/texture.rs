@@ -1,8 +1,7 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts
-//! a misreading if such a stage would fail it. A misreading is reported only if it explains more cases than
-//! contradict it.
+//! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts a misreading
+//! if such a stage would fail it. A misreading is reported only if it explains more cases than contradict it.
 
 use serde_json::Value;
 

@@ -124,8 +124,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 on a file whose format its capabilities declare but which it never
-/// reads.
+/// Returns true if the decoder exited with 69 on a file whose format its capabilities declare but which it never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
@@ -289,8 +288,7 @@ impl Witness<'_> {
         !is_at_limits && !all_off(1) && !all_off(-1)
     }
 
-    /// Returns true if `made` equals the response, or differs in less than half as many samples as the reference's
-    /// image.
+    /// Returns true if `made` equals the response, or differs in less than half as many samples as the reference's image.
     fn is_closer_to_response(&self, made: &Frame, shown: &Frame) -> bool {
         let (Samples::U8(samples), Answer::Decoded(right)) = (&shown.samples, &self.right) else {
             return shown == made;
@@ -326,8 +324,7 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true if `answer` differs from the response to a lenient file, for which both a refusal and an image
-    /// are correct.
+    /// Returns true if `answer` differs from the response to a lenient file, for which both a refusal and an image are correct.
     pub fn differs_from_lenient_response(&self, answer: &Answer) -> bool {
         match (&self.observation.response, answer) {
             (Response::Rejected, Answer::Decoded(_))

@@ -414,8 +414,7 @@ fn change_groups(node: &Expression, scope: Scope) -> Vec<Expression> {
     changed
 }
 
-/// Replaces a variable with another one under a condition: some variable in the scope is 0, is not 0, or is above
-/// 255.
+/// Replaces a variable with another one under a condition: some variable in the scope is 0, is not 0, or is above 255.
 fn replace_conditionally(node: &Expression, scope: Scope) -> Vec<Expression> {
     let Expression::Variable(own) = node else {
         return Vec::new();

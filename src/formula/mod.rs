@@ -1,10 +1,9 @@
 //! The specification as formulas, and decoders that compute a formula differently.
 //!
-//! The decoding of a file to an image can be written as some forty formulas (`spec-cases/formulas.yaml`). The
-//! functions of [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition, and a test
-//! proves that each formula equals its function. An [`Edit`] replaces a formula with a different expression. The
-//! catalog states some misreadings in this way, and the diagnosis finds mistakes by trying the edits that
-//! [`edits::all`] generates.
+//! The decoding of a file to an image can be written as some forty formulas (`spec-cases/formulas.yaml`). The functions of
+//! [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition, and a test proves that each formula
+//! equals its function. An [`Edit`] replaces a formula with a different expression. The catalog states some misreadings in this
+//! way, and the diagnosis finds mistakes by trying the edits that [`edits::all`] generates.
 
 mod edit;
 pub mod edits;

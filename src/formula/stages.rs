@@ -89,8 +89,7 @@ pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     ptm
 }
 
-/// Returns the index of the coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second
-/// polynomial.
+/// Returns the index of the coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
 fn coefficient_index(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
@@ -163,8 +162,7 @@ impl TexelLayout<'_> {
         [f64::from(width), f64::from(height)]
     }
 
-    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column and the
-    /// channel.
+    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column and the channel.
     fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
         let [width, height] = self.size();
         let channels = self.header.format.channels();

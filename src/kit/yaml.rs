@@ -270,8 +270,7 @@ fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors without
-/// one.
+/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors without one.
 macro_rules! read {
     ($($name:ident($($more:ident: $type:ty),*) = $read:expr;)*) => {$(
         fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, YamlError> {

@@ -28,8 +28,7 @@ pub(crate) fn refusal_answer(why: Option<Error>) -> Answer {
     }
 }
 
-/// Decodes a file with these mistakes, except those that change finished planes. Returns the map and the modified
-/// reading.
+/// Decodes a file with these mistakes, except those that change finished planes. Returns the map and the modified reading.
 ///
 /// # Errors
 /// Returns the error for which the decoder refuses the file, or `None` if a mistake refuses it.
@@ -93,8 +92,7 @@ pub(crate) fn unrounded_colors(
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
-/// Returns the edits of formulas that these mistakes make. If two of them edit the same formula, the later mistake
-/// comes first.
+/// Returns the edits of formulas that these mistakes make. If two of them edit the same formula, the later mistake comes first.
 pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()

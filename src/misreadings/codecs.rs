@@ -326,8 +326,7 @@ fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
     Ok(samples)
 }
 
-/// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of
-/// `unit`.
+/// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
 fn decode_sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
     let samples = planes::decode_stream(plane)?;
     if plane.coding != Coding::Jpeg {

@@ -516,8 +516,7 @@ fn remove_payload_bytes(file: &Anatomy, count: usize) -> EditedFile {
     EditedFile::File([file.header(), &file.file[file.payload_offset() + count..]].concat())
 }
 
-/// Rearranges an LRGB payload so that a correct decoder finds the values that a decoder for nine interleaved bytes
-/// would find.
+/// Rearranges an LRGB payload so that a correct decoder finds the values that a decoder for nine interleaved bytes would find.
 fn deinterleave_payload(file: &Anatomy) -> EditedFile {
     if file.field_texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
         return file.unchanged();

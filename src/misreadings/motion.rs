@@ -92,8 +92,7 @@ fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// Displaces a reference by the correct rule, but with a custom function for the sample at (x, y), inside or outside
-/// the plane.
+/// Displaces a reference by the correct rule, but with a custom function for the sample at (x, y), inside or outside the plane.
 fn displace_with_samples<'a>(
     reference: &'a [u8],
     step: &Step,

@@ -1,7 +1,6 @@
 //! Reports, and all text that a user of `check` reads.
 //!
-//! A report is plain data ([`document`]). YAML, text and the other output formats are generated from it and work for all
-//! suites.
+//! A report is plain data ([`document`]). YAML, text and the other output formats are generated from it and work for all suites.
 
 pub mod badge;
 pub mod baseline;

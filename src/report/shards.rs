@@ -91,8 +91,7 @@ pub struct OtherRemarks {
     pub after: Vec<Remark>,
 }
 
-/// Trailer of an answer file: the last line, which identifies the run. A file without a trailer belongs to an incomplete
-/// run.
+/// Trailer of an answer file: the last line, which identifies the run. A file without a trailer belongs to an incomplete run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct End {
     /// Version of this program.

@@ -151,8 +151,7 @@ impl Call {
         !matches!(waitid(WaitId::Pid(pid), options), Ok(None))
     }
 
-    /// Kills the process if it is still running, its process group, and its orphans in `workplace`. Returns the exit
-    /// status.
+    /// Kills the process if it is still running, its process group, and its orphans in `workplace`. Returns the exit status.
     pub(crate) fn kill_and_reap(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
         processes::kill_orphans(workplace);

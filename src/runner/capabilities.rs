@@ -8,8 +8,7 @@ use crate::runner::scratch::Scratch;
 const MAX_ANSWER_BYTES: usize = 16 * 1024;
 
 impl Decoder {
-    /// Queries the capabilities of the decoder. An error is not a failure of the decoder, because the command is
-    /// optional.
+    /// Queries the capabilities of the decoder. An error is not a failure of the decoder, because the command is optional.
     ///
     /// # Errors
     /// Returns a sentence that describes the response if it is not a list of capabilities.

@@ -244,8 +244,7 @@ impl Decoder {
         &self.command
     }
 
-    /// Returns the problem in this program that stopped the run, if any. The results then say nothing about the
-    /// decoder.
+    /// Returns the problem in this program that stopped the run, if any. The results then say nothing about the decoder.
     #[must_use]
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.get().map(String::as_str)
@@ -389,8 +388,7 @@ impl Decoder {
         Ok(Call::new(child).map_err(|error| Trouble::new("follow a call", &error))?)
     }
 
-    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes`
-    /// bytes.
+    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes` bytes.
     ///
     /// # Errors
     /// Returns a sentence that describes the failure if the decoder does not exit with 0.

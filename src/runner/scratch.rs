@@ -109,8 +109,7 @@ impl Scratch {
     }
 }
 
-/// Returns the index of the first root on disk with enough free space. Memory comes last, because it may not allow
-/// execution.
+/// Returns the index of the first root on disk with enough free space. Memory comes last, because it may not allow execution.
 fn find_work_root(roots: &[TempDir]) -> usize {
     let has_room = |root: &TempDir| {
         rustix::fs::statvfs(root.path())
@@ -177,8 +176,7 @@ impl Workspace<'_> {
         Err(Trouble::new(&what, &error))
     }
 
-    /// Removes the directories of inputs from `text`, so that reports contain file names but no temporary
-    /// directories.
+    /// Removes the directories of inputs from `text`, so that reports contain file names but no temporary directories.
     pub(crate) fn strip_directories(&self, text: &str) -> String {
         let directories = self.directories.iter();
         directories.fold(text.to_owned(), |text, directory| {

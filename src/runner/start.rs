@@ -1,7 +1,6 @@
 //! Explains why a program does not start, and how to fix it.
 //!
-//! The message of the system ("no such file or directory") is often misleading: the file exists, but its interpreter
-//! does not.
+//! The message of the system ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -237,8 +236,7 @@ fn machine_name(machine: u16) -> (String, bool) {
         .iter()
         .find(|&&(number, _)| number == machine)
         .map(|&(_, name)| name);
-    // 64-bit machines can also execute programs for their 32-bit predecessors. The system decides about unknown
-    // machines.
+    // 64-bit machines can also execute programs for their 32-bit predecessors. The system decides about unknown machines.
     let runs = [("x86_64", "x86"), ("aarch64", "arm")]
         .contains(&(std::env::consts::ARCH, name.unwrap_or_default()));
     let ours = name.is_none_or(|name| name == std::env::consts::ARCH) || runs;

@@ -39,8 +39,7 @@ enum TemplatePiece {
 const OUTPUT_NAME: &str = "picture";
 
 impl Template {
-    /// Parses a template. Words that name existing files become absolute paths, because each call runs in a separate
-    /// directory.
+    /// Parses a template. Words that name existing files become absolute paths, because each call runs in a separate directory.
     ///
     /// # Errors
     /// Returns a sentence that describes the error in the template.
@@ -273,8 +272,7 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
     is_name.then_some((name, after))
 }
 
-/// Makes a word of a command absolute if it names an existing file. A program name without a directory is only looked
-/// up in PATH.
+/// Makes a word of a command absolute if it names an existing file. A program name without a directory is only looked up in PATH.
 pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
     let names_file = path.exists() && (!is_program || path.components().count() > 1);

@@ -158,8 +158,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Calls `one` with each number below `count`, in as many threads as there are jobs. A worker stops when `one` returns
-    /// false.
+    /// Calls `one` with each number below `count`, in as many threads as there are jobs. A worker stops when `one` returns false.
     pub(super) fn run_in_parallel(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.

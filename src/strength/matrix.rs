@@ -1,5 +1,4 @@
-//! The matrix of cases and misreadings: which cases catch which misreadings, and which misreadings the suite
-//! distinguishes.
+//! The matrix of cases and misreadings: which cases catch which misreadings, and which misreadings the suite distinguishes.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -32,8 +31,7 @@ pub struct MatrixRow<A: 'static = At> {
 /// Answers, indexed by case and view.
 pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
-/// Runs the suite of PTM files against every misreading. `progress` receives the number of finished items and the
-/// total.
+/// Runs the suite of PTM files against every misreading. `progress` receives the number of finished items and the total.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, right) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());

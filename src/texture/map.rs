@@ -222,8 +222,7 @@ fn half_size_level(fine: &Level) -> Level {
     Level { size, texels }
 }
 
-/// Returns the fine cells that the coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of
-/// cells.
+/// Returns the fine cells that the coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of cells.
 fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     let (low, high) = (at * fine, (at + 1) * fine);
     // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.
@@ -234,8 +233,7 @@ fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     (low / coarse..high.div_ceil(coarse)).map(share).collect()
 }
 
-/// Returns the index of the texel with coordinates `at` in a level. t0 varies fastest, then t1, then t2 (ruling
-/// `texel-order`).
+/// Returns the index of the texel with coordinates `at` in a level. t0 varies fastest, then t1, then t2 (ruling `texel-order`).
 pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
 }

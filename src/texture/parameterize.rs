@@ -1,9 +1,8 @@
 //! Parameterization controls: sources of texture coordinates.
 //!
 //! Four methods use the vertex or its normal, in modeling or world coordinates (R-PAR-13 … R-PAR-18). One method uses the
-//! parameters of a B-spline surface (R-PAR-19, R-PAR-20), and one uses the data of the vertex (R-PAR-21 … R-PAR-25). Two
-//! methods reflect the line of sight and project the result onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26
-//! … R-PAR-37).
+//! parameters of a B-spline surface (R-PAR-19, R-PAR-20), and one uses the data of the vertex (R-PAR-21 … R-PAR-25). Two methods
+//! reflect the line of sight and project the result onto a sphere around the y axis (R-PAR-06 … R-PAR-12, R-PAR-26 … R-PAR-37).
 //!
 //! Format notes
 //! - Components that a method does not provide are 0.

@@ -28,8 +28,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Checks that quality and loss apply to the format. The error message begins with the name of the parameter that does
-    /// not.
+    /// Checks that quality and loss apply to the format. The error message begins with the name of the parameter that does not.
     ///
     /// # Errors
     /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for a format other

@@ -202,10 +202,9 @@ fn downscale(image: &RgbImage, factor: u32) -> RgbImage {
 mod tests {
     use super::*;
 
-    /// Polynomials and their normals. The first two have a maximum inside the disc: −(u − 0.3)² − (v + 0.4)² up to a
-    /// constant, and −u² − v² + uv + 0.3u with its maximum at (0.2, 0.1). The next four are largest on the rim: two linear
-    /// polynomials, one with a maximum outside the disc, and the saddle u² − v² + 0.1u. The last two are ties, for which
-    /// the zenith is returned.
+    /// Polynomials and their normals. The first two have a maximum inside the disc: −(u − 0.3)² − (v + 0.4)² up to a constant,
+    /// and −u² − v² + uv + 0.3u with its maximum at (0.2, 0.1). The next four are largest on the rim: two linear polynomials, one
+    /// with a maximum outside the disc, and the saddle u² − v² + 0.1u. The last two are ties, for which the zenith is returned.
     const NORMALS: [([f64; 6], [f64; 3]); 8] = [
         ([-1.0, -1.0, 0.0, 0.6, -0.8, 7.0], [0.3, -0.4, 0.866_025_4]),
         ([-1.0, -1.0, 1.0, 0.3, 0.0, 0.0], [0.2, 0.1, 0.974_679_4]),

@@ -1,9 +1,8 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file has
-//! the values that such a reader gets from the right file. A correctly written file contradicts the mistake if such a
-//! reader would misread the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are
-//! only described.
+//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file has the
+//! values that such a reader gets from the right file. A correctly written file contradicts the mistake if such a reader would
+//! misread the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;

@@ -8,9 +8,8 @@
 //! PTM file to write. The exit status is 0 if the file was written, 69 if the program does not support such files, and 65
 //! if no file can represent the values.
 //!
-//! A file is right if the reference decodes it to the requested values ([`judge`]). The catalog of misreadings explains
-//! wrong files (`diagnose`): if only a reader with a misreading gets the right values from a file, the writer makes the
-//! same mistake.
+//! A file is right if the reference decodes it to the requested values ([`judge`]). The catalog of misreadings explains wrong
+//! files (`diagnose`): if only a reader with a misreading gets the right values from a file, the writer makes the same mistake.
 
 #[cfg(unix)]
 pub mod asking;

@@ -51,8 +51,7 @@ pub(super) fn is_right_under(
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that a reader with this mistake, and only such a reader, gets from the right
-/// file.
+/// Returns true if `file` contains the values that a reader with this mistake, and only such a reader, gets from the right file.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)
@@ -132,8 +131,7 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if both have the same size and, depending on `stage`, the same header numbers or the same derived
-    /// values.
+    /// Returns true if both have the same size and, depending on `stage`, the same header numbers or the same derived values.
     fn has_equal_numbers(&self, other: &MisreadFile, stage: Stage) -> bool {
         self.ptm.header.size == other.ptm.header.size
             && match stage {
@@ -143,8 +141,7 @@ impl MisreadFile {
             }
     }
 
-    /// Returns the map with effective scales and biases, which relate the raw values to the final coefficients of this
-    /// reader.
+    /// Returns the map with effective scales and biases, which relate the raw values to the final coefficients of this reader.
     pub fn into_effective_map(self) -> Ptm {
         let mut map = self.ptm;
         if self.stage == Stage::Coefficients {

@@ -54,8 +54,7 @@ impl Workspace {
         self.exits(0, line)
     }
 
-    /// Runs the command lines of a table. Each row contains the expected exit status, the command line, and parts of the
-    /// output.
+    /// Runs the command lines of a table. Each row contains the expected exit status, the command line, and parts of the output.
     #[track_caller]
     pub fn assert_lines(&self, table: &str) {
         for [status, line, says] in rows(table) {

@@ -44,8 +44,7 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
 ) -> StreamResult<[i32; 64]> {
     let mut block = [0; 64];
     *previous_dc += decode_dc_difference(bits, dc)?;
-    // The sum of 64 samples of magnitude at most 128, divided by 8, needs eleven bits. Quantization only makes it
-    // smaller.
+    // The sum of 64 samples of magnitude at most 128, divided by 8, needs eleven bits. Quantization only makes it smaller.
     if !(-2048..2048).contains(previous_dc) {
         let what = format!("the DC coefficient {previous_dc} is out of range");
         return Err(malformed(bits.plain_bits().offset(), what));

@@ -22,8 +22,7 @@ use crate::codec::stream_error::{StreamResult, malformed};
 const SOF0: u8 = 0xC0;
 const SOF1: u8 = 0xC1;
 
-/// Decodes a JPEG stream with one component and `width` × `height` samples. Returns the samples in row order from the
-/// top.
+/// Decodes a JPEG stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
 /// # Errors
 ///
@@ -74,8 +73,7 @@ fn find_scan_tables(
     frame: &FrameHeader,
     scan: &ScanHeader,
 ) -> StreamResult<ScanTables> {
-    // The whole spectrum at once and no successive approximation: other values are for progressive frames (Table
-    // B.3).
+    // The whole spectrum at once and no successive approximation: other values are for progressive frames (Table B.3).
     if scan.parameters != [0, 63, 0] {
         let [first, last, approximation] = scan.parameters;
         let found = format!("{first} {last} {approximation}");

@@ -39,17 +39,15 @@ pub struct JpegOptions {
     /// A single quantization step for all coefficients, instead of the steps for the quality. A step over 255
     /// requires 16-bit tables and SOF1, like a quality below 24.
     pub step: Option<u16>,
-    /// Indices of the quantization, DC and AC tables, at most 3. Huffman table indices over 1 require an extended
-    /// frame. If set, all tables from 0 to 1 or to the index are defined, although only one is used. By default, all
-    /// indices are 0.
+    /// Indices of the quantization, DC and AC tables, at most 3. Huffman table indices over 1 require an extended frame. If set,
+    /// all tables from 0 to 1 or to the index are defined, although only one is used. By default, all indices are 0.
     pub table_numbers: Option<[u8; 3]>,
     /// Writes all quantization tables in one segment, and all Huffman tables in another.
     pub tables_together: bool,
 }
 
 impl JpegOptions {
-    /// Returns the default options for a quality: baseline, tables of Annex K, no restart markers, sampling factors 1
-    /// × 1.
+    /// Returns the default options for a quality: baseline, tables of Annex K, no restart markers, sampling factors 1 × 1.
     #[must_use]
     pub const fn new(quality: u8) -> JpegOptions {
         JpegOptions {
@@ -69,8 +67,7 @@ impl JpegOptions {
 ///
 /// # Panics
 ///
-/// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, or an option is out of
-/// range.
+/// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, or an option is out of range.
 #[must_use]
 pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> Encoded {
     check_size(samples, width, height);

@@ -69,8 +69,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// The mirror of the worked example of the inverse transform: 64 samples of 3 above gray have the DC coefficient
-    /// 24.
+    /// The mirror of the worked example of the inverse transform: 64 samples of 3 above gray have the DC coefficient 24.
     #[test]
     fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];

@@ -57,8 +57,7 @@ impl HuffmanTable {
         codes
     }
 
-    /// Returns the first length with more codes than the shorter codes leave free. The code of all ones counts as
-    /// taken.
+    /// Returns the first length with more codes than the shorter codes leave free. The code of all ones counts as taken.
     pub fn overfull_length(&self) -> Option<usize> {
         let mut next = 0_u32;
         (1..=16).find(|&length| {

@@ -3,9 +3,8 @@
 //! An encoder uses either the typical tables of Annex K, which suit most images and occur in nearly all streams, or
 //! the shortest codes for the symbols that occur.
 //!
-//! Worked example: four symbols that occur 5, 3, 1 and 1 times. A placeholder, which never occurs, gets the code of
-//! all ones. The two rarest trees are merged until one is left, and each merge makes the codes in both trees one bit
-//! longer:
+//! Worked example: four symbols that occur 5, 3, 1 and 1 times. A placeholder, which never occurs, gets the code of all ones. The
+//! two rarest trees are merged until one is left, and each merge makes the codes in both trees one bit longer:
 //!
 //! ```text
 //! merged                    lengths of A B C D, placeholder
@@ -29,8 +28,7 @@ pub(super) const AC: usize = 1;
 
 /// An element of the entropy-coded data: a code with additional bits, or a marker.
 pub(super) enum Symbol {
-    /// A class, a symbol of that class, and additional bits. The low four bits of the symbol are the number of
-    /// additional bits.
+    /// A class, a symbol of that class, and additional bits. The low four bits of the symbol are the number of additional bits.
     Code(usize, u8, u32),
     /// A restart marker with this number.
     Restart(u8),

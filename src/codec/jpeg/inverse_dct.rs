@@ -1,9 +1,8 @@
 //! T.81 A.3.3: the inverse DCT of the Independent JPEG Group
 //!
-//! The standard does not specify the inverse transform exactly; it allows all transforms that are accurate enough.
-//! However, PTM planes contain differences modulo 256, where an error of one turns 255 into 0. So this implementation
-//! is exact: it is the integer transform "islow", which HP's encoder and nearly every decoder use (ruling
-//! `jpeg-samples`).
+//! The standard does not specify the inverse transform exactly; it allows all transforms that are accurate enough. However, PTM
+//! planes contain differences modulo 256, where an error of one turns 255 into 0. So this implementation is exact: it is the
+//! integer transform "islow", which HP's encoder and nearly every decoder use (ruling `jpeg-samples`).
 //!
 //! Worked example: a block whose only coefficient is DC = 24.
 //!

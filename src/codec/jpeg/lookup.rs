@@ -25,8 +25,7 @@ const SHORT_BITS: u32 = 10;
 /// A Huffman table with a lookup table, indexed by the next bits.
 pub(super) struct CodeTable {
     table: HuffmanTable,
-    /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or
-    /// invalid.
+    /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or invalid.
     short: [u16; 1 << SHORT_BITS],
 }
 
@@ -77,8 +76,7 @@ mod tests {
     use crate::codec::bit_buffer::BitBuffer;
     use crate::codec::bits::Bits;
 
-    /// Reads symbols until an error. Each symbol is followed by additional bits, whose number is in its low four
-    /// bits.
+    /// Reads symbols until an error. Each symbol is followed by additional bits, whose number is in its low four bits.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
         let mut bits = B::new(stream, 1);

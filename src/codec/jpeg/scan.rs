@@ -75,8 +75,7 @@ pub(super) fn block_counts(tables: &ScanTables, width: u32, height: u32) -> (usi
     }
 }
 
-/// Checks the end of an interval and the number of its restart marker (E.2.4). Returns the offset of the next
-/// interval.
+/// Checks the end of an interval and the number of its restart marker (E.2.4). Returns the offset of the next interval.
 pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
     let bits = bits.plain_bits();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);

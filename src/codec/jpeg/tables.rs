@@ -91,8 +91,7 @@ impl Tables {
         segment.expect_end()
     }
 
-    /// Looks up the tables that the headers name. `at` is the offset of the table indices in the scan header, for
-    /// errors.
+    /// Looks up the tables that the headers name. `at` is the offset of the table indices in the scan header, for errors.
     pub fn scan_tables(
         &self,
         quantization: u8,

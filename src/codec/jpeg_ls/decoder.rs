@@ -21,8 +21,7 @@ use crate::codec::stream_error::{StreamError, StreamResult, malformed, unsupport
 const SOF55: u8 = 0xF7;
 const LSE: u8 = 0xF8;
 
-/// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from
-/// the top.
+/// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
 /// # Errors
 ///

@@ -1,8 +1,7 @@
 //! T.87 A.5.3: decoding of limited-length Golomb codes
 //!
-//! A number is coded in two parts: all bits above the low k bits, as that many zeros and a one, then the low k bits.
-//! The codes of large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number minus one follows in
-//! qbpp bits.
+//! A number is coded in two parts: all bits above the low k bits, as that many zeros and a one, then the low k bits. The codes of
+//! large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number minus one follows in qbpp bits.
 //!
 //! Worked example, with k = 2, LIMIT 32 and qbpp 8:
 //!

@@ -54,8 +54,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for
-    /// errors.
+    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for errors.
     pub fn new(
         presets: &PresetParameters,
         presets_at: usize,
@@ -130,8 +129,7 @@ fn thresholds(
     Ok(thresholds)
 }
 
-/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, otherwise scaled by MAXVAL and NEAR
-/// (C.2.4.1.1.1).
+/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, otherwise scaled by MAXVAL and NEAR (C.2.4.1.1.1).
 ///
 /// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {

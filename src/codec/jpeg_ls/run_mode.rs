@@ -1,9 +1,8 @@
 //! T.87 A.7: run mode, the common part of decoder and encoder
 //!
-//! If all gradients are flat, samples equal to a are counted until a sample differs or the line ends. A run is
-//! written in segments of 2^J samples, with a bit 1 for each, and J grows with `RUNindex` while runs continue. A bit
-//! 0, followed by the rest of the run in J bits, means that a sample interrupts the run. That sample is predicted and
-//! coded separately.
+//! If all gradients are flat, samples equal to a are counted until a sample differs or the line ends. A run is written in
+//! segments of 2^J samples, with a bit 1 for each, and J grows with `RUNindex` while runs continue. A bit 0, followed by the rest
+//! of the run in J bits, means that a sample interrupts the run. That sample is predicted and coded separately.
 //!
 //! Worked example: a run of 7 samples and an interruption, starting with `RUNindex` 0.
 //!

@@ -1,5 +1,4 @@
-//! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and
-//! one example.
+//! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and one example.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
@@ -188,10 +187,9 @@ pub(in crate::diagnose) fn describe(
     diagnoses
 }
 
-/// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images
-/// are wrong in that view. "Enough" means more than half as many, of the same format or of all formats with wrong
-/// images in that view. Images that are described elsewhere count as well. The phase `Rearranged` applies only if most
-/// wrong images of the format have it.
+/// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images are wrong in
+/// that view. "Enough" means more than half as many, of the same format or of all formats with wrong images in that view. Images
+/// that are described elsewhere count as well. The phase `Rearranged` applies only if most wrong images of the format have it.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -481,8 +479,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples of `w`, or may crash on this
-/// file.
+/// Returns true if the mistake `member` more than halves the number of wrong samples of `w`, or may crash on this file.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
@@ -539,8 +536,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: received and expected value, the arithmetic, and the bytes of the
-/// expected value.
+/// Describes the first wrong sample of a file: received and expected value, the arithmetic, and the bytes of the expected value.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }

@@ -1,5 +1,4 @@
-//! Describes legal files that the decoder refused or crashed on, by a property that they share and that no accepted
-//! file has.
+//! Describes legal files that the decoder refused or crashed on, by a property that they share and that no accepted file has.
 
 use super::{files_in_scope, share_text, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
@@ -83,8 +82,7 @@ pub(in crate::diagnose) fn shared_failures(
         .collect()
 }
 
-/// Returns the legal files that the decoder reads, correctly or not. Files that crash it in another way are no
-/// evidence.
+/// Returns the legal files that the decoder reads, correctly or not. Files that crash it in another way are no evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
@@ -150,8 +148,7 @@ impl WholeFormats {
     }
 }
 
-/// Describes these files if they are all the legal files with a common format or property, and if they all fail in
-/// the same way.
+/// Describes these files if they are all the legal files with a common format or property, and if they all fail in the same way.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     indices: &[usize],

@@ -280,8 +280,7 @@ const EXPECTED: &str = "expected";
 const RECEIVED: &str = "received";
 const DIFFERENCE: &str = "difference";
 
-/// Maps a difference to an RGBA color: transparent for 0, then amber, red and violet, which are visible in light and dark
-/// mode.
+/// Maps a difference to an RGBA color: transparent for 0, then amber, red and violet, which are visible in light and dark mode.
 fn heat_color(apart: f64) -> [u8; 4] {
     if apart <= 0.0 {
         return [0; 4];

@@ -42,8 +42,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers, so all readings
-/// agree.
+/// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers, so all readings agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
         (0..dissection.compressed_planes())

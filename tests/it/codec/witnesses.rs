@@ -1,8 +1,7 @@
 //! Tests every image in witnesses.txt against the streams and samples of libjpeg and `CharLS`.
 //!
-//! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generated each image
-//! from its recipe, encoded and decoded it with the other codecs, and recorded the digests. This test generates the
-//! same images again.
+//! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generated each image from its
+//! recipe, encoded and decoded it with the other codecs, and recorded the digests. This test generates the same images again.
 
 #![allow(
     clippy::manual_midpoint,

@@ -1,8 +1,7 @@
 //! Judges and diagnoses recorded responses of seven public decoders.
 //!
-//! `tests/it/recordings/` contains the answers of each decoder, compressed, and `rows.yaml`. For each mistake in the
-//! decoder's source code, `rows.yaml` lists the cause that must be named. It also lists false statements that must
-//! not be made.
+//! `tests/it/recordings/` contains the answers of each decoder, compressed, and `rows.yaml`. For each mistake in the decoder's
+//! source code, `rows.yaml` lists the cause that must be named. It also lists false statements that must not be made.
 
 use std::collections::HashMap;
 
@@ -175,8 +174,7 @@ fn mistakes_of_seven_readers_are_named_without_false_statements() {
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
-/// A forbidden statement that never matches would prove nothing, so each must match some earlier output of the
-/// program.
+/// A forbidden statement that never matches would prove nothing, so each must match some earlier output of the program.
 #[test]
 fn forbidden_statements_match_earlier_output() {
     let text = std::fs::read_to_string(folder().join("before.yaml")).expect("before.yaml");

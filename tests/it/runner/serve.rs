@@ -130,8 +130,7 @@ fn reports_with_remarks_conform_to_the_schema() {
 /// Command that checks a decoder on a single case.
 const CHECK_ONE_CASE: &str = "check --case hand-lrgb-blocks --timeout 60 --";
 
-/// A decoder for view `raw` of `LRGB`. It supports only some spellings of the header and exits with 69 for everything
-/// else.
+/// A decoder for view `raw` of `LRGB`. It supports only some spellings of the header and exits with 69 for everything else.
 const JAVA_DECODER: &str = r#"
 import java.io.*; import java.nio.file.*;
 public class Dec {

@@ -1,6 +1,5 @@
-//! Tests that a failure of the harness is never a verdict about the decoder. With little space, few open files, few
-//! processes and unusual signals, a correct decoder passes, or the run ends with status 2 and names the missing
-//! resource.
+//! Tests that a failure of the harness is never a verdict about the decoder. With little space, few open files, few processes and
+//! unusual signals, a correct decoder passes, or the run ends with status 2 and names the missing resource.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;

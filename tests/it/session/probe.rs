@@ -247,8 +247,7 @@ fn wrong_refusals() {
     );
 }
 
-/// The decoder of one view and one format does not know other formats; the others know one spelling of the count of
-/// entries each.
+/// The decoder of one view and one format does not know other formats; the others know one spelling of the count of entries each.
 #[test]
 fn decoders_that_support_a_part_are_ready() {
     assert_scripts_probed(

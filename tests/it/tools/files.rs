@@ -1,5 +1,4 @@
-//! Tests of the tools for files: their output conforms to its schemas, and other programs can read the files that they
-//! write.
+//! Tests of the tools for files: their output conforms to its schemas, and other programs can read the files that they write.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
