@@ -31,7 +31,7 @@ pub(super) fn attribute_failures(
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
     let failed = search.failing();
-    let needed = search.map_parallel(&failed, |&w| needed(search, w, &set));
+    let needed = search.par_map(&failed, |&w| needed(search, w, &set));
     for (w, needed) in failed.into_iter().zip(needed) {
         // List the case under the last mistake that it needs.
         let Some((&last, others)) = needed.split_last() else {
@@ -54,7 +54,7 @@ pub(super) fn attribute_failures(
         .collect();
     for (place, member) in found.members.iter().enumerate() {
         if is_weakly_supported(search, member, &shares[place], &left)
-            || conflicts_with_larger_mistake(search, &set, &shares, place)
+            || is_subsumed(search, &set, &shares, place)
             || has_earlier_failures(search.witnesses, &shares[place].explains, &left)
             || is_minor(search.witnesses, &shares[place].explains, &left)
         {
@@ -164,12 +164,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
 /// Returns true if this mistake is incompatible with a mistake that explains more failures. It is if more of the
 /// files that the other mistake explains alone contradict it than support it: a decoder with both mistakes would
 /// output other values for these files.
-fn conflicts_with_larger_mistake(
-    search: &Search,
-    set: &[MistakeId],
-    shares: &[Share],
-    place: usize,
-) -> bool {
+fn is_subsumed(search: &Search, set: &[MistakeId], shares: &[Share], place: usize) -> bool {
     let own = shares[place].explains.len();
     if own == 0 {
         return false;
@@ -179,7 +174,7 @@ fn conflicts_with_larger_mistake(
         let files = search.smallest(&shares[other].explains, MAX_SAMPLE);
         files.into_iter().map(move |w| (other, w))
     });
-    let denied = search.map_parallel(&pairs.collect::<Vec<_>>(), |&(other, w)| {
+    let denied = search.par_map(&pairs.collect::<Vec<_>>(), |&(other, w)| {
         let both = [set[other], set[place]];
         search.answers_differ(w, &both, &both[..1])
             && search.agreement(w, &both[..1]).explains()
@@ -294,12 +289,12 @@ fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     if set.is_empty() || !explained(set) {
         return Vec::new();
     }
-    let needed = indispensable_members(set, explained);
+    let needed = needed_members(set, explained);
     if needed.is_empty() { vec![0] } else { needed }
 }
 
 /// Returns the indices of the members without which `holds` becomes false.
-pub(super) fn indispensable_members(
+pub(super) fn needed_members(
     set: &[MistakeId],
     holds: impl Fn(&[MistakeId]) -> bool,
 ) -> Vec<usize> {
@@ -316,7 +311,7 @@ fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
         && mistake.misreading.at.stage() < Stage::Color
-        && witness.requests_colors()
+        && witness.is_rgb()
         && witness.can_affect(mistake)
         && FailureMode::new(witness).is_none()
 }

@@ -88,9 +88,9 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
         let set = ids_of(&found.members);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
-        let all = search.map_parallel(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
+        let all = search.par_map(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
         let places: Vec<usize> = (0..set.len()).collect();
-        let keep = search.map_parallel(&places, |&place| {
+        let keep = search.par_map(&places, |&place| {
             let (id, evidence) = (set[place], &all[place]);
             let listed = search.mistakes[id].catalog_misreading();
             if evidence.explained.is_empty() && evidence.accepted.is_empty() {
@@ -147,10 +147,8 @@ fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureE
     let (images, far) = (evidence.images, evidence.far);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
     let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
-    let is_denied = || {
-        !search.small_contradictions(&[id]).is_empty()
-            && !search.small_contradictions(set).is_empty()
-    };
+    let is_denied =
+        || !search.refuting_files(&[id]).is_empty() && !search.refuting_files(set).is_empty();
     images > 0
         && (is_nearly_all(far, far + images) || !is_thorough && (is_of_colors || is_denied()))
 }
@@ -188,9 +186,7 @@ fn refuses_by_chance(
     let listed = search.mistakes[set[place]].catalog_misreading();
     let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
     let one = [set[place]];
-    let is_contradicted = |w| {
-        search.conflicts_with_passing_case(w, &one) && search.conflicts_with_passing_case(w, set)
-    };
+    let is_contradicted = |w| search.is_refuted(w, &one) && search.is_refuted(w, set);
     (!refuses_only || is_few(explained.len(), refused)) && is_small
         || evidence.against > 0
         || shared.iter().any(explains_more)
@@ -220,7 +216,7 @@ fn accepts_by_chance(
         open.iter()
             .any(|&w| is_about(&search.witnesses[w], misreading))
     };
-    is_unknown || is_one_fault && is_clause_open() || !search.small_contradictions(&[id]).is_empty()
+    is_unknown || is_one_fault && is_clause_open() || !search.refuting_files(&[id]).is_empty()
 }
 
 /// Returns true if a case is about the misread clause.

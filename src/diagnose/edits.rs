@@ -41,10 +41,8 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     let mut candidates = matching_edits(search, set, &probes);
     let tables = learned::learn_tables(search, set, left).into_iter();
     candidates.extend(tables.map(Mistake::unscoped));
-    let restrict_to_scope = search.map_parallel(&candidates, |mistake| {
-        restrict_to_scope(search, set, mistake, left)
-    });
-    for mistake in restrict_to_scope.into_iter().flatten() {
+    let restrict = search.par_map(&candidates, |mistake| restrict(search, set, mistake, left));
+    for mistake in restrict.into_iter().flatten() {
         search.add(mistake);
     }
     add_scoped_misreadings(search, set, left);
@@ -99,7 +97,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     .collect();
     let others = probes.iter().flat_map(|group| group.iter().skip(1));
     let others: Vec<(usize, Cow<Answer>)> = others.map(with_image).collect();
-    let counts = search.map_parallel(&edits, |&edit| {
+    let counts = search.par_map(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
         let edit = Mistake::unscoped(edit);
         let mut count = |probes: &[(usize, Cow<Answer>)]| {
@@ -139,7 +137,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
 }
 
 /// Returns the mistake, restricted to files in which no passing case contradicts it. Returns `None` if the evidence is too weak.
-fn restrict_to_scope(
+fn restrict(
     search: &Search,
     set: &MistakeSet,
     mistake: &Mistake,
@@ -148,7 +146,7 @@ fn restrict_to_scope(
     let images = search.comparable_images(left);
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
     let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    let denied = search.small_contradictions_with(set, mistake);
+    let denied = search.refuting_files_with(set, mistake);
     let scope = match denied.is_empty() {
         true => FileScope::All,
         false => separating_scope(search.witnesses, &explained, &denied)?,
@@ -169,18 +167,18 @@ fn restrict_to_scope(
     if is_limited_twice && (is_by_property || !is_number) {
         return None;
     }
-    let restrict_to_scope = Mistake {
+    let restrict = Mistake {
         misreading: mistake.misreading,
         channels: mistake.channels,
         scope,
     };
     // In other views, a later mistake may also change the images. A learned table was compared with the texels of these images.
-    let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict_to_scope);
+    let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict);
     let acting: Vec<usize> = images.iter().filter(acts).copied().collect();
     let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));
     let is_supported = explained.len() >= MIN_SUPPORT
         && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
-    is_supported.then_some(restrict_to_scope)
+    is_supported.then_some(restrict)
 }
 
 /// Returns the edit of a mistake that consists of exactly one.
@@ -199,11 +197,10 @@ fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize])
     };
     let open: Vec<MistakeId> = (0..search.mistakes.len()).filter(is_open).collect();
     let sample = search.sample(left);
-    let counts = search.map_parallel(&open, |&id| {
+    let counts = search.par_map(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.worth_of_set(w, &with) >= REFUSAL_WORTH
-                && search.worth_of_set(w, set) < REFUSAL_WORTH
+            search.set_worth(w, &with) >= REFUSAL_WORTH && search.set_worth(w, set) < REFUSAL_WORTH
         };
         sample.iter().filter(explains).count()
     });
@@ -211,8 +208,8 @@ fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize])
     ranked.retain(|&(count, _)| count > 1);
     ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
     ranked.truncate(MAX_SCOPED_MISREADINGS);
-    let scopes = search.map_parallel(&ranked, |&(_, id)| {
-        restrict_to_scope(search, set, &search.mistakes[id], left)
+    let scopes = search.par_map(&ranked, |&(_, id)| {
+        restrict(search, set, &search.mistakes[id], left)
             .filter(|mistake| mistake.scope != FileScope::All)
     });
     for mistake in scopes.into_iter().flatten() {

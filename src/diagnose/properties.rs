@@ -75,7 +75,7 @@ impl<'a> File<'a> {
         self.plan.is_some_and(holds)
     }
 
-    fn size_matches(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
+    fn has_size(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
         self.size
             .is_some_and(|(width, height)| holds(width, height))
     }
@@ -245,15 +245,11 @@ pub(super) const PROPERTIES: &[Property] = &[
         f.starts_with(|byte| byte == b'\n')
     }),
     // Size
-    property("of odd width", |f| {
-        f.size_matches(|width, _| width % 2 == 1)
-    }),
-    property("of odd height", |f| {
-        f.size_matches(|_, height| height % 2 == 1)
-    }),
+    property("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
+    property("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
     property(
         "of several rows with a width that is not a multiple of 4",
-        |f| f.size_matches(|width, height| width % 4 != 0 && height > 1),
+        |f| f.has_size(|width, height| width % 4 != 0 && height > 1),
     ),
     // Compression
     property("with predicted planes", |f| {

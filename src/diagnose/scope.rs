@@ -91,11 +91,7 @@ pub(super) struct SharedScope {
 
 impl SharedScope {
     /// Counts the legal files in the scope, of one format or of all formats: those in the group, and all others.
-    pub fn count_legal_files(
-        &self,
-        witnesses: &[Witness],
-        format: Option<Format>,
-    ) -> (usize, usize) {
+    pub fn count_legal(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
             case.expect == Expect::Decode && format.is_none_or(|format| case.format() == format)
@@ -109,7 +105,7 @@ impl SharedScope {
 
     /// Returns true if the group contains a substantial part of the legal files in the scope.
     pub fn is_prevalent(&self, witnesses: &[Witness], format: Option<Format>) -> bool {
-        let (own, others) = self.count_legal_files(witnesses, format);
+        let (own, others) = self.count_legal(witnesses, format);
         is_substantial(own, own + others)
     }
 }

@@ -161,9 +161,7 @@ impl<'a> Search<'a> {
 
     /// Returns the failing cases that `set` does not explain.
     pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
-        self.select(self.failing(), |w| {
-            self.worth_of_set(w, set) < REFUSAL_WORTH
-        })
+        self.select(self.failing(), |w| self.set_worth(w, set) < REFUSAL_WORTH)
     }
 
     /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the catalog.
@@ -187,9 +185,7 @@ impl<'a> Search<'a> {
                 single.as_ref().is_some_and(|member| {
                     let gain = self.gain(&set, &[member.id], &left);
                     is_share(gain, left.len())
-                        && self
-                            .small_contradictions(&with_id(&set, member.id))
-                            .is_empty()
+                        && self.refuting_files(&with_id(&set, member.id)).is_empty()
                 })
             };
             let is_enough = explains(&single, is_substantial);
@@ -233,11 +229,11 @@ impl<'a> Search<'a> {
         let mut all: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id))
             .collect();
-        let sample = self.best_candidate(set, &mut all, &self.sample(left));
+        let sample = self.pick_best(set, &mut all, &self.sample(left));
         sample.or_else(|| {
             let mut affordable = self.smallest(left, MAX_TRIED_SAMPLES);
             affordable.truncate(MAX_FALLBACK_CASES);
-            self.best_candidate(set, &mut all, &affordable)
+            self.pick_best(set, &mut all, &affordable)
         })
     }
 
@@ -252,8 +248,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
-    pub fn conflicts_with_passing_case(&self, w: usize, set: &[MistakeId]) -> bool {
-        self.worth_of_set(w, set) == CONTRADICTION_WORTH
+    pub fn is_refuted(&self, w: usize, set: &[MistakeId]) -> bool {
+        self.set_worth(w, set) == CONTRADICTION_WORTH
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
@@ -265,15 +261,13 @@ impl<'a> Search<'a> {
     pub fn contradictions(&self, set: &[MistakeId]) -> Vec<usize> {
         let mut passing = self.passing.clone();
         passing.sort_unstable();
-        self.select(passing, |w| self.conflicts_with_passing_case(w, set))
+        self.select(passing, |w| self.is_refuted(w, set))
     }
 
     /// Like `contradictions`, but only for small files.
-    pub fn small_contradictions(&self, set: &[MistakeId]) -> Vec<usize> {
+    pub fn refuting_files(&self, set: &[MistakeId]) -> Vec<usize> {
         let small = self.passing.iter().copied().filter(|&w| self.is_small(w));
-        self.select(small.collect(), |w| {
-            self.conflicts_with_passing_case(w, set)
-        })
+        self.select(small.collect(), |w| self.is_refuted(w, set))
     }
 
     /// Like `agreement`, for `set` and one more mistake, which need not be a candidate.
@@ -293,7 +287,7 @@ impl<'a> Search<'a> {
 
     /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not
     /// describe the decoder's checks, so neither malformed files nor files that the edit refuses contradict it.
-    pub fn small_contradictions_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
+    pub fn refuting_files_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_denied = |&w: &usize| {
             let witness = &self.witnesses[w];
             if !self.is_small(w) || !witness.can_affect(mistake) {
@@ -340,19 +334,19 @@ impl<'a> Search<'a> {
         if self.agreement(w, set).explains() {
             return true;
         }
-        let relevant_mistakes = self.relevant_mistakes(w, set);
+        let relevant_ids = self.relevant_ids(w, set);
         let visible_mistakes = self.visible_mistakes(w, set);
-        if visible_mistakes.is_empty() || visible_mistakes.len() == relevant_mistakes.len() {
+        if visible_mistakes.is_empty() || visible_mistakes.len() == relevant_ids.len() {
             return false;
         }
         let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
-        self.answers_of_variants(w, &relevant_mistakes)
+        self.answers_of_variants(w, &relevant_ids)
             .iter()
             .any(explains)
     }
 
     /// Returns the mistakes in `set`, and the assumed ones, that can change the answer.
-    fn relevant_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
+    fn relevant_ids(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let all = self.assumed.iter().chain(set).copied();
         all.filter(|&id| self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect()
@@ -479,7 +473,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the worth of `set` for case `w`.
-    pub fn worth_of_set(&self, w: usize, set: &[MistakeId]) -> i64 {
+    pub fn set_worth(&self, w: usize, set: &[MistakeId]) -> i64 {
         self.effect(w, set).worth
     }
 
@@ -511,10 +505,9 @@ impl<'a> Search<'a> {
     /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes
     /// rarely have an effect in combination, except for changes of the bytes of a file.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
-        let relevant_mistakes = self.relevant_mistakes(w, set);
+        let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
-        let shown: Vec<(MistakeId, SetEffect)> =
-            relevant_mistakes.iter().filter_map(alone).collect();
+        let shown: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
         // Changes of the bytes of a file may have an effect only after other changes.
         let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
@@ -522,7 +515,7 @@ impl<'a> Search<'a> {
             shown.iter().any(|(shown, _)| shown == id)
                 || are_bytes_changed && !is_explained && self.edits_bytes(*id)
         };
-        relevant_mistakes.into_iter().filter(is_kept).collect()
+        relevant_ids.into_iter().filter(is_kept).collect()
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
@@ -583,17 +576,12 @@ impl<'a> Search<'a> {
 
     /// Returns the mistake with the largest gain when added to `set`, among those that explain some case in `tried`.
     /// If no mistake has a gain, removes the finalists from `all`.
-    fn best_candidate(
-        &self,
-        set: &MistakeSet,
-        all: &mut MistakeSet,
-        tried: &[usize],
-    ) -> Option<Member> {
-        let now: Vec<i64> = tried.iter().map(|&w| self.worth_of_set(w, set)).collect();
-        let promise = self.map_parallel(all, |&id| {
+    fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
+        let now: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
+        let promise = self.par_map(all, |&id| {
             let with = with_id(set, id);
             let gain = |(&w, &now): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.worth_of_set(w, &with) - now).max(0),
+                true => (self.set_worth(w, &with) - now).max(0),
                 false => 0,
             };
             tried.iter().zip(&now).map(gain).sum::<i64>()
@@ -605,7 +593,7 @@ impl<'a> Search<'a> {
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: MistakeSet = promising.into_iter().map(|(_, id)| id).collect();
-        let best = self.best_finalist(set, &finalists, &self.trial_flags(tried));
+        let best = self.pick_finalist(set, &finalists, &self.trial_flags(tried));
         all.retain(|id| !finalists.contains(id));
         best
     }
@@ -622,27 +610,21 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
-    fn best_finalist(
+    fn pick_finalist(
         &self,
         set: &MistakeSet,
         finalists: &MistakeSet,
         tried: &[bool],
     ) -> Option<Member> {
         let now: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| {
-                if tried[w] {
-                    self.worth_of_set(w, set)
-                } else {
-                    0
-                }
-            })
+            .map(|w| if tried[w] { self.set_worth(w, set) } else { 0 })
             .collect();
         let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < REFUSAL_WORTH;
         let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
-        let gains = self.map_parallel(finalists, |&id| {
+        let gains = self.par_map(finalists, |&id| {
             let with = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.worth_of_set(w, &with) - now[w],
+                true => self.set_worth(w, &with) - now[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -663,7 +645,7 @@ impl<'a> Search<'a> {
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
             let least = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
-            let totals = self.map_parallel(batch, |&(gain, place)| {
+            let totals = self.par_map(batch, |&(gain, place)| {
                 self.total_worth(set, finalists[place], &now, gain, least, &others)
             });
             let totals = totals.into_iter().zip(batch);
@@ -705,7 +687,7 @@ impl<'a> Search<'a> {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.worth_of_set(w, &with) - now[w];
+                total += self.set_worth(w, &with) - now[w];
             }
         }
         (total >= least).then_some(total)
@@ -748,10 +730,10 @@ impl<'a> Search<'a> {
 
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the answer.
     fn explaining_pairs(&self, w: usize, set: &MistakeSet, most: usize) -> Vec<[MistakeId; 2]> {
-        let relevant_mistakes: MistakeSet = (0..self.mistakes.len())
+        let relevant_ids: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
-        let acting = self.select(relevant_mistakes, |id| {
+        let acting = self.select(relevant_ids, |id| {
             self.answers_differ(w, set, &with_id(set, id))
         });
         let pairs: Vec<[MistakeId; 2]> = acting
@@ -763,7 +745,7 @@ impl<'a> Search<'a> {
             .collect();
         let explains = |place: usize| {
             let with = [&set[..], &pairs[place]].concat();
-            self.worth_of_set(w, &with) >= REFUSAL_WORTH
+            self.set_worth(w, &with) >= REFUSAL_WORTH
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
@@ -782,9 +764,9 @@ impl<'a> Search<'a> {
         let mut pairs: Vec<([MistakeId; 2], i64)> =
             pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
-            let totals = self.map_parallel(&pairs, |&([a, b], _)| {
+            let totals = self.par_map(&pairs, |&([a, b], _)| {
                 let with = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.worth_of_set(w, &with) - self.worth_of_set(w, set);
+                let gain = |&w: &usize| self.set_worth(w, &with) - self.set_worth(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -807,7 +789,7 @@ impl<'a> Search<'a> {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &MistakeSet, places: &[usize]| {
-            let values = self.map_parallel(places, |&w| self.worth_of_set(w, set));
+            let values = self.par_map(places, |&w| self.set_worth(w, set));
             values.iter().sum::<i64>()
         };
         for place in (0..members.len()).rev() {
@@ -885,17 +867,13 @@ impl<'a> Search<'a> {
 
     /// Returns the items for which `holds` is true, evaluated in parallel.
     pub fn select(&self, all: Vec<usize>, holds: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
-        let flags = self.map_parallel(&all, |&one| holds(one));
+        let flags = self.par_map(&all, |&one| holds(one));
         let pairs = all.into_iter().zip(flags);
         pairs.filter_map(|(one, is)| is.then_some(one)).collect()
     }
 
     /// Maps `work` over all items in parallel. Preserves the order.
-    pub fn map_parallel<T: Sync, R: Send>(
-        &self,
-        items: &[T],
-        work: impl Fn(&T) -> R + Sync,
-    ) -> Vec<R> {
+    pub fn par_map<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
         map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
             let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
             done.unwrap_or_else(|panic| {

@@ -183,7 +183,7 @@ impl Witness<'_> {
     }
 
     /// Returns true if the request was for colors.
-    pub fn requests_colors(&self) -> bool {
+    pub fn is_rgb(&self) -> bool {
         matches!(self.observation.view, View::Rgb(_))
     }
 

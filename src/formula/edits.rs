@@ -39,12 +39,8 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits of every formula, in the order of [`Formula::ALL`].
-static ALL: LazyLock<Vec<Vec<Edit>>> = LazyLock::new(|| {
-    Formula::ALL
-        .iter()
-        .map(|row| generate_edits(row.0))
-        .collect()
-});
+static ALL: LazyLock<Vec<Vec<Edit>>> =
+    LazyLock::new(|| Formula::ALL.iter().map(|row| all_edits(row.0)).collect());
 
 /// Returns the edits of a formula without duplicates, the most likely ones first.
 #[must_use]
@@ -52,7 +48,7 @@ pub fn all(formula: Formula) -> &'static [Edit] {
     &ALL[formula as usize]
 }
 
-fn generate_edits(formula: Formula) -> Vec<Edit> {
+fn all_edits(formula: Formula) -> Vec<Edit> {
     let (stated, scope) = (&formula.stated().expression, formula.scope());
     let mut all = Vec::new();
     // A value that is never written stays 0.
@@ -69,12 +65,7 @@ fn generate_edits(formula: Formula) -> Vec<Edit> {
         all.extend(apply_to_all_nodes(stated, &|node| operator(node, scope)));
     }
     all.extend(swap_names_everywhere(stated, scope));
-    for operator in [
-        multiply_by_constants,
-        add_constants,
-        apply_functions,
-        change_groups,
-    ] {
+    for operator in [add_factors, add_constants, apply_functions, change_groups] {
         all.extend(apply_to_all_nodes(stated, &|node| match node {
             Expression::Number(_) => Vec::new(),
             _ => operator(node, scope),
@@ -291,11 +282,7 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
         all.push(with_digit(place, reversed, radix.clone()));
         if place > 0 {
             for multiple in [4.0, 8.0, 2.0] {
-                all.push(with_digit(
-                    place,
-                    digit.clone(),
-                    round_up_to_multiple(radix, multiple),
-                ));
+                all.push(with_digit(place, digit.clone(), round_up(radix, multiple)));
             }
             for by in [1.0, -1.0] {
                 let longer = Expression::Sum(vec![radix.clone(), number(by)]);
@@ -307,7 +294,7 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Rounds `value` up to a multiple.
-fn round_up_to_multiple(value: &Expression, multiple: f64) -> Expression {
+fn round_up(value: &Expression, multiple: f64) -> Expression {
     let over = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
     let quotient = Expression::Quotient(Box::new(over), Box::new(number(multiple)));
     Expression::Product(vec![call(Function::Floor, &[quotient]), number(multiple)])
@@ -340,7 +327,7 @@ fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
 }
 
 /// Multiplies or divides a node by a factor.
-fn multiply_by_constants(node: &Expression, _: Scope) -> Vec<Expression> {
+fn add_factors(node: &Expression, _: Scope) -> Vec<Expression> {
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
     let rival =

@@ -134,7 +134,7 @@ pub(in crate::diagnose) fn describe(
     set: &MistakeSet,
     left: &[usize],
 ) -> Vec<Diagnosis> {
-    let mut steps = search.map_parallel(left, |&w| first_difference(search, set, w));
+    let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     // If files without streams have wrong values as well, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
@@ -181,7 +181,7 @@ pub(in crate::diagnose) fn describe(
         }
         let described = parts
             .iter()
-            .map(|part| describe_difference(search, set, step, part));
+            .map(|part| difference_text(search, set, step, part));
         diagnoses.extend(described);
     }
     diagnoses
@@ -296,7 +296,7 @@ fn take_scopes(
     parts
 }
 
-fn describe_difference(
+fn difference_text(
     search: &Search,
     set: &[MistakeId],
     step: Phase,
@@ -324,7 +324,7 @@ fn describe_difference(
     };
     let (effect, only, views) = (
         step.effect(),
-        channels_phrase(&wrong),
+        channel_text(&wrong),
         views_phrase(witnesses, indices),
     );
     let words = CauseWords {
@@ -377,7 +377,7 @@ pub(in crate::diagnose) fn wrong_channels(
 }
 
 /// Returns ", only in a3" if all other channels are correct.
-fn channels_phrase(wrong: &[bool]) -> String {
+fn channel_text(wrong: &[bool]) -> String {
     let names: Vec<String> = (0..wrong.len())
         .filter(|&channel| wrong[channel])
         .map(|channel| channel_name(wrong.len(), channel))
@@ -526,12 +526,7 @@ pub(in crate::diagnose) fn image_pair(
 
 /// Returns the smallest of these files. Prefers stored and final values to colors.
 pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize]) -> usize {
-    let size = |w: &usize| {
-        (
-            witnesses[*w].requests_colors(),
-            witnesses[*w].built.file.len(),
-        )
-    };
+    let size = |w: &usize| (witnesses[*w].is_rgb(), witnesses[*w].built.file.len());
     let smallest = indices.iter().copied().min_by_key(size);
     smallest.expect("a diagnosis explains at least one case")
 }

@@ -19,7 +19,7 @@ use crate::suite::cases::Expect;
 /// Returns "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other files
 /// with the property fail in another way. Counts the files of one format, or of all formats.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
-    let (count, others) = shared.count_legal_files(witnesses, format);
+    let (count, others) = shared.count_legal(witnesses, format);
     let of_format = format.map_or(String::new(), |format| {
         format!("of {} ", format.short_name())
     });

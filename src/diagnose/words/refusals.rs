@@ -34,7 +34,7 @@ pub(in crate::diagnose) fn describe(
             open.retain(|w| !shared.cases.contains(w));
             left.retain(|w| !shared.cases.contains(w));
             let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
-            let refusal = describe_refusal(witnesses, &shared.cases, &mode, effect);
+            let refusal = refusal_text(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
                 None => refusal,
@@ -45,7 +45,7 @@ pub(in crate::diagnose) fn describe(
 }
 
 /// Returns the diagnosis for files that fail in the same way.
-fn describe_refusal(
+fn refusal_text(
     witnesses: &[Witness],
     indices: &[usize],
     mode: &FailureMode,
@@ -143,7 +143,7 @@ impl WholeFormats {
         let names: Vec<&str> = names.collect();
         let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
         let refusal =
-            describe_refusal(witnesses, &self.cases, &self.mode, effect).with_equivalents(alike);
+            refusal_text(witnesses, &self.cases, &self.mode, effect).with_equivalents(alike);
         refusal.with_clause("2.2/1")
     }
 }
@@ -158,8 +158,7 @@ pub(in crate::diagnose) fn describe_observation(
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, indices, &others, false)?;
     let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
-    (shared.cases.len() == indices.len())
-        .then(|| describe_refusal(witnesses, indices, &mode, effect))
+    (shared.cases.len() == indices.len()).then(|| refusal_text(witnesses, indices, &mode, effect))
 }
 
 /// Describes the failures on the legal files in `indices`, if hardly any of them produced an image and no other evidence
@@ -183,7 +182,7 @@ pub(in crate::diagnose) fn describe_non_images(
     }
     let mode = modes.first()?;
     let effect = outcomes_text(witnesses, &indices, &modes);
-    let refusal = describe_refusal(witnesses, &indices, mode, effect);
+    let refusal = refusal_text(witnesses, &indices, mode, effect);
     Some(refusal.with_clause(misreading.clause).cause)
 }
 
