@@ -148,7 +148,7 @@ impl Format {
     }
 }
 
-/// How a format stores its planes.
+/// The storage of the planes in a format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
     /// Blocks of bytes (2.7).

@@ -52,7 +52,7 @@ mod again;
 #[cfg(feature = "parallel")]
 mod threads;
 
-/// §2.9.3 Fast displacement of a plane
+/// Fast displacement of a plane (2.9.3)
 mod inside;
 
 /// Some channels of every texel: the common representation of the parts of 2.7, 2.8 and 2.9.8

@@ -54,7 +54,7 @@ pub(super) struct Facts {
     pub quantities: Vec<Option<f64>>,
 }
 
-/// How an answer agrees with the response.
+/// The agreement of an answer with the response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
     /// The images are equal.

@@ -1,6 +1,6 @@
 //! Executable mistakes. Each is a plausible misreading of one clause.
 //!
-//! The same catalog identifies the mistakes of failing decoders, measures the suite (every misreading must be caught,
+//! This catalog identifies the mistakes of failing decoders, measures the suite (every misreading must be caught,
 //! and every pair distinguished), and proves that each clause is tested.
 //!
 //! A [`Misreading`] is data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The

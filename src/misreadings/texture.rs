@@ -1,6 +1,6 @@
 //! Executable misreadings of the texture chapter.
 //!
-//! The same catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
+//! This catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
 //! caught, and every pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules),
 //! usually by modifying the correct one.
 

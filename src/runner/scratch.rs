@@ -132,7 +132,7 @@ impl Drop for Scratch {
     }
 }
 
-/// Private directories of one process, so that files it leaves behind do not affect other processes.
+/// Private directories of one process, so that remaining files do not affect other processes.
 pub(crate) struct Workspace<'a> {
     scratch: &'a Scratch,
     name: String,
@@ -189,7 +189,7 @@ impl Workspace<'_> {
 
 impl Drop for Workspace<'_> {
     fn drop(&mut self) {
-        // Files that cannot be removed are left behind. They do not affect the answer.
+        // Files that cannot be removed remain. They do not affect the answer.
         for directory in &self.directories {
             remove_directory(directory);
         }
