@@ -51,10 +51,10 @@ pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<Sit
     };
     check_module(module)
         .map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD_COMMANDS}"))?;
-    let compress = compress(module).map_err(|error| error.to_string())?;
+    let packed = compress(module).map_err(|error| error.to_string())?;
     let samples = samples(paper);
     let page = |path: &str, standalone: bool| {
-        SiteFile::new(path, page_text(paper, &compress, &samples, standalone))
+        SiteFile::new(path, page_text(paper, &packed, &samples, standalone))
     };
     Ok(vec![
         page("drop.html", false),
@@ -105,7 +105,7 @@ fn compress(module: &[u8]) -> std::io::Result<String> {
 }
 
 /// Renders the page. Its content security policy forbids all requests, and all scripts except those of the site.
-fn page_text(paper: PageContext, compress: &str, samples: &str, standalone: bool) -> String {
+fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
@@ -135,7 +135,7 @@ fn page_text(paper: PageContext, compress: &str, samples: &str, standalone: bool
                 main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }
                 script #samples type="application/json" { (PreEscaped(samples)) }
-                script #module type="application/octet-stream" { (compress) }
+                script #module type="application/octet-stream" { (packed) }
                 script { (PreEscaped(SCRIPT)) }
                 @if !standalone { script { (PreEscaped(SITE_SCRIPT)) } }
             }

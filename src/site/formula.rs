@@ -10,8 +10,8 @@ use maud::{Markup, PreEscaped, html};
 
 /// Renders a display formula.
 pub(super) fn formula(text: &str) -> Markup {
-    let parse_row = parse_row(&mut text.chars().peekable(), None);
-    PreEscaped(format!("<math display=\"block\">{parse_row}</math>"))
+    let row = parse_row(&mut text.chars().peekable(), None);
+    PreEscaped(format!("<math display=\"block\">{row}</math>"))
 }
 
 /// Parses a sequence of atoms up to and including `end`.

@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);
-            let read = read.expect("a image").into_rgb8();
+            let read = read.expect("an image").into_rgb8();
             assert_eq!(read.into_raw(), [7, 7, 7], "{format:?}");
         }
     }

@@ -110,14 +110,14 @@ fn run_part(
 /// Asserts that eight merged parts give the same report as a whole run.
 #[track_caller]
 fn assert_same_report(suite: &Suite, decoder: &Decoder) {
-    let report_of_whole_run = report_of_whole_run(suite, decoder);
+    let whole = report_of_whole_run(suite, decoder);
     let scratch = tempfile::tempdir().expect("a directory");
     let run = |number| {
         run_part(
             suite,
             Shard { number, of: 8 },
             decoder,
-            &report_of_whole_run.tool,
+            &whole.tool,
             scratch.path(),
         )
     };
@@ -126,7 +126,7 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let answers = RecordedAnswers::read(suite, &parts).expect("all parts are there");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
     let (_, merged) = merged.expect("every answer is there");
-    assert_eq!(merged.to_yaml(), report_of_whole_run.to_yaml());
+    assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 
 /// Returns a pseudorandom decision that depends only on the bytes of the file.

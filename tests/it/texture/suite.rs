@@ -119,22 +119,14 @@ fn every_misreading_is_diagnosed() {
 fn mixing_readings_fails() {
     let suite = suite();
     for (axis, choice) in CHOICES.iter().enumerate() {
-        for (reading, (diagnosis_name, _)) in choice.readings.iter().enumerate() {
+        for (reading, (name, _)) in choice.readings.iter().enumerate() {
             let mut dialect = CHOICES.reference();
             dialect.0[axis] = reading;
             let rules = CHOICES.apply(&dialect, Rules::SPEC);
             let kept = run(&suite, |case| case.answer(&rules));
             let failed = cases_with_outcome(&suite, &kept, Outcome::Fail);
-            assert!(
-                failed.is_empty(),
-                "{}: {diagnosis_name}: {failed:?}",
-                choice.ruling
-            );
-            assert_eq!(
-                kept.judgement.dialect, dialect,
-                "{}: {diagnosis_name}",
-                choice.ruling
-            );
+            assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
+            assert_eq!(kept.judgement.dialect, dialect, "{}: {name}", choice.ruling);
             let shows = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
                 case.relevant_axes().contains(&axis)
@@ -153,7 +145,7 @@ fn mixing_readings_fails() {
                 });
                 assert!(
                     !cases_with_outcome(&suite, &mixed, Outcome::Fail).is_empty(),
-                    "{}: {diagnosis_name}",
+                    "{}: {name}",
                     choice.ruling
                 );
             }
@@ -254,11 +246,8 @@ fn every_enumerant_has_a_case() {
         Alpha SingleBase WeightedBase SingleInMipmap WeightedInMipmap SingleBetweenMipmaps WeightedBetweenMipmaps \
         ClampExplicit ClampBorder Wrap Mirror Discontinue Color None Vertex Pixel InterpDep DotProduct Normal L LA RGB \
         RGBA Texture Hollow Solid Pattern Hatch Empty";
-    for diagnosis_name in enumerants.split(' ') {
-        assert!(
-            all.contains(&format!("\"{diagnosis_name}\"")),
-            "{diagnosis_name}"
-        );
+    for name in enumerants.split(' ') {
+        assert!(all.contains(&format!("\"{name}\"")), "{name}");
     }
     for op in OPERATIONS {
         assert!(suite.cases.iter().any(|case| case.op == op), "{op}");
@@ -276,10 +265,10 @@ fn every_cross_reference_exists_and_agrees() {
         let id = &case.id;
         assert!(ids.insert(id.clone()), "duplicate {id}");
         assert!(are_known(&case.clauses), "{id}");
-        let ruling = case.ruling.as_ref().map(|diagnosis_name| {
-            let ruling = rulings.iter().find(|ruling| ruling.id == *diagnosis_name);
+        let ruling = case.ruling.as_ref().map(|name| {
+            let ruling = rulings.iter().find(|ruling| ruling.id == *name);
             ruling
-                .unwrap_or_else(|| panic!("{id}: no ruling {diagnosis_name}"))
+                .unwrap_or_else(|| panic!("{id}: no ruling {name}"))
                 .kind
         });
         let agrees = match case.basis {
@@ -344,17 +333,17 @@ fn malformed_questions_name_the_faulty_field() {
 
 #[test]
 fn both_sets_of_names_are_accepted() {
-    for diagnosis_name in ["PEXTMRCPostLight", "PEXTMRenderingControlPostLight"] {
-        let control: RenderingControl = diagnosis_name.parse().expect(diagnosis_name);
+    for name in ["PEXTMRCPostLight", "PEXTMRenderingControlPostLight"] {
+        let control: RenderingControl = name.parse().expect(name);
         assert_eq!(control.name(), "PostLight");
     }
     let clamp: Result<ClampMethod, _> = "PEXTMBoundaryClampExplicitColor".parse();
     assert_eq!(clamp.map(ClampMethod::name), Ok("Color"));
-    for (diagnosis_name, short) in [
+    for (name, short) in [
         ("PEXTMBCWrap", "Wrap"),
         ("ClampExplicitMethod", "ClampExplicit"),
     ] {
-        let boundary: Result<Boundary, _> = diagnosis_name.parse();
+        let boundary: Result<Boundary, _> = name.parse();
         assert_eq!(boundary.map(Boundary::name), Ok(short));
     }
 }
