@@ -10,7 +10,7 @@ use maud::{Markup, html};
 const MAX_SIDE_PIXELS: usize = 208;
 
 /// Expected and received image of the same size, three bytes per texel.
-pub(super) struct ImagePair<'a> {
+pub(super) struct ComparedImages<'a> {
     pub width: usize,
     pub height: usize,
     pub expected: &'a [u8],
@@ -19,7 +19,7 @@ pub(super) struct ImagePair<'a> {
     pub difference: Option<&'a [u8]>,
 }
 
-impl ImagePair<'_> {
+impl ComparedImages<'_> {
     /// Renders the images. `subject` is the caption of the received image.
     pub(super) fn markup(&self, subject: &str) -> Markup {
         let opaque = |rgb: &[u8]| -> Vec<u8> {

@@ -10,7 +10,7 @@ use maud::{Markup, html};
 
 use crate::protocol::frame::{Frame, ViewKind};
 use crate::ptm::channel_name;
-use crate::report::html::compare::{ImagePair, png_data_url};
+use crate::report::html::compare::{ComparedImages, png_data_url};
 use crate::suite::compare::Expected;
 
 /// Maximum number of columns and rows of a plane that are displayed.
@@ -83,7 +83,7 @@ impl ImageComparison<'_> {
             let apart = (0..3).map(|channel| self.difference_at(x, y, channel));
             heat_color(apart.fold(0.0, f64::max))
         };
-        let images = ImagePair {
+        let images = ComparedImages {
             width: self.columns.len(),
             height: self.rows.len(),
             expected: &image(EXPECTED),

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::report::html::compare::ImagePair;
+use crate::report::html::compare::ComparedImages;
 use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
 
 /// Maximum mean difference of samples at which two images look the same.
@@ -11,7 +11,7 @@ const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;
 /// Renders the received scene next to the correct one.
 pub(super) fn figure(scene: &LitScene) -> Markup {
     let side = SIDE as usize;
-    let images = ImagePair {
+    let images = ComparedImages {
         width: side,
         height: side,
         expected: &scene.right,
