@@ -78,6 +78,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// Reads a byte. `what` names it in the error.
     pub fn read_byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
             return Err(malformed(
@@ -89,6 +90,7 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
+    /// Reads a big-endian number of two bytes. `what` names it in the error.
     pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
         Ok(u16::from_be_bytes([
             self.read_byte(what)?,
@@ -96,6 +98,7 @@ impl<'a> Cursor<'a> {
         ]))
     }
 
+    /// Returns true if no bytes are left.
     pub fn at_end(&self) -> bool {
         self.at == self.stream.len()
     }

@@ -19,6 +19,7 @@ use crate::error::Result;
 use crate::input::Input;
 use crate::ptm::ColorMatrix;
 
+/// Reads the sixteen elements in the order of the file (clause 2.6/2).
 pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
     let mut elements = [0.0; 16];
     for (i, element) in elements.iter_mut().enumerate() {

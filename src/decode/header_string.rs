@@ -16,6 +16,7 @@
 use crate::error::Result;
 use crate::input::Input;
 
+/// Reads the first line (clause 2.1/1).
 pub(super) fn read(input: &mut Input) -> Result<()> {
     // A token ends at a space or a line feed, so "PTM_1.25" does not match PTM_1.2.
     input.word("2.1/1", "PTM_1.2")?;

@@ -1,4 +1,4 @@
-//! Tests of writers that violate the protocol: each gets the expected verdict, and no file is left behind.
+//! Tests of writers that violate the protocol: each gets the expected verdict and leaves no file.
 
 use std::fs;
 
