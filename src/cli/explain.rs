@@ -25,7 +25,7 @@ use ptm_conform::session::outcome::Outcome;
 use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::address;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
-use ptm_conform::suite::clauses::{self, Clause, Ruling};
+use ptm_conform::suite::clauses::{self, Clause, Ruling, section_of};
 use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases as texture;
@@ -75,15 +75,13 @@ fn explain_request(id: &str) -> Result<String, String> {
     ))
 }
 
-/// Returns the section of a clause: `2.4` for `2.4/8`.
-fn section(clause: &str) -> &str {
-    clause.split('/').next().unwrap_or_default()
-}
-
 /// Lists all ids except case ids.
 fn list_ids(suite: &Suite) -> Result<String, String> {
     let clauses = clauses::clauses()?;
-    let mut sections: Vec<&str> = clauses.iter().map(|clause| section(&clause.id)).collect();
+    let mut sections: Vec<&str> = clauses
+        .iter()
+        .map(|clause| section_of(&clause.id))
+        .collect();
     sections.dedup();
     let mut text = format!(
         "{} cases: a section below lists those about it\n\n{} clauses, in sections:\n",
@@ -91,7 +89,7 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
         clauses.len()
     );
     for of in &sections {
-        let is_about = |id: &String| section(id) == *of;
+        let is_about = |id: &String| section_of(id) == *of;
         let clauses = clauses.iter().filter(|clause| is_about(&clause.id));
         let cases = suite
             .cases
@@ -105,7 +103,7 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let _ = writeln!(text, "\n{} rulings:\n  {}", names.len(), names.join(", "));
     let _ = writeln!(text, "\n{} misreadings:", misreadings::all().count());
     for of in &sections {
-        let about = misreadings::all().filter(|misreading| section(misreading.clause) == *of);
+        let about = misreadings::all().filter(|misreading| section_of(misreading.clause) == *of);
         let slugs: Vec<&str> = about.map(|misreading| misreading.slug).collect();
         if !slugs.is_empty() {
             let _ = writeln!(text, "  {of}: {}", slugs.join(", "));
@@ -191,7 +189,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
 fn explain_format(suite: &Suite, format: Format) -> String {
     let mut sections: BTreeMap<&str, usize> = BTreeMap::new();
     for case in suite.cases.iter().filter(|case| case.format() == format) {
-        let first = case.clauses.first().map_or("none", |id| section(id));
+        let first = case.clauses.first().map_or("none", |id| section_of(id));
         *sections.entry(first).or_default() += 1;
     }
     let lines = sections

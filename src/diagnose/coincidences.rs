@@ -129,8 +129,8 @@ fn is_stray(
     failing: usize,
 ) -> bool {
     let explained = evidence.explained.len();
-    let is_few = is_few(explained, failing);
-    let changed = match is_few {
+    let explains_few = is_few(explained, failing);
+    let changed = match explains_few {
         true => evidence.changed_images + evidence.changed_refusals,
         false => evidence.changed_images,
     };
@@ -138,7 +138,7 @@ fn is_stray(
     let is_about = about.any(|&w| is_about(&search.witnesses[w], misreading));
     let others = changed.saturating_sub(explained);
     explained > 0
-        && (is_most(others, changed) || is_few && !is_about || evidence.against > explained)
+        && (is_most(others, changed) || explains_few && !is_about || evidence.against > explained)
 }
 
 /// Returns true if a misreading explains few images and changes many others in a different way than the decoder does.

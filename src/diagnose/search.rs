@@ -730,12 +730,10 @@ impl<'a> Search<'a> {
 
     /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the answer.
     fn explaining_pairs(&self, w: usize, set: &MistakeSet, most: usize) -> Vec<[MistakeId; 2]> {
-        let relevant_ids: MistakeSet = (0..self.mistakes.len())
+        let open: MistakeSet = (0..self.mistakes.len())
             .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
-        let acting = self.select(relevant_ids, |id| {
-            self.answers_differ(w, set, &with_id(set, id))
-        });
+        let acting = self.select(open, |id| self.answers_differ(w, set, &with_id(set, id)));
         let pairs: Vec<[MistakeId; 2]> = acting
             .iter()
             .enumerate()

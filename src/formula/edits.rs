@@ -394,8 +394,8 @@ fn change_groups(node: &Expression, scope: Scope) -> Vec<Expression> {
             };
             let group = node(all[start..end].to_vec());
             changed.push(replaced(None));
-            let apply_functions = apply_functions(&group, scope).into_iter();
-            changed.extend(apply_functions.map(|by| replaced(Some(by))));
+            let calls = apply_functions(&group, scope).into_iter();
+            changed.extend(calls.map(|by| replaced(Some(by))));
         }
     }
     changed
@@ -463,10 +463,10 @@ mod tests {
     #[test]
     fn edits_are_distinct_and_differ_from_the_formula() {
         for (formula, name) in Formula::ALL {
-            let edit_texts = edit_texts(formula);
-            assert!(edit_texts.len() > 3, "{name}: {}", edit_texts.len());
+            let texts = edit_texts(formula);
+            assert!(texts.len() > 3, "{name}: {}", texts.len());
             let stated = formula.stated().expression.display(formula.scope());
-            assert!(!edit_texts.contains(&stated), "{name}");
+            assert!(!texts.contains(&stated), "{name}");
         }
     }
 }

@@ -44,10 +44,10 @@ struct CapabilitiesRecord {
     reject_exit: Option<i64>,
 }
 
-/// Removes unprintable characters from a word.
-fn printable(word: &str) -> String {
-    let printable = word.chars().filter(|c| !c.is_control());
-    printable.take(MAX_NAME_LENGTH).collect()
+/// Removes unprintable characters from a word, and limits its length.
+fn remove_unprintable(word: &str) -> String {
+    let chars = word.chars().filter(|c| !c.is_control());
+    chars.take(MAX_NAME_LENGTH).collect()
 }
 
 impl Capabilities {
@@ -91,8 +91,8 @@ impl Capabilities {
             usable
         });
         Ok(Capabilities {
-            name: record.name.as_deref().map(printable),
-            version: record.version.as_deref().map(printable),
+            name: record.name.as_deref().map(remove_unprintable),
+            version: record.version.as_deref().map(remove_unprintable),
             views,
             formats,
             serves: modes.is_some_and(|modes| modes.contains(&"serve")),
@@ -117,7 +117,7 @@ fn known_words<T>(
     know: impl Fn(&str) -> Option<T>,
 ) -> Vec<T> {
     let one = |word: String| {
-        let word = printable(&word);
+        let word = remove_unprintable(&word);
         let known = know(&word);
         if known.is_none() && remarks.len() < 10 {
             remarks.push(format!("it declares an unknown {what}: {word:?}"));

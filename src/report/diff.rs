@@ -10,8 +10,9 @@ use serde::Serialize;
 use similar::{Algorithm, DiffTag, capture_diff_slices};
 
 use crate::kit::yaml::to_yaml;
-use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report, section_of};
+use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::session::outcome::Outcome;
+use crate::suite::clauses::section_of;
 
 /// Maximum number of changed cases that are described in full.
 const MAX_FULL_DESCRIPTIONS: usize = 12;

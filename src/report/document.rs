@@ -218,10 +218,3 @@ impl Report {
         with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partly))
     }
 }
-
-/// Returns the section of a clause: `2.4` for `2.4/8`, `R-TBL` for `R-TBL-04`.
-#[must_use]
-pub fn section_of(clause: &str) -> &str {
-    let ends = clause.split_once('/').or_else(|| clause.rsplit_once('-'));
-    ends.map_or(clause, |(section, _)| section)
-}

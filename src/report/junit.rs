@@ -5,8 +5,9 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::report::document::{CaseResult, Report, section_of};
+use crate::report::document::{CaseResult, Report};
 use crate::session::outcome::Outcome;
+use crate::suite::clauses::section_of;
 
 /// XML element of a test that did not pass: its name, attributes and content.
 struct NotPassed {
@@ -44,7 +45,7 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
         // A dot would separate packages.
         let section = case.clauses.first().map_or("none", |id| section_of(id));
         let class = format!("ptm-conform.section-{}", section.replace('.', "_"));
-        let status = failure_status(report, case);
+        let status = case_status(report, case);
         (class, case.id.clone(), status, &*case.stderr)
     }));
     tests
@@ -82,7 +83,7 @@ pub fn junit(report: &Report) -> String {
         }
     };
     // XML allows no other control characters, not even escaped ones.
-    let allowed = |c: char| !c.is_control() || c == '\n' || c == '\t';
+    let allowed = |c: char| !c.is_control() || matches!(c, '\n' | '\r' | '\t');
     xml.0.replace(
         |c| !allowed(c) || c == '\u{fffe}' || c == '\u{ffff}',
         "\u{fffd}",
@@ -90,7 +91,7 @@ pub fn junit(report: &Report) -> String {
 }
 
 /// Returns the status of a case, or `None` if the case passed.
-fn failure_status(report: &Report, case: &CaseResult) -> Option<NotPassed> {
+fn case_status(report: &Report, case: &CaseResult) -> Option<NotPassed> {
     let says = match case.says.as_str() {
         "" => case.outcome.name(),
         says => says,

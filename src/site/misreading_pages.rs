@@ -12,8 +12,8 @@ use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
-use crate::report::document::section_of;
 use crate::suite::cases::TableSpelling;
+use crate::suite::clauses::section_of;
 
 /// Renders the list of misreadings and the page of each misreading.
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {

@@ -5,8 +5,7 @@ use maud::{Markup, html};
 use super::paper::{PageContext, SiteFile};
 use super::ruling_pages;
 use crate::misreadings;
-use crate::report::document::section_of;
-use crate::suite::clauses::Clause;
+use crate::suite::clauses::{Clause, section_of};
 use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::verify::verify;
 

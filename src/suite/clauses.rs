@@ -83,6 +83,13 @@ impl RulingKind {
     }
 }
 
+/// Returns the section of a clause: `2.4` for `2.4/8`, `R-TBL` for `R-TBL-04`.
+#[must_use]
+pub fn section_of(clause: &str) -> &str {
+    let ends = clause.split_once('/').or_else(|| clause.rsplit_once('-'));
+    ends.map_or(clause, |(section, _)| section)
+}
+
 /// Returns all clauses, in the order of the text.
 ///
 /// # Errors

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::report::document::{Report, section_of};
+use crate::report::document::Report;
 use crate::report::html::shell::linked;
 use crate::session::outcome::Outcome;
-use crate::suite::clauses::{Clause, ClauseStatus};
+use crate::suite::clauses::{Clause, ClauseStatus, section_of};
 use crate::suite::name::SuiteName;
 
 /// Results of a run for one clause.

@@ -83,12 +83,11 @@ fn mismatch(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String
     match (entry.expect.as_str(), outcome) {
         ("decode" | "lenient", Ok(ptm)) => {
             let (samples, slack) = samples(&ptm, &entry.view);
-            let frame_samples = frame_samples(&frame.expect("a frame next to its file"));
+            let received = frame_samples(&frame.expect("a frame next to its file"));
             let near = |(&a, &b): (&f64, &f64)| {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
-            let same = samples.len() == frame_samples.len()
-                && samples.iter().zip(&frame_samples).all(near);
+            let same = samples.len() == received.len() && samples.iter().zip(&received).all(near);
             (!same).then(|| "another image".to_owned())
         }
         ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),
