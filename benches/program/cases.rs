@@ -16,7 +16,7 @@ use crate::measure::{own_time, slope};
 
 pub fn growth() {
     println!(
-        "| cases | time a case, µs | recipes of the suite, bytes a case | observations of the run, bytes a case | growth from a tenth of the cases to all, bytes a case |"
+        "| cases | time per case, µs | suite, bytes per case | results, bytes per case | growth from one tenth of the cases to all, bytes per case |"
     );
     println!("|---|---|---|---|---|");
     let mut times = Vec::new();

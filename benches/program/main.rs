@@ -35,10 +35,10 @@ fn main() {
     let scratch = scratch();
     println!("# Uncompressed maps of {SIDE} x {SIDE} texels\n");
     println!(
-        "`reference raw FILE > OTHER` over `cp` of as many bytes as it writes; memory over those bytes.\n"
+        "`reference raw FILE > OTHER`, divided by `cp` of as many bytes as it writes. Memory is divided by the size of the output.\n"
     );
     println!(
-        "| format | file, MB | output, MB | time / cp | wall / cp | time / memcpy | memory / output |"
+        "| format | file, MB | output, MB | time / cp | wall-clock / cp | time / memcpy | memory / output |"
     );
     println!("|---|---|---|---|---|---|---|");
     for format in [
@@ -117,7 +117,7 @@ fn against_cp(format: Format, directory: &Path) {
         fs::metadata(&file).expect("the file").len() as f64 / 1e6,
         bytes as f64 / 1e6,
         ours.processor / cp.processor,
-        ours.wall / cp.wall,
+        ours.wall-clock / cp.wall,
         ours.processor / memcpy.processor,
         memory_of_call(&mut reference("raw", &file)) as f64 / bytes as f64,
     );
@@ -142,7 +142,7 @@ fn against_others(format: Format, directory: &Path) {
         .collect();
     let out = directory.join("out");
     let bits = streams.iter().map(Vec::len).sum::<usize>() as f64 * 8.0 / bytes as f64;
-    println!("## {}, {bits:.1} bits a sample\n", format.short_name());
+    println!("## {}, {bits:.1} bits per sample\n", format.short_name());
 
     let [program, codec, crate_decoder, library] = repeated(
         5,
@@ -168,7 +168,7 @@ fn against_others(format: Format, directory: &Path) {
         ("CharLS", "")
     };
     println!(
-        "| over | the codec alone | `reference raw`, all threads' time | `reference raw`, wall |"
+        "| divided by | the codec alone | `reference raw`, all threads' time | `reference raw`, wall-clock |"
     );
     println!("|---|---|---|---|");
     let row = |name: &str, other: Spent| {
@@ -183,7 +183,7 @@ fn against_others(format: Format, directory: &Path) {
         row(library_name, library);
     } else {
         println!(
-            "SKIPPED: {library_name}, because python3 with Pillow (and pillow-jpls) is not there"
+            "SKIPPED: {library_name}, because python3 with Pillow and pillow-jpls is not installed"
         );
     }
     if is_jpeg {
