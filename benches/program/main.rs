@@ -117,7 +117,7 @@ fn against_cp(format: Format, directory: &Path) {
         fs::metadata(&file).expect("the file").len() as f64 / 1e6,
         bytes as f64 / 1e6,
         ours.processor / cp.processor,
-        ours.wall-clock / cp.wall,
+        ours.wall / cp.wall,
         ours.processor / memcpy.processor,
         memory_of_call(&mut reference("raw", &file)) as f64 / bytes as f64,
     );

@@ -70,6 +70,7 @@ mod spec;
 #[cfg(feature = "harness")]
 pub(crate) use compressed::Streams;
 
+pub use spec::Alternative;
 pub use stored::Stored;
 
 use crate::error::{Error, Result};

@@ -190,26 +190,32 @@ pub(crate) fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    type Choose = fn(Reading) -> Reading;
+    use crate::decode::Alternative::{
+        self, BorderGray, BorderWrapped, HalvesRoundedDown, InversionAfterMotion,
+        MotionAgainstRows, MotionMinus, NoJpegLsOffset,
+    };
 
     /// Reading, width, vector, and the displaced plane for the input 10, 21, 30, 40. The corpus has more tests of the
     /// reference's reading.
-    const DISPLACED: [(Choose, u32, i64, i64, [u8; 4]); 8] = [
-        (|spec| spec, 4, 1, 0, [16, 26, 35, 40]),
-        (Reading::with_halves_rounded_down, 4, 1, 0, [15, 25, 35, 40]),
-        (Reading::with_motion_minus, 4, 2, 0, [10, 10, 21, 30]),
-        (Reading::with_motion_against_rows, 1, 0, 2, [10, 10, 21, 30]),
-        (Reading::with_motion_against_rows, 4, 2, 0, [21, 30, 40, 40]),
-        (Reading::with_border_wrapped, 4, 2, 0, [21, 30, 40, 10]),
-        (Reading::with_border_gray, 4, 2, 0, [21, 30, 40, 128]),
-        (Reading::with_border_gray, 4, 1, 0, [16, 26, 35, 84]),
+    const DISPLACED: [(Option<Alternative>, u32, i64, i64, [u8; 4]); 8] = [
+        (None, 4, 1, 0, [16, 26, 35, 40]),
+        (Some(HalvesRoundedDown), 4, 1, 0, [15, 25, 35, 40]),
+        (Some(MotionMinus), 4, 2, 0, [10, 10, 21, 30]),
+        (Some(MotionAgainstRows), 1, 0, 2, [10, 10, 21, 30]),
+        (Some(MotionAgainstRows), 4, 2, 0, [21, 30, 40, 40]),
+        (Some(BorderWrapped), 4, 2, 0, [21, 30, 40, 10]),
+        (Some(BorderGray), 4, 2, 0, [21, 30, 40, 128]),
+        (Some(BorderGray), 4, 1, 0, [16, 26, 35, 84]),
     ];
+
+    fn reading(alternative: Option<Alternative>) -> Reading {
+        alternative.map_or(Reading::SPEC, |alternative| Reading::SPEC.with(alternative))
+    }
 
     #[test]
     fn motion_readings_give_different_planes() {
-        for (place, (choose, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
-            let (height, reading) = (4 / width, choose(Reading::SPEC));
+        for (place, (alternative, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
+            let (height, reading) = (4 / width, reading(alternative));
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
             assert_eq!(
                 displace_plane(&plane, size, (mx, my), &reading),
@@ -224,23 +230,23 @@ mod tests {
 
     #[test]
     fn prediction_readings_give_different_planes() {
-        let predicted = |choose: Choose, coding| {
+        let predicted = |alternative, coding| {
             let step = Step {
                 reference: Some(0),
                 inverted: true,
                 moved: true,
                 motion: (1, 0),
             };
-            let (mut plane, reading) = ([140, 140], choose(Reading::SPEC));
+            let (mut plane, reading) = ([140, 140], reading(alternative));
             let size = "2x1".parse().expect("a size");
             predict_plane(coding, &mut plane, &[10, 21], &step, size, &reading);
             plane
         };
         // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
-        assert_eq!(predicted(|spec| spec, Coding::JpegLs), [252, 246]);
-        let after: Choose = Reading::with_inversion_after_motion;
+        assert_eq!(predicted(None, Coding::JpegLs), [252, 246]);
+        let after = Some(InversionAfterMotion);
         assert_eq!(predicted(after, Coding::JpegLs), [251, 246]);
-        let without: Choose = Reading::without_jpeg_ls_offset;
+        let without = Some(NoJpegLsOffset);
         assert_eq!(predicted(without, Coding::JpegLs), [124, 118]);
         assert_eq!(predicted(without, Coding::Jpeg), [252, 246]);
     }

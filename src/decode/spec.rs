@@ -1,7 +1,6 @@
-//! The reading of the reference, and alternative readings of the open points.
+//! The reading of the reference, and alternative readings of the open points, which are equally correct.
 //!
-//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause. Each constructor below replaces one
-//! decision with an alternative from a ruling of kind *choice* in `spec-cases/rulings.yaml`. All readings are equally correct.
+//! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause.
 
 use super::{color_matrix, compressed, indices, lookup_table, planes, predict, texels};
 use crate::evaluate::{self, Coefficients, RelitImage};
@@ -69,111 +68,61 @@ impl Reading {
         correct: planes::overwrite_samples,
     };
 
-    /// Alternative for ruling `lut-newline`: one line end separates the table from the indices.
+    /// Returns this reading with one decision replaced.
     #[must_use]
-    pub const fn with_newline_after_table(self) -> Reading {
-        Reading {
-            after_table: lookup_table::read_newline_separator,
-            ..self
-        }
+    pub const fn with(mut self, alternative: Alternative) -> Reading {
+        self.set(alternative);
+        self
     }
 
-    /// Alternative for ruling `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color space.
-    #[must_use]
-    pub const fn with_cr_first(self) -> Reading {
-        Reading {
-            lum_vector: evaluate::lum_vector_cr_first,
-            ..self
+    /// Replaces one decision by another correct reading of an open point.
+    pub const fn set(&mut self, alternative: Alternative) {
+        match alternative {
+            Alternative::NewlineAfterTable => {
+                self.after_table = lookup_table::read_newline_separator;
+            }
+            Alternative::CrFirst => self.lum_vector = evaluate::lum_vector_cr_first,
+            Alternative::RowsFirst => self.lum_matrix = color_matrix::row_major_rows,
+            Alternative::UnitRange => self.lum_translation = evaluate::lum_translation_unit,
+            Alternative::MotionMinus => self.motion_sign = predict::predictor_to_texel,
+            Alternative::MotionAgainstRows => self.motion_vertical = predict::y_against_stored_rows,
+            Alternative::HalvesRoundedDown => self.motion_half = predict::mean_rounded_down,
+            Alternative::BorderWrapped => self.motion_border = predict::wrap_border,
+            Alternative::BorderGray => self.motion_border = predict::gray_border,
+            Alternative::InversionAfterMotion => self.predictor = predict::displace_then_invert,
+            Alternative::NoJpegLsOffset => self.predict_jpeg_ls = predict::predict_without_offset,
+            Alternative::SideInformationOnlyIfLossy => {
+                self.side_information = planes::side_information_if_lossy;
+            }
         }
     }
+}
 
-    /// Alternative for ruling `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
-    #[must_use]
-    pub const fn with_rows_first(self) -> Reading {
-        Reading {
-            lum_matrix: color_matrix::row_major_rows,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `lum-range`: values and translation range from 0 to 1.
-    #[must_use]
-    pub const fn with_unit_range(self) -> Reading {
-        Reading {
-            lum_translation: evaluate::lum_translation_unit,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-sign`: a vector points from the predictor to the texel.
-    #[must_use]
-    pub const fn with_motion_minus(self) -> Reading {
-        Reading {
-            motion_sign: predict::predictor_to_texel,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-vertical`: y increases downward in the image, opposite to the order of stored rows.
-    #[must_use]
-    pub const fn with_motion_against_rows(self) -> Reading {
-        Reading {
-            motion_vertical: predict::y_against_stored_rows,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-half`: means are rounded down.
-    #[must_use]
-    pub const fn with_halves_rounded_down(self) -> Reading {
-        Reading {
-            motion_half: predict::mean_rounded_down,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-border`: coordinates wrap around to the other side of the plane.
-    #[must_use]
-    pub const fn with_border_wrapped(self) -> Reading {
-        Reading {
-            motion_border: predict::wrap_border,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-border`: samples outside the plane are 128.
-    #[must_use]
-    pub const fn with_border_gray(self) -> Reading {
-        Reading {
-            motion_border: predict::gray_border,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `motion-inversion`: the reference is displaced first and then inverted.
-    #[must_use]
-    pub const fn with_inversion_after_motion(self) -> Reading {
-        Reading {
-            predictor: predict::displace_then_invert,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `jpeg-ls-offset`: residuals of JPEG-LS planes are added without subtracting 128.
-    #[must_use]
-    pub const fn without_jpeg_ls_offset(self) -> Reading {
-        Reading {
-            predict_jpeg_ls: predict::predict_without_offset,
-            ..self
-        }
-    }
-
-    /// Alternative for ruling `side-lossless`: records in lossless JPEG-LS files are skipped.
-    #[must_use]
-    pub const fn with_side_information_only_if_lossy(self) -> Reading {
-        Reading {
-            side_information: planes::side_information_if_lossy,
-            ..self
-        }
-    }
+/// Another correct reading of an open point: an alternative of a ruling of kind *choice* in `spec-cases/rulings.yaml`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alternative {
+    /// `lut-newline`: one line end separates the table from the indices.
+    NewlineAfterTable,
+    /// `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color space.
+    CrFirst,
+    /// `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
+    RowsFirst,
+    /// `lum-range`: values and translation range from 0 to 1.
+    UnitRange,
+    /// `motion-sign`: a vector points from the predictor to the texel.
+    MotionMinus,
+    /// `motion-vertical`: y increases downward in the image, opposite to the order of stored rows.
+    MotionAgainstRows,
+    /// `motion-half`: means are rounded down.
+    HalvesRoundedDown,
+    /// `motion-border`: coordinates wrap around to the other side of the plane.
+    BorderWrapped,
+    /// `motion-border`: samples outside the plane are 128.
+    BorderGray,
+    /// `motion-inversion`: the reference is displaced first and then inverted.
+    InversionAfterMotion,
+    /// `jpeg-ls-offset`: residuals of JPEG-LS planes are added without subtracting 128.
+    NoJpegLsOffset,
+    /// `side-lossless`: records in lossless JPEG-LS files are skipped.
+    SideInformationOnlyIfLossy,
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::stream_once;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
-use crate::decode::{decode_as, examine_as};
+use crate::decode::{Alternative, decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, Anatomy, At, EditedFile, Misreading, Stage};
@@ -378,7 +378,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     });
     let reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
     let reading = match run.table.newline {
-        true => reading.with_newline_after_table(),
+        true => reading.with(Alternative::NewlineAfterTable),
         false => reading,
     };
     Reading {

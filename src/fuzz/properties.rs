@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use arbitrary::{Result, Unstructured};
 
 use crate::codec::{jpeg, jpeg_ls};
-use crate::decode::{decode, decode_as, fields};
+use crate::decode::{Alternative, decode, decode_as, fields};
 #[cfg(unix)]
 use crate::diagnose::diagnose;
 use crate::evaluate::{compute_coefficients, evaluate};
@@ -51,7 +51,7 @@ pub fn file(bytes: &[u8]) {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
         CHOICES.apply(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
     });
-    for reading in [first, second.with_newline_after_table(), third] {
+    for reading in [first, second.with(Alternative::NewlineAfterTable), third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
                 assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");

@@ -139,7 +139,9 @@ fn execute_one(
     let readings = choices.flat_map(|choice| &choice.readings[1..]);
     let mut otherwise = Vec::new();
     for (says, change) in readings {
-        let other = example.evaluate_under(&file, &change(Reading::SPEC))?;
+        let mut reading = Reading::SPEC;
+        change(&mut reading);
+        let other = example.evaluate_under(&file, &reading)?;
         if other != found {
             otherwise.push((*says, other));
         }

@@ -5,6 +5,10 @@
 
 use std::sync::Arc;
 
+use crate::decode::Alternative::{
+    BorderGray, BorderWrapped, CrFirst, HalvesRoundedDown, InversionAfterMotion, MotionAgainstRows,
+    MotionMinus, NoJpegLsOffset, RowsFirst, SideInformationOnlyIfLossy, UnitRange,
+};
 use crate::protocol::frame::View;
 use crate::ptm::Format;
 use crate::reading::Reading;
@@ -17,96 +21,84 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "lum-vector",
         readings: &[
-            ("the matrix multiplies (Y, Cr, Cb, 1)", |r| r),
-            (
-                "the matrix multiplies (Cr, Y, Cb, 1)",
-                Reading::with_cr_first,
-            ),
+            ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
+            ("the matrix multiplies (Cr, Y, Cb, 1)", |r| r.set(CrFirst)),
         ],
     },
     Choice {
         ruling: "lum-major",
         readings: &[
-            ("columns first", |r| r),
-            ("rows first", Reading::with_rows_first),
+            ("columns first", |_| {}),
+            ("rows first", |r| r.set(RowsFirst)),
         ],
     },
     Choice {
         ruling: "lum-range",
         readings: &[
-            ("values and translation from 0 to 255", |r| r),
-            (
-                "values and translation from 0 to 1",
-                Reading::with_unit_range,
-            ),
+            ("values and translation from 0 to 255", |_| {}),
+            ("values and translation from 0 to 1", |r| r.set(UnitRange)),
         ],
     },
     Choice {
         ruling: "motion-inversion",
         readings: &[
-            ("the reference is inverted, then displaced", |r| r),
-            (
-                "the reference is displaced, then inverted",
-                Reading::with_inversion_after_motion,
-            ),
+            ("the reference is inverted, then displaced", |_| {}),
+            ("the reference is displaced, then inverted", |r| {
+                r.set(InversionAfterMotion);
+            }),
         ],
     },
     Choice {
         ruling: "motion-sign",
         readings: &[
-            ("vectors point from a texel to its predictor", |r| r),
-            (
-                "vectors point from the predictor to its texel",
-                Reading::with_motion_minus,
-            ),
+            ("vectors point from a texel to its predictor", |_| {}),
+            ("vectors point from the predictor to its texel", |r| {
+                r.set(MotionMinus);
+            }),
         ],
     },
     Choice {
         ruling: "motion-vertical",
         readings: &[
-            ("y grows along the rows as they are stored", |r| r),
-            (
-                "y grows against the rows as they are stored",
-                Reading::with_motion_against_rows,
-            ),
+            ("y grows along the rows as they are stored", |_| {}),
+            ("y grows against the rows as they are stored", |r| {
+                r.set(MotionAgainstRows);
+            }),
         ],
     },
     Choice {
         ruling: "motion-half",
         readings: &[
-            ("means are rounded up at a half", |r| r),
-            ("means are rounded down", Reading::with_halves_rounded_down),
+            ("means are rounded up at a half", |_| {}),
+            ("means are rounded down", |r| r.set(HalvesRoundedDown)),
         ],
     },
     Choice {
         ruling: "motion-border",
         readings: &[
-            ("samples outside a plane repeat its edge", |r| r),
-            (
-                "samples outside a plane come from its opposite side",
-                Reading::with_border_wrapped,
-            ),
-            ("outside a plane is 128", Reading::with_border_gray),
+            ("samples outside a plane repeat its edge", |_| {}),
+            ("samples outside a plane come from its opposite side", |r| {
+                r.set(BorderWrapped);
+            }),
+            ("outside a plane is 128", |r| r.set(BorderGray)),
         ],
     },
     Choice {
         ruling: "jpeg-ls-offset",
         readings: &[
-            ("JPEG-LS residuals are 128 more than the difference", |r| r),
-            (
-                "JPEG-LS residuals are the difference modulo 256",
-                Reading::without_jpeg_ls_offset,
-            ),
+            ("JPEG-LS residuals are 128 more than the difference", |_| {}),
+            ("JPEG-LS residuals are the difference modulo 256", |r| {
+                r.set(NoJpegLsOffset);
+            }),
         ],
     },
     Choice {
         ruling: "side-lossless",
         readings: &[
-            ("records of lossless files are applied", |r| r),
-            (
-                "records of lossless files are skipped",
-                Reading::with_side_information_only_if_lossy,
-            ),
+            ("records of lossless files are applied", |_| {}),
+            ("records of lossless files are skipped", |r| {
+                r.set(SideInformationOnlyIfLossy);
+            }),
         ],
     },
 ]);

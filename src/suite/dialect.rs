@@ -13,7 +13,7 @@ pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
     /// Readings, the reference's first, each with a description and a change of the decisions.
-    pub readings: &'static [(&'static str, fn(R) -> R)],
+    pub readings: &'static [(&'static str, fn(&mut R))],
 }
 
 /// All open questions of a suite, in the order of its text.
@@ -54,11 +54,11 @@ impl<R> Choices<R> {
 
     /// Applies the readings of a dialect to `decisions`.
     #[must_use]
-    pub fn apply(&self, dialect: &Dialect, decisions: R) -> R {
-        let taken = self.iter().zip(&dialect.0);
-        taken.fold(decisions, |decisions, (choice, &taken)| {
-            (choice.readings[taken].1)(decisions)
-        })
+    pub fn apply(&self, dialect: &Dialect, mut decisions: R) -> R {
+        for (choice, &taken) in self.iter().zip(&dialect.0) {
+            (choice.readings[taken].1)(&mut decisions);
+        }
+        decisions
     }
 
     /// Returns every combination of readings of `axes`, the reference's first. The last axis changes fastest.

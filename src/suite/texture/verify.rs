@@ -56,7 +56,7 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
 fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
     let mut changed = *rules;
     for reading in readings {
-        changed = choices::find(reading)?(changed);
+        choices::find(reading)?(&mut changed);
     }
     Some(changed)
 }

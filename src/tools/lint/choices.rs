@@ -4,7 +4,7 @@
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
-use crate::decode::{Stored, Streams, open_as};
+use crate::decode::{Alternative, Stored, Streams, open_as};
 use crate::evaluate;
 use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
@@ -31,7 +31,9 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
             continue;
         };
         let differing = choice.readings[1..].iter().find_map(|(words, change)| {
-            let difference = difference(dissection, ptm, streams, &change(Reading::SPEC))?;
+            let mut reading = Reading::SPEC;
+            change(&mut reading);
+            let difference = difference(dissection, ptm, streams, &reading)?;
             Some(format!(
                 "for a reader that assumes that {words}, {difference}"
             ))
@@ -80,7 +82,7 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
         None => "the number alone",
     };
     findings.add(Problem::ChoiceLutCount, Role::Count, spelled);
-    let with_newline = Reading::SPEC.with_newline_after_table();
+    let with_newline = Reading::SPEC.with(Alternative::NewlineAfterTable);
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let found = format!("for a reader that expects a line feed, {difference}");
         findings.add(Problem::ChoiceLutNewline, Role::Indices, found);

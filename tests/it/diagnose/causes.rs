@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use ptm_conform::Reading;
+use ptm_conform::decode::Alternative;
 use ptm_conform::diagnose::{Cause, Diagnosis, can_affect_file, can_combine, diagnose};
 use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Misreading};
@@ -304,7 +305,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
 /// Checks misreadings of a decoder whose choice for an open question differs from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite().prepared();
-    let reading = Reading::SPEC.with_newline_after_table();
+    let reading = Reading::SPEC.with(Alternative::NewlineAfterTable);
     let run = |mistake| {
         run_all(&suite, |request| {
             misreadings::answer(&[mistake], reading, request.file, request.view)

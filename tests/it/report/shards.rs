@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ptm_conform::Reading;
+use ptm_conform::decode::Alternative;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::report::Report;
@@ -152,7 +153,7 @@ fn eight_merged_shards_equal_the_whole_run() {
     // Mixes two dialects.
     assert_same_report(&suite, &|request| {
         let reading = match is_drawn(request, 2) {
-            true => Reading::SPEC.with_motion_minus(),
+            true => Reading::SPEC.with(Alternative::MotionMinus),
             false => Reading::SPEC,
         };
         answer(&[], reading, request.file, request.view)
