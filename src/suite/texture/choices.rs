@@ -45,11 +45,11 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("rightward", |_| {}),
             ("leftward", |r| {
-                r.vrc_azimuth = |s| (1.0 - half_turn_fraction(s)).fract()
+                r.vrc_azimuth = |s| (1.0 - half_turn_fraction(s)).fract();
             }),
             ("cosine", |r| r.vrc_azimuth = azimuth_proportional_to_x),
             ("rear half mirrored", |r| {
-                r.vrc_azimuth = |[x, y, z]| half_turn_fraction([x, y, z.abs()])
+                r.vrc_azimuth = |[x, y, z]| half_turn_fraction([x, y, z.abs()]);
             }),
         ],
     },
@@ -66,7 +66,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
         readings: &[
             ("counter-clockwise", |_| {}),
             ("clockwise", |r| {
-                r.wc_azimuth = |s| (1.0 - full_turn_fraction(s)).fract()
+                r.wc_azimuth = |s| (1.0 - full_turn_fraction(s)).fract();
             }),
         ],
     },
