@@ -113,7 +113,9 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         let all: Vec<usize> = (0..witnesses.len()).filter(of_format).collect();
         let legal: Vec<usize> = all.iter().copied().filter(is_legal).collect();
-        if legal.len() < MIN_SUPPORT || !legal.iter().all(|&w| witnesses[w].failed) {
+        // Unsupported files are not witnesses, but they are legal files, too.
+        let is_whole = |&w: &usize| witnesses[w].failed && witnesses[w].legal_files == legal.len();
+        if legal.len() < MIN_SUPPORT || !legal.iter().all(is_whole) {
             continue;
         }
         let Some(mode) = one_mode(witnesses, &legal) else {
