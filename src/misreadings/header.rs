@@ -156,12 +156,10 @@ pub(super) const STEPS: Steps = |slug| {
             })
         },
         "hexadecimal-accepted" => |f| {
-            f.respell(ANY, |text| match text {
-                "0x1p-1" => Some("0.5".to_owned()),
-                _ => {
-                    let value = u32::from_str_radix(text.strip_prefix("0x")?, 16).ok()?;
-                    Some(value.to_string())
-                }
+            f.respell(ANY, |text| {
+                let value = || u32::from_str_radix(text.strip_prefix("0x")?, 16).ok();
+                let half = (text == "0x1p-1").then(|| "0.5".to_owned());
+                half.or_else(|| Some(value()?.to_string()))
             })
         },
         "short-payload-padded" => {
@@ -177,7 +175,7 @@ pub(super) const STEPS: Steps = |slug| {
 };
 
 /// Returns true if the header contains these bytes.
-fn header_contains(file: &Anatomy, bytes: &[u8; 2]) -> bool {
+fn header_contains(file: &Anatomy, bytes: &[u8]) -> bool {
     file.header().windows(2).any(|pair| pair == bytes)
 }
 

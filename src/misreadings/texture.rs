@@ -130,17 +130,15 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         // ---------------------------------------------------------------- parameterization
         "world-is-modelling" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen = with_change(point.clone(), |p| {
-                    p.wc.position = p.mc.position.or(p.wc.position)
-                });
+                let mut seen = point.clone();
+                seen.wc.position = point.mc.position.or(point.wc.position);
                 (SPEC.parameterize)(entry, &seen, n, rules)
             };
         },
         "modelling-is-world" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen = with_change(point.clone(), |p| {
-                    p.mc.position = p.wc.position.or(p.mc.position)
-                });
+                let mut seen = point.clone();
+                seen.mc.position = point.wc.position.or(point.mc.position);
                 (SPEC.parameterize)(entry, &seen, n, rules)
             };
         },
