@@ -35,6 +35,14 @@ impl Witness<'_> {
         answer
     }
 
+    /// Returns the misreadings of the mistakes that affect this file.
+    fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
+        let made = mistakes
+            .iter()
+            .filter(|mistake| mistake.scope.contains(self));
+        made.map(|mistake| mistake.misreading).collect()
+    }
+
     /// Returns the response if its colors match those that the mistakes produce, rounded or truncated to bytes. This
     /// comparison is stricter than the tolerance, so it also separates mistakes with small effects.
     pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
@@ -47,10 +55,7 @@ impl Witness<'_> {
         if !self.failed || mistakes.iter().any(is_in_part) || !equal_up_to_rounding(shown, made) {
             return None;
         }
-        let made = mistakes
-            .iter()
-            .filter(|mistake| mistake.scope.contains(self));
-        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let made = self.misreadings_in_scope(mistakes);
         let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
                 let reading = misreadings::apply_to_reading(&made, self.reading);
@@ -62,25 +67,17 @@ impl Witness<'_> {
         let Samples::U8(bytes) = &shown.samples else {
             return None;
         };
-        let is_all = |is: fn(f64, f64) -> bool| {
-            colors
-                .iter()
-                .zip(bytes)
-                .all(|(&color, &byte)| is(color, f64::from(byte)))
-        };
-        let is_rounded = is_all(|color, byte| (color - byte).abs() <= 0.5 + ROUNDING_SLACK);
-        let is_cut_off = || {
-            is_all(|color, byte| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&(color - byte)))
-        };
-        (is_rounded || is_cut_off()).then(|| Answer::Decoded(shown.clone()))
+        let differences = colors.iter().zip(bytes);
+        let mut differences = differences.map(|(color, &byte)| color - f64::from(byte));
+        let is_rounded = |off: f64| off.abs() <= 0.5 + ROUNDING_SLACK;
+        let is_cut_off = |off: f64| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&off);
+        (differences.clone().all(is_rounded) || differences.all(is_cut_off))
+            .then(|| Answer::Decoded(shown.clone()))
     }
 
     /// Returns the image that a decoder with `mistakes` outputs for the stored values in `ptm`.
     pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
-        let made = mistakes
-            .iter()
-            .filter(|mistake| mistake.scope.contains(self));
-        let made: Vec<&Misreading> = made.map(|mistake| mistake.misreading).collect();
+        let made = self.misreadings_in_scope(mistakes);
         let reading = misreadings::apply_to_reading(&made, self.reading);
         misreadings::render(&made, &reading, ptm, &self.observation.view)
     }
@@ -99,11 +96,9 @@ impl Witness<'_> {
             return false;
         }
         let Some(model) = self.model() else {
-            let clauses = &self.case.clauses;
-            return readers.next().is_some()
-                && clauses
-                    .iter()
-                    .any(|clause| POSITION_CLAUSES.contains(&&clause[..]));
+            let mut clauses = self.case.clauses.iter();
+            let is_about = clauses.any(|clause| POSITION_CLAUSES.contains(&&clause[..]));
+            return readers.next().is_some() && is_about;
         };
         let bytes =
             |&(position, value): &(u32, u8)| position.to_be_bytes().into_iter().chain([value]);

@@ -4,14 +4,14 @@ use super::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::{ChannelSubset, Mistake};
 use super::scope::FileScope;
-use super::search::{FoundMistakes, Member, MistakeId, MistakeSet, Search, ids_of, without_id};
+use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substantial};
 use super::witness::Witness;
 use super::words::acceptances;
 use super::words::differences;
 use super::words::formats_phrase;
 use super::words::refusals::{self, WholeFormats};
-use crate::formula::{Edit, EditedForm};
+use crate::formula::EditedForm;
 use crate::misreadings::{At, Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
 
@@ -25,9 +25,9 @@ struct Share {
 /// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained.
 pub(super) fn attribute_failures(
     search: &Search,
-    found: &FoundMistakes,
+    found: &[Member],
 ) -> (Vec<(MistakeId, Diagnosis)>, Vec<usize>) {
-    let set = ids_of(&found.members);
+    let set = ids_of(found);
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
     let failed = search.failing();
@@ -48,11 +48,9 @@ pub(super) fn attribute_failures(
     let whole = refusals::whole_formats(search.witnesses);
     let mut diagnoses: Vec<(MistakeId, Diagnosis)> = whole
         .into_iter()
-        .filter_map(|whole| {
-            diagnose_whole_formats(search, &whole, &found.members, &mut shares, &mut left)
-        })
+        .filter_map(|whole| diagnose_whole_formats(search, &whole, found, &mut shares, &mut left))
         .collect();
-    for (place, member) in found.members.iter().enumerate() {
+    for (place, member) in found.iter().enumerate() {
         if is_weakly_supported(search, member, &shares[place], &left)
             || is_subsumed(search, &set, &shares, place)
             || has_earlier_failures(search.witnesses, &shares[place].explains, &left)
@@ -61,7 +59,7 @@ pub(super) fn attribute_failures(
             left.append(&mut shares[place].explains);
         }
     }
-    let members = found.members.iter().zip(shares);
+    let members = found.iter().zip(shares);
     let others = members
         .filter(|(_, share)| !share.explains.is_empty())
         .map(|(member, share)| (member.id, diagnose_member(search, member, &share)));
@@ -203,26 +201,21 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     if let Some(observed) = observed.filter(|_| misreading.shows == Symptom::Values) {
         return observed.with_equivalents([&[misreading], &alike[..]].concat());
     }
-    let except = search.contradictions(&[member.id]);
+    let in_suite = |indices: &[usize]| -> Vec<usize> {
+        indices.iter().map(|&w| witnesses[w].case_index).collect()
+    };
     let cause = Cause::Misreading {
         misreading,
         alike,
         with: listed(&share.with),
     };
     Diagnosis {
-        except: except.iter().map(|&w| witnesses[w].case_index).collect(),
+        except: in_suite(&search.contradictions(&[member.id])),
         shows: refusals::describe_non_images(witnesses, &share.explains, misreading)
             .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading)),
         certain: true,
-        ..Diagnosis::new(cause, suite_indices(search, &share.explains))
+        ..Diagnosis::new(cause, in_suite(&share.explains))
     }
-}
-
-fn suite_indices(search: &Search, indices: &[usize]) -> Vec<usize> {
-    indices
-        .iter()
-        .map(|&w| search.witnesses[w].case_index)
-        .collect()
 }
 
 /// Returns the diagnosis for an edit of a formula, or for a misreading that is limited to some files or channels.
@@ -235,7 +228,20 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.at) {
-        (None, At::Edits([edit])) => edit_effect_and_fix(edit),
+        (None, At::Edits([edit])) => {
+            let (what, stated) = (edit.formula.stated().computes, edit.stated_text());
+            let computes = edit.edited_text();
+            match edit.change {
+                EditedForm::Table(_) => (
+                    format!("maps {what} through {computes}"),
+                    "compare the example with the bytes that it comes from".to_owned(),
+                ),
+                EditedForm::Expression(_) => (
+                    format!("computes {what} as {computes} instead of {stated}"),
+                    format!("compute {what} as {stated}"),
+                ),
+            }
+        }
         _ => (
             misreading.effect.to_owned(),
             format!(
@@ -260,25 +266,6 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     }
 }
 
-/// Returns the effect and the fix of an edit of a formula.
-fn edit_effect_and_fix(edit: &Edit) -> (String, String) {
-    let (what, computes, stated) = (
-        edit.formula.stated().computes,
-        edit.edited_text(),
-        edit.stated_text(),
-    );
-    match edit.change {
-        EditedForm::Table(_) => (
-            format!("maps {what} through {computes}"),
-            "compare the example with the bytes that it comes from".to_owned(),
-        ),
-        EditedForm::Expression(_) => (
-            format!("computes {what} as {computes} instead of {stated}"),
-            format!("compute {what} as {stated}"),
-        ),
-    }
-}
-
 /// Returns the indices of the mistakes in `set` that a failure needs: a single one if it explains the failure alone,
 /// or else all that are indispensable.
 fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
@@ -289,21 +276,9 @@ fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     if set.is_empty() || !explained(set) {
         return Vec::new();
     }
-    let needed = needed_members(set, explained);
+    let is_needed = |&member: &usize| !explained(&without_id(set, set[member]));
+    let needed: Vec<usize> = (0..set.len()).filter(is_needed).collect();
     if needed.is_empty() { vec![0] } else { needed }
-}
-
-/// Returns the indices of the members without which `holds` becomes false.
-pub(super) fn needed_members(
-    set: &[MistakeId],
-    holds: impl Fn(&[MistakeId]) -> bool,
-) -> Vec<usize> {
-    let is_needed = |&member: &usize| {
-        let mut without = set.to_vec();
-        without.remove(member);
-        !holds(&without)
-    };
-    (0..set.len()).filter(is_needed).collect()
 }
 
 /// Returns true if the image contains colors that are computed from channels that the mistake changes.
@@ -319,11 +294,11 @@ fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
 /// Adds failures that a mistake explains in part to its diagnosis, and removes them from `left`.
 pub(super) fn attribute_partially(
     search: &Search,
-    found: &FoundMistakes,
+    found: &[Member],
     diagnoses: &mut [(MistakeId, Diagnosis)],
     left: &mut Vec<usize>,
 ) {
-    let set = ids_of(&found.members);
+    let set = ids_of(found);
     let acts = |w: usize, member: MistakeId| {
         FailureMode::new(&search.witnesses[w]).is_none()
             && search.answers_differ(w, &set, &without_id(&set, member))

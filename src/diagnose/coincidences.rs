@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use super::failure_mode::FailureMode;
-use super::search::{FoundMistakes, MistakeId, MistakeSet, Search, ids_of, without_id};
+use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
 use super::words::differences::reduces_wrong_samples;
@@ -72,7 +72,7 @@ impl FailureEvidence {
 }
 
 /// Removes mistakes that match some responses by chance.
-pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
+pub(super) fn remove_coincidences(search: &Search, found: &mut Vec<Member>) {
     use Rule::{Acceptances, Rare, Refusals, Stray};
     let witnesses = search.witnesses;
     let failed = search.failing();
@@ -85,7 +85,7 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
     // Each rule weighs only the mistakes that remain. The last rule runs twice, because it may remove a mistake that
     // hid other changes.
     for rule in [Refusals, Acceptances, Rare, Stray, Stray] {
-        let set = ids_of(&found.members);
+        let set = ids_of(found);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
         let all = search.par_map(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
@@ -105,7 +105,8 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut FoundMistakes) {
                 (Stray, Some(misreading)) => !is_stray(search, misreading, evidence, failing.len()),
             }
         });
-        found.retain_flagged(&keep);
+        let mut keep = keep.into_iter();
+        found.retain(|_| keep.next() == Some(true));
     }
 }
 

@@ -16,7 +16,6 @@ mod assume;
 mod attribution;
 mod coincidences;
 pub(crate) mod cover;
-mod credit;
 mod diagnosis;
 mod edits;
 mod failure_mode;
@@ -100,7 +99,7 @@ fn diagnose_by(
     let searched = |witnesses, with_edits: bool| {
         let mut search = Search::new(witnesses, assumed, threads, run);
         let found = match search.is_arbitrary {
-            true => search::FoundMistakes::default(),
+            true => Vec::new(),
             false => search.run(|search, set, left| {
                 if with_edits {
                     add_candidates(search, set, left);
@@ -113,7 +112,7 @@ fn diagnose_by(
     // A mistake may look like a different choice, and edits are defined relative to the reference's choices.
     let is_edit =
         |member: &search::Member| search.mistakes[member.id].catalog_misreading().is_none();
-    let has_edits = found.members.iter().any(is_edit);
+    let has_edits = found.iter().any(is_edit);
     let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
     let by_reference = reference_reading(run)
         .filter(|_| !is_plain)
@@ -146,7 +145,7 @@ fn diagnose_by(
 }
 
 /// Attributes failures to the mistakes that were found, and describes the remaining failures.
-fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
+fn describe(search: &Search, found: &[search::Member]) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let (mut attributed, mut left) = attribution::attribute_failures(search, found);
     let mut causes = search.run_or_default(|| words::uniform::describe(witnesses, &mut left));
@@ -164,7 +163,7 @@ fn describe(search: &Search, found: &search::FoundMistakes) -> Vec<Diagnosis> {
     // Without a named mistake, compare images with the reference only.
     let is_cause = |(id, _): &(search::MistakeId, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
-        true => search::ids_of(&found.members),
+        true => search::ids_of(found),
         false => search::MistakeSet::new(),
     };
     causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));

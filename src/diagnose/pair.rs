@@ -1,6 +1,8 @@
-//! Pairs of a received and an expected image.
+//! Pairs of a received and an expected image, and partial credit for a mistake that explains only some of their channels.
 
-use crate::protocol::frame::{Frame, ViewKind};
+use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_WORTH};
+use super::witness::Witness;
+use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::suite::compare::is_near;
 
 /// A received and an expected image of the same shape.
@@ -27,16 +29,11 @@ impl ImagePair {
         })
     }
 
-    /// Returns true if two samples are equal within the tolerance of the view.
-    pub fn is_near(&self, a: f64, b: f64) -> bool {
-        is_near(self.view, a, b, 0.0, 0.0)
-    }
-
-    /// Returns the indices of the wrong samples.
+    /// Returns the indices of the samples that differ by more than the tolerance of the view.
     pub fn wrong_samples(&self) -> Vec<usize> {
-        (0..self.expected.len())
-            .filter(|&i| !self.is_near(self.expected[i], self.received[i]))
-            .collect()
+        let (expected, received) = (&self.expected, &self.received);
+        let is_wrong = |&i: &usize| !is_near(self.view, expected[i], received[i], 0.0, 0.0);
+        (0..expected.len()).filter(is_wrong).collect()
     }
 
     /// Returns one flag per channel: true if any of its samples is wrong.
@@ -46,5 +43,33 @@ impl ImagePair {
             wrong[i % self.channels] = true;
         }
         wrong
+    }
+}
+
+/// Returns a fraction of [`PARTIAL_IMAGE_WORTH`]: the share of wrong channels that `answer` reproduces. Returns
+/// 0 if the answer spoils a correct channel.
+pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
+    let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
+        (witness.wrong_image(), &witness.right, answer)
+    else {
+        return 0;
+    };
+    let (Some(right), Some(made)) = (
+        ImagePair::new(right, received),
+        ImagePair::new(made, received),
+    ) else {
+        return 0;
+    };
+    if right.width * right.height < MIN_SUPPORT {
+        return 0;
+    }
+    let (before, after) = (right.wrong_channels(), made.wrong_channels());
+    let channels = || before.iter().zip(&after);
+    let spoiled = channels().any(|(before, after)| !before && *after);
+    let fixed = channels().filter(|&(before, after)| *before && !after);
+    let wrong = before.iter().filter(|is| **is).count();
+    match spoiled || wrong == 0 {
+        true => 0,
+        false => (fixed.count() * PARTIAL_IMAGE_WORTH / wrong) as i64,
     }
 }

@@ -14,19 +14,23 @@ impl Witness<'_> {
         self.facts.get_or_init(|| {
             let file = File::new(self);
             Facts {
-                properties: PROPERTIES.iter().map(|(.., holds)| holds(&file)).collect(),
-                quantities: QUANTITIES
-                    .iter()
-                    .map(|quantity| (quantity.value)(&file))
+                properties: (view_properties(&file).into_iter())
+                    .chain(format_properties(&file))
+                    .chain(spelling_properties(&file))
+                    .chain(data_properties(&file))
+                    .chain(prediction_properties(&file))
+                    .chain(stream_properties(&file))
                     .collect(),
+                quantities: quantities(&file),
             }
         })
     }
 }
 
 /// Parts of a file that the properties depend on.
-pub(super) struct File<'a> {
+struct File<'a> {
     view: &'a View,
+    light: Option<(f64, f64)>,
     format: Format,
     size: Option<(u32, u32)>,
     recipe: Option<&'a Recipe>,
@@ -43,16 +47,20 @@ impl<'a> File<'a> {
         let file = &witness.built.file;
         let (header, data) = file.split_at(witness.payload_offset().min(file.len()));
         let texts = |clause: &str| -> Vec<&str> {
-            let fields = witness
-                .fields()
-                .iter()
-                .filter(|field| field.clause == clause);
+            let fields = witness.fields().iter();
             let text = |field: &Field| std::str::from_utf8(&file[field.range.clone()]).ok();
-            fields.filter_map(text).collect()
+            fields
+                .filter(|field| field.clause == clause)
+                .filter_map(text)
+                .collect()
         };
         let compressed = witness.model().and_then(|model| model.compressed.as_ref());
         File {
             view: &witness.observation.view,
+            light: match &witness.observation.view {
+                View::Rgb(light) => Some((light.lu, light.lv)),
+                _ => None,
+            },
             format: witness.case.format(),
             size: match &witness.right {
                 Answer::Decoded(frame) => Some((frame.width, frame.height)),
@@ -67,50 +75,9 @@ impl<'a> File<'a> {
         }
     }
 
-    fn recipe_has(&self, holds: impl Fn(&Recipe) -> bool) -> bool {
-        self.recipe.is_some_and(holds)
-    }
-
-    fn plan_has(&self, holds: impl Fn(&Compression) -> bool) -> bool {
-        self.plan.is_some_and(holds)
-    }
-
-    fn has_size(&self, holds: impl Fn(u32, u32) -> bool) -> bool {
-        self.size
-            .is_some_and(|(width, height)| holds(width, height))
-    }
-
-    fn has_space(&self, line: Line) -> bool {
-        self.recipe_has(|recipe| recipe.spelling.space_before_newline.contains(&line))
-    }
-
-    fn has_number(&self, holds: impl Fn(&str) -> bool) -> bool {
-        self.numbers.iter().flatten().any(|text| holds(text))
-    }
-
-    fn starts_with(&self, holds: impl Fn(u8) -> bool) -> bool {
-        self.data.first().is_some_and(|&byte| holds(byte))
-    }
-
-    fn has_streams_of(&self, coding: Coding) -> bool {
-        self.format.coding() == Some(coding)
-    }
-
-    fn parameter(&self, coding: Coding) -> Option<f64> {
-        let plan = self.plan.filter(|_| self.has_streams_of(coding))?;
-        Some(f64::from(plan.parameter))
-    }
-
     fn entries(&self) -> Option<u32> {
         let recipe = self.recipe.filter(|recipe| recipe.format.has_table())?;
         Some(recipe.entries)
-    }
-
-    fn light(&self) -> Option<(f64, f64)> {
-        match self.view {
-            View::Rgb(light) => Some((light.lu, light.lv)),
-            _ => None,
-        }
     }
 
     /// Returns the motion vectors of the predicted planes.
@@ -123,264 +90,196 @@ impl<'a> File<'a> {
         let vector = |plane| (at(&plan.motion_x, plane), at(&plan.motion_y, plane));
         predicted.map(vector).collect()
     }
-
-    /// Returns true if a plane that is predicted (or not, if `predicted` is false) has side information.
-    fn has_records(&self, predicted: bool) -> bool {
-        let mut planes = self.planes.iter().enumerate();
-        planes.any(|(plane, stored)| {
-            let reference = self.plan.and_then(|plan| plan.reference(plane));
-            !stored.records.is_empty() && reference.is_some() == predicted
-        })
-    }
-
-    /// Returns the maximum of `number` over the side information of all planes.
-    fn max_over_planes(&self, number: fn(&StoredPlane) -> Option<u32>) -> Option<f64> {
-        self.planes.iter().filter_map(number).max().map(f64::from)
-    }
 }
 
-/// Text that completes "files …", a flag for the requested view, and the condition.
-type Property = (&'static str, bool, fn(&File) -> bool);
+/// Text that completes "files …", and true if the file has the property.
+pub(super) type Property = (&'static str, bool);
 
-const fn property(words: &'static str, holds: fn(&File) -> bool) -> Property {
-    (words, false, holds)
+/// Number of properties of the requested view, which are the first ones.
+pub(super) const VIEW_PROPERTIES: usize = 3;
+
+fn view_properties(f: &File) -> [Property; 6] {
+    let under = |holds: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| holds(u, v));
+    let outside = under(|u, v| u * u + v * v > 1.0);
+    [
+        ("if stored values are requested", *f.view == View::Raw),
+        ("if final values are requested", *f.view == View::Coef),
+        ("if colors are requested", f.light.is_some()),
+        ("under a light whose u is negative", under(|u, _| u < 0.0)),
+        ("under a light whose v is negative", under(|_, v| v < 0.0)),
+        ("under a light outside the unit circle", outside),
+    ]
 }
 
-pub(super) const PROPERTIES: &[Property] = &[
-    // Views
-    ("if stored values are requested", true, |f| {
-        *f.view == View::Raw
-    }),
-    ("if final values are requested", true, |f| {
-        *f.view == View::Coef
-    }),
-    ("if colors are requested", true, |f| f.light().is_some()),
-    property("under a light whose u is negative", |f| {
-        f.light().is_some_and(|(u, _)| u < 0.0)
-    }),
-    property("under a light whose v is negative", |f| {
-        f.light().is_some_and(|(_, v)| v < 0.0)
-    }),
-    property("under a light outside the unit circle", |f| {
-        f.light().is_some_and(|(u, v)| u * u + v * v > 1.0)
-    }),
-    // Formats
-    property("with compressed planes", |f| f.format.coding().is_some()),
-    property("without compressed planes", |f| f.format.coding().is_none()),
-    property("with JPEG planes", |f| f.has_streams_of(Coding::Jpeg)),
-    property("with JPEG-LS planes", |f| f.has_streams_of(Coding::JpegLs)),
-    property("with a lookup table", |f| f.format.has_table()),
-    property("with a table of more than 256 entries", |f| {
-        f.entries().is_some_and(|n| n > 256)
-    }),
-    // Spelling
-    property("with width and height on one line", |f| {
-        f.recipe_has(|r| !r.spelling.size_on_two_lines)
-    }),
-    property("with width and height on two lines", |f| {
-        f.recipe_has(|r| r.spelling.size_on_two_lines)
-    }),
-    property("with scales and biases on one line", |f| {
-        f.recipe_has(|r| !r.spelling.scale_bias_on_two_lines)
-    }),
-    property("with scales and biases on two lines", |f| {
-        f.recipe_has(|r| r.spelling.scale_bias_on_two_lines)
-    }),
-    property("with several spaces between two numbers", |f| {
-        f.recipe_has(|r| r.spelling.gap > 1)
-    }),
-    property("with a space before a line feed", |f| {
-        f.recipe_has(|r| !r.spelling.space_before_newline.is_empty())
-    }),
-    property("with a space after the version", |f| {
-        f.has_space(Line::Version)
-    }),
-    property("with a space after the format", |f| {
-        f.has_space(Line::Format)
-    }),
-    property("with a space after the width", |f| f.has_space(Line::Width)),
-    property("with a space after the height", |f| {
-        f.has_space(Line::Height)
-    }),
-    property("with a space after the scales", |f| {
-        f.has_space(Line::Scale)
-    }),
-    property("with a space after the biases", |f| f.has_space(Line::Bias)),
-    property("with the matrix on several lines", |f| {
-        f.format == Format::Lum && f.recipe_has(|r| r.spelling.matrix_line < 16)
-    }),
-    property("with an entry count that is a bare number", |f| {
-        f.format.has_table() && f.recipe_has(|r| r.spelling.count == Count::Number)
-    }),
-    property(
-        "with the numbers of a list on several lines or of several lists on one",
-        |f| f.format.coding().is_some() && f.recipe_has(|r| r.spelling.lists != Lists::default()),
-    ),
-    // Numbers
-    property("with a negative bias", |f| {
-        f.numbers[1].iter().any(|text| text.starts_with('-'))
-    }),
-    property("with a negative scale", |f| {
-        f.numbers[0].iter().any(|text| text.starts_with('-'))
-    }),
-    property("with a number in scientific notation", |f| {
-        f.has_number(|text| text.contains(['e', 'E']))
-    }),
-    property("with a number that starts with a plus sign", |f| {
-        f.has_number(|text| text.starts_with('+'))
-    }),
-    property(
-        "with a number that starts or ends with its decimal point",
-        |f| {
-            f.has_number(|text| {
-                text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.')
-            })
-        },
-    ),
-    // Data
-    property("with white space at the start of the binary data", |f| {
-        f.starts_with(|byte| matches!(byte, 9..=13 | b' '))
-    }),
-    property("with a line feed at the start of the binary data", |f| {
-        f.starts_with(|byte| byte == b'\n')
-    }),
-    // Size
-    property("of odd width", |f| f.has_size(|width, _| width % 2 == 1)),
-    property("of odd height", |f| f.has_size(|_, height| height % 2 == 1)),
-    property(
-        "of several rows with a width that is not a multiple of 4",
-        |f| f.has_size(|width, height| width % 4 != 0 && height > 1),
-    ),
-    // Compression
-    property("with predicted planes", |f| {
-        f.plan_has(Compression::predicts)
-    }),
-    property("with a transform other than 0", |f| {
-        f.plan_has(|plan| plan.transforms.iter().any(|&transform| transform != 0))
-    }),
-    property("with inverted references", |f| {
-        f.plan_has(Compression::inverts)
-    }),
-    property("with displaced references", |f| {
-        f.plan_has(Compression::moves)
-    }),
-    property("with references that are inverted and displaced", |f| {
-        f.plan_has(|plan| plan.transforms.contains(&3))
-    }),
-    property("with motion vectors of half texels", |f| {
-        f.vectors().iter().any(|(x, y)| (x | y) & 1 == 1)
-    }),
-    property("with negative motion vectors", |f| {
-        f.vectors().iter().any(|(x, y)| *x < 0 || *y < 0)
-    }),
-    property("with an order other than 0, 1, 2, …", |f| {
-        f.plan_has(|plan| {
-            plan.order
-                .iter()
-                .enumerate()
-                .any(|(p, &rank)| rank != p as i64)
-        })
-    }),
-    property("with a plane predicted from a later one", |f| {
-        f.plan_has(|plan| {
-            (0..plan.order.len()).any(|p| plan.reference(p).is_some_and(|other| other > p))
-        })
-    }),
-    property("with a plane predicted from a predicted one", |f| {
-        f.plan_has(|plan| {
-            (0..plan.order.len())
-                .any(|p| plan.reference(p).and_then(|q| plan.reference(q)).is_some())
-        })
-    }),
-    property("with side information", |f| {
-        f.planes.iter().any(|plane| !plane.records.is_empty())
-    }),
-    property("with side information of intra planes", |f| {
-        f.has_records(false)
-    }),
-    property("with side information of predicted planes", |f| {
-        f.has_records(true)
-    }),
-    property("with a compression parameter of 0", |f| {
-        f.plan_has(|plan| plan.parameter == 0)
-    }),
-    property("with restart markers", |f| {
-        f.plan_has(|plan| plan.stream.jpeg.restart_interval > 0)
-    }),
-    property("with several tables in one marker segment", |f| {
-        f.plan_has(|plan| plan.stream.jpeg.tables_together)
-    }),
-    property("with 16-bit quantization tables", |f| {
-        f.has_streams_of(Coding::Jpeg)
-            && f.plan_has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24)
-    }),
-    property("with sampling factors other than 1x1", |f| {
-        f.has_streams_of(Coding::Jpeg) && f.plan_has(|plan| plan.stream.jpeg.sampling != (1, 1))
-    }),
-    property("with preset parameters (LSE)", |f| {
-        f.plan_has(|plan| plan.stream.presets.is_some())
-    }),
-];
-
-/// A numeric property of a file.
-pub(super) struct Quantity {
-    /// Clause about the quantity.
-    pub clause: &'static str,
-    /// Text after "with 17 or more".
-    pub words: &'static str,
-    value: fn(&File) -> Option<f64>,
+fn format_properties(f: &File) -> [Property; 6] {
+    let coding = f.format.coding();
+    let is_large = f.entries().is_some_and(|entries| entries > 256);
+    [
+        ("with compressed planes", coding.is_some()),
+        ("without compressed planes", coding.is_none()),
+        ("with JPEG planes", coding == Some(Coding::Jpeg)),
+        ("with JPEG-LS planes", coding == Some(Coding::JpegLs)),
+        ("with a lookup table", f.format.has_table()),
+        ("with a table of more than 256 entries", is_large),
+    ]
 }
 
-const fn quantity(
-    clause: &'static str,
-    words: &'static str,
-    value: fn(&File) -> Option<f64>,
-) -> Quantity {
-    Quantity {
-        clause,
-        words,
-        value,
-    }
+fn spelling_properties(f: &File) -> [Property; 15] {
+    let spelling = f.recipe.map(|recipe| &recipe.spelling);
+    // True if they are on two lines.
+    let size = spelling.map(|s| s.size_on_two_lines);
+    let numbers = spelling.map(|s| s.scale_bias_on_two_lines);
+    let has_gap = spelling.is_some_and(|s| s.gap > 1);
+    let spaces = spelling.map_or(&[][..], |s| &s.space_before_newline);
+    let after = |line: Line| spaces.contains(&line);
+    let is_split = f.format == Format::Lum && spelling.is_some_and(|s| s.matrix_line < 16);
+    let is_bare = f.format.has_table() && spelling.is_some_and(|s| s.count == Count::Number);
+    let has_lists = f.format.coding().is_some();
+    let has_other_lists = has_lists && spelling.is_some_and(|s| s.lists != Lists::default());
+    [
+        ("with width and height on one line", size == Some(false)),
+        ("with width and height on two lines", size == Some(true)),
+        ("with scales and biases on one line", numbers == Some(false)),
+        ("with scales and biases on two lines", numbers == Some(true)),
+        ("with several spaces between two numbers", has_gap),
+        ("with a space before a line feed", !spaces.is_empty()),
+        ("with a space after the version", after(Line::Version)),
+        ("with a space after the format", after(Line::Format)),
+        ("with a space after the width", after(Line::Width)),
+        ("with a space after the height", after(Line::Height)),
+        ("with a space after the scales", after(Line::Scale)),
+        ("with a space after the biases", after(Line::Bias)),
+        ("with the matrix on several lines", is_split),
+        ("with an entry count that is a bare number", is_bare),
+        (
+            "with the numbers of a list on several lines or of several lists on one",
+            has_other_lists,
+        ),
+    ]
 }
 
-pub(super) const QUANTITIES: &[Quantity] = &[
-    quantity("2.7/3", "texels", |f| {
-        f.size.map(|(w, h)| f64::from(w) * f64::from(h))
-    }),
-    quantity("2.3/1", "columns", |f| {
-        f.size.map(|(width, _)| f64::from(width))
-    }),
-    quantity("2.3/1", "rows", |f| {
-        f.size.map(|(_, height)| f64::from(height))
-    }),
-    quantity("2.3/1", "columns or rows", |f| {
-        f.size.map(|(w, h)| f64::from(w.max(h)))
-    }),
-    quantity("2.0/1", "bytes in one line of the header", |f| {
-        let lines = f.header.split(|&byte| byte == b'\n').map(<[u8]>::len);
-        lines.max().map(|longest| longest as f64)
-    }),
-    quantity("2.5/2", "table entries", |f| f.entries().map(f64::from)),
-    quantity("2.9.4/3", "as their largest rank", |f| {
-        f.plan?.order.iter().max().map(|&rank| rank as f64)
-    }),
-    quantity("2.9.3/1", "half texels of motion", |f| {
-        let farthest = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
-        farthest.map(f64::from)
-    }),
-    quantity("2.9.8/4", "records in one plane", |f| {
-        f.max_over_planes(|plane| u32::try_from(plane.records.len()).ok())
-    }),
-    quantity("2.9.8/5", "as their largest position of a record", |f| {
-        f.max_over_planes(|plane| plane.records.iter().map(|record| record.0).max())
-    }),
-    quantity("2.9.1/1", "as their JPEG quality", |f| {
-        f.parameter(Coding::Jpeg)
-    }),
-    quantity("2.9.1/1", "as their maximum loss", |f| {
-        f.parameter(Coding::JpegLs)
-    }),
-    quantity("1.0/2", "as the length of (u, v)", |f| {
-        f.light().map(|(u, v)| u.hypot(v))
-    }),
-];
+fn data_properties(f: &File) -> [Property; 10] {
+    let [scales, biases, _] = &f.numbers;
+    let is_negative = |texts: &[&str]| texts.iter().any(|text| text.starts_with('-'));
+    let any = |holds: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| holds(text));
+    let has_end_point =
+        any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
+    let is_scientific = any(|text| text.contains(['e', 'E']));
+    let has_plus = any(|text| text.starts_with('+'));
+    let is_space = matches!(f.data, [9..=13 | b' ', ..]);
+    let is_line_feed = f.data.starts_with(b"\n");
+    let (width, height) = f.size.unwrap_or_default();
+    let is_ragged = width % 4 != 0 && height > 1;
+    [
+        ("with a negative bias", is_negative(biases)),
+        ("with a negative scale", is_negative(scales)),
+        ("with a number in scientific notation", is_scientific),
+        ("with a number that starts with a plus sign", has_plus),
+        (
+            "with a number that starts or ends with its decimal point",
+            has_end_point,
+        ),
+        ("with white space at the start of the binary data", is_space),
+        (
+            "with a line feed at the start of the binary data",
+            is_line_feed,
+        ),
+        ("of odd width", width % 2 == 1),
+        ("of odd height", height % 2 == 1),
+        (
+            "of several rows with a width that is not a multiple of 4",
+            is_ragged,
+        ),
+    ]
+}
+
+fn prediction_properties(f: &File) -> [Property; 13] {
+    let has = |holds: fn(&Compression) -> bool| f.plan.is_some_and(holds);
+    let vectors = f.vectors();
+    let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
+    let is_negative = vectors.iter().any(|(x, y)| *x < 0 || *y < 0);
+    let is_transformed = has(|plan| plan.transforms.iter().any(|&transform| transform != 0));
+    let is_both = has(|plan| plan.transforms.contains(&3));
+    let planes = f.plan.map_or(0, |plan| plan.order.len());
+    let is_reordered = has(|plan| (0..).zip(&plan.order).any(|(plane, &rank)| rank != plane));
+    let reference = |plane: usize| f.plan.and_then(|plan| plan.reference(plane));
+    let is_later = (0..planes).any(|p| reference(p).is_some_and(|other| other > p));
+    let is_chained = (0..planes).any(|p| reference(p).and_then(reference).is_some());
+    let has_records = |plane: usize| !f.planes[plane].records.is_empty();
+    let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
+    let is_corrected = corrected().next().is_some();
+    let of_intra = corrected().any(|plane| reference(plane).is_none());
+    let of_predicted = corrected().any(|plane| reference(plane).is_some());
+    [
+        ("with predicted planes", has(Compression::predicts)),
+        ("with a transform other than 0", is_transformed),
+        ("with inverted references", has(Compression::inverts)),
+        ("with displaced references", has(Compression::moves)),
+        ("with references that are inverted and displaced", is_both),
+        ("with motion vectors of half texels", is_half),
+        ("with negative motion vectors", is_negative),
+        ("with an order other than 0, 1, 2, …", is_reordered),
+        ("with a plane predicted from a later one", is_later),
+        ("with a plane predicted from a predicted one", is_chained),
+        ("with side information", is_corrected),
+        ("with side information of intra planes", of_intra),
+        ("with side information of predicted planes", of_predicted),
+    ]
+}
+
+fn stream_properties(f: &File) -> [Property; 6] {
+    let has = |holds: fn(&Compression) -> bool| f.plan.is_some_and(holds);
+    let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
+    let is_0 = has(|plan| plan.parameter == 0);
+    let is_wide = is_jpeg && has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24);
+    let has_restarts = has(|plan| plan.stream.jpeg.restart_interval > 0);
+    let is_joint = has(|plan| plan.stream.jpeg.tables_together);
+    let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
+    let has_presets = has(|plan| plan.stream.presets.is_some());
+    [
+        ("with a compression parameter of 0", is_0),
+        ("with restart markers", has_restarts),
+        ("with several tables in one marker segment", is_joint),
+        ("with 16-bit quantization tables", is_wide),
+        ("with sampling factors other than 1x1", has_factors),
+        ("with preset parameters (LSE)", has_presets),
+    ]
+}
+
+/// A numeric property of a file: the clause about it, the text after "with 17 or more", and the value.
+pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
+
+fn quantities(f: &File) -> Vec<Quantity> {
+    let size = f
+        .size
+        .map(|(width, height)| (f64::from(width), f64::from(height)));
+    let lines = f.header.split(|&byte| byte == b'\n').map(<[u8]>::len);
+    let longest = lines.max().map(|longest| longest as f64);
+    let rank = f.plan.and_then(|plan| plan.order.iter().max());
+    let rank = rank.map(|&rank| rank as f64);
+    let moved = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
+    let records = f.planes.iter().map(|plane| plane.records.len()).max();
+    let positions = f.planes.iter().flat_map(|plane| &plane.records);
+    let position = positions.map(|record| record.0).max().map(f64::from);
+    let parameter = |coding: Coding| {
+        let plan = f.plan.filter(|_| f.format.coding() == Some(coding))?;
+        Some(f64::from(plan.parameter))
+    };
+    let loss = parameter(Coding::JpegLs);
+    let distance = f.light.map(|(u, v)| u.hypot(v));
+    vec![
+        ("2.7/3", "texels", size.map(|(w, h)| w * h)),
+        ("2.3/1", "columns", size.map(|(width, _)| width)),
+        ("2.3/1", "rows", size.map(|(_, height)| height)),
+        ("2.3/1", "columns or rows", size.map(|(w, h)| w.max(h))),
+        ("2.0/1", "bytes in one line of the header", longest),
+        ("2.5/2", "table entries", f.entries().map(f64::from)),
+        ("2.9.4/3", "as their largest rank", rank),
+        ("2.9.3/1", "half texels of motion", moved.map(f64::from)),
+        ("2.9.8/4", "records in one plane", records.map(|n| n as f64)),
+        ("2.9.8/5", "as their largest position of a record", position),
+        ("2.9.1/1", "as their JPEG quality", parameter(Coding::Jpeg)),
+        ("2.9.1/1", "as their maximum loss", loss),
+        ("1.0/2", "as the length of (u, v)", distance),
+    ]
+}

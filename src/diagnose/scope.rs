@@ -1,6 +1,6 @@
 //! Sets of files that share a property.
 
-use super::properties::{PROPERTIES, QUANTITIES};
+use super::properties::VIEW_PROPERTIES;
 use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
 use super::witness::Witness;
 use crate::ptm::Format;
@@ -11,11 +11,13 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index in [`PROPERTIES`].
-    Property(usize),
-    /// Files whose quantity at this index in [`QUANTITIES`] is at least or at most `nearest`. Other files reach `edge`.
+    /// Files with the property at this index, and its text.
+    Property(usize, &'static str),
+    /// Files whose quantity at this index is at least or at most `nearest`. Other files reach `edge`.
     Beyond {
         quantity: usize,
+        /// Clause about the quantity, and its text.
+        what: (&'static str, &'static str),
         nearest: f64,
         is_more: bool,
         edge: f64,
@@ -28,14 +30,14 @@ impl FileScope {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
-            FileScope::Property(place) => witness.facts().properties[*place],
+            FileScope::Property(place, _) => witness.facts().properties[*place].1,
             FileScope::Beyond {
                 quantity,
                 nearest,
                 is_more,
                 ..
             } => {
-                let value = witness.facts().quantities[*quantity];
+                let (.., value) = witness.facts().quantities[*quantity];
                 value.is_some_and(|value| match is_more {
                     true => value >= *nearest,
                     false => value <= *nearest,
@@ -47,7 +49,7 @@ impl FileScope {
     /// Returns the clause about the property if the property is a threshold of one quantity.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
-            FileScope::Beyond { quantity, .. } => Some(QUANTITIES[*quantity].clause),
+            FileScope::Beyond { what, .. } => Some(what.0),
             _ => None,
         }
     }
@@ -60,14 +62,14 @@ impl FileScope {
                 let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
                 format!("of format {}", names.join(", "))
             }
-            FileScope::Property(place) => PROPERTIES[*place].0.to_owned(),
+            FileScope::Property(_, words) => (*words).to_owned(),
             FileScope::Beyond {
-                quantity,
+                what: (_, words),
                 nearest,
                 is_more,
                 edge,
+                ..
             } => {
-                let words = QUANTITIES[*quantity].words;
                 let [nearest, edge] = [*nearest, *edge].map(|bound| match bound.abs() < 1e15 {
                     true => bound.to_string(),
                     false => format!("{bound:e}"),
@@ -120,10 +122,12 @@ pub(super) fn shared_scope(
 ) -> Option<SharedScope> {
     let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
-    let places = (0..PROPERTIES.len()).filter(|&place| with_view || !PROPERTIES[place].1);
+    let properties = &witnesses.first()?.facts().properties;
+    let places = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
+    let property = |place: usize| FileScope::Property(place, properties[place].0);
     let scopes: Vec<FileScope> = formats
         .into_iter()
-        .chain(places.map(FileScope::Property))
+        .chain(places.map(property))
         .chain(thresholds(witnesses, these, others))
         .collect();
     let found = scopes.iter().map(|scope| {
@@ -156,13 +160,12 @@ pub(super) fn shared_scope(
 /// Returns scopes for thresholds that separate all of `these` files from all `others`.
 fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
-    for quantity in 0..QUANTITIES.len() {
-        let values = |indices: &[usize]| -> Vec<f64> {
-            let values = indices
-                .iter()
-                .map(|&w| witnesses[w].facts().quantities[quantity]);
-            values.flatten().collect()
-        };
+    let quantities = witnesses
+        .first()
+        .map_or(&[][..], |witness| &witness.facts().quantities);
+    for (quantity, &(clause, words, _)) in quantities.iter().enumerate() {
+        let value = |&w: &usize| witnesses[w].facts().quantities[quantity].2;
+        let values = |indices: &[usize]| indices.iter().filter_map(value).collect::<Vec<f64>>();
         let (mine, theirs) = (values(these), values(others));
         let least = |indices: &[f64]| indices.iter().copied().fold(f64::MAX, f64::min);
         let most = |indices: &[f64]| indices.iter().copied().fold(f64::MIN, f64::max);
@@ -182,6 +185,7 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
             if is_apart {
                 found.push(FileScope::Beyond {
                     quantity,
+                    what: (clause, words),
                     nearest,
                     is_more,
                     edge,

@@ -11,8 +11,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::credit::partial_credit;
 use super::mistake::Mistake;
+use super::pair::partial_credit;
 pub(super) use super::tuning::REFUSAL_WORTH;
 use super::tuning::{
     CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
@@ -28,22 +28,8 @@ use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
-/// Mistakes that together reproduce the decoder's responses.
-#[derive(Default)]
-pub(super) struct FoundMistakes {
-    /// Mistakes in the order of discovery, starting with the one that explains the most failures.
-    pub members: Vec<Member>,
-}
-
-impl FoundMistakes {
-    /// Removes the members whose flag is false.
-    pub fn retain_flagged(&mut self, keep: &[bool]) {
-        let mut keep = keep.iter();
-        self.members.retain(|_| keep.next() == Some(&true));
-    }
-}
-
-/// A mistake in a set, and the mistakes that are equivalent to it.
+/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery, starting with the one
+/// that explains the most failures.
 pub(super) struct Member {
     pub id: MistakeId,
     /// Mistakes that explain the same cases.
@@ -168,7 +154,7 @@ impl<'a> Search<'a> {
     pub fn run(
         &mut self,
         add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),
-    ) -> FoundMistakes {
+    ) -> Vec<Member> {
         let mut members: Vec<Member> = Vec::new();
         let mut are_pairs_tried = false;
         let mut edit_passes = 0;
@@ -216,12 +202,12 @@ impl<'a> Search<'a> {
             }
         }
         self.drop_redundant(&mut members);
-        FoundMistakes { members }
+        members
     }
 
     /// Returns the cost of a result, which grows with its mistakes and with the failures left unexplained.
-    pub fn cost(&self, found: &FoundMistakes) -> usize {
-        self.unexplained(&ids_of(&found.members)).len() + MIN_SUPPORT * found.members.len()
+    pub fn cost(&self, found: &[Member]) -> usize {
+        self.unexplained(&ids_of(found)).len() + MIN_SUPPORT * found.len()
     }
 
     /// Returns the mistake with the largest gain when added to `set`.

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use super::properties::{Property, Quantity};
 use super::stream_cache::stream_once;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{Alternative, decode_as, examine_as};
@@ -48,10 +49,8 @@ pub(super) struct Witness<'a> {
 
 /// Properties and quantities of a file.
 pub(super) struct Facts {
-    /// One flag per property in `PROPERTIES`: whether the file has it.
-    pub properties: Vec<bool>,
-    /// One value per quantity in `QUANTITIES`, if the file has it.
-    pub quantities: Vec<Option<f64>>,
+    pub properties: Vec<Property>,
+    pub quantities: Vec<Quantity>,
 }
 
 /// The agreement of an answer with the response.

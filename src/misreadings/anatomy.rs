@@ -4,6 +4,9 @@ use crate::decode::examine_as;
 use crate::ptm::Field;
 use crate::reading::Reading;
 
+/// Clauses of [`Anatomy::respell`] that stand for every field.
+pub(super) const ANY: &[&str] = &[];
+
 /// The file as a decoder with a mistake sees it.
 pub enum EditedFile {
     /// The decoder refuses the file.
@@ -73,6 +76,11 @@ impl<'a> Anatomy<'a> {
             .collect()
     }
 
+    /// Returns a refusal if a header field with one of these clauses has a text for which `is_refused` is true.
+    pub(super) fn refuse_text(&self, clauses: &[&str], is_refused: fn(&str) -> bool) -> EditedFile {
+        self.refuse_if(self.field_texts(clauses).into_iter().any(is_refused))
+    }
+
     /// Returns the offset of the payload, which starts after the line feed of the last header line.
     #[must_use]
     pub fn payload_offset(&self) -> usize {
@@ -85,6 +93,16 @@ impl<'a> Anatomy<'a> {
     #[must_use]
     pub fn header(&self) -> &'a [u8] {
         &self.file[..self.payload_offset()]
+    }
+
+    /// Returns the bytes after the header.
+    pub(super) fn payload(&self) -> &'a [u8] {
+        &self.file[self.payload_offset()..]
+    }
+
+    /// Returns the file with another payload.
+    pub(super) fn with_payload(&self, payload: &[u8]) -> EditedFile {
+        EditedFile::File([self.header(), payload].concat())
     }
 
     /// Returns the bytes between the `n`th field with this clause and the next field.
@@ -101,18 +119,24 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// Replaces the texts of header fields. `spell` returns the new text of a field, or `None` to keep it.
+    /// Replaces the texts of header fields with these clauses, or with [`ANY`]. `spell` returns the new text of a field, or `None`
+    /// to keep it.
     ///
     /// Fields after an error are unknown, so this is repeated until the file no longer changes.
-    pub fn respell(&self, spell: fn(clause: &str, text: &str) -> Option<String>) -> EditedFile {
+    pub(super) fn respell(
+        &self,
+        clauses: &[&str],
+        spell: fn(&str) -> Option<String>,
+    ) -> EditedFile {
         let mut file = self.file.to_vec();
         for _ in 0..40 {
             let anatomy = Anatomy::new(&file, &Reading::SPEC);
             let mut bytes = Vec::new();
             let mut at = 0;
-            for field in anatomy.tokens() {
+            let is_chosen = |field: &&Field| clauses.is_empty() || clauses.contains(&field.clause);
+            for field in anatomy.tokens().filter(is_chosen) {
                 let text = std::str::from_utf8(&file[field.range.clone()]).unwrap_or_default();
-                if let Some(text) = spell(field.clause, text) {
+                if let Some(text) = spell(text) {
                     bytes.extend_from_slice(&file[at..field.range.start]);
                     bytes.extend_from_slice(text.as_bytes());
                     at = field.range.end;

@@ -11,6 +11,9 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
+/// Steps by slug, in the order of `spec-cases/misreadings.yaml`. Returns `None` for the slugs of other sections.
+pub(super) type Steps = fn(slug: &str) -> Option<At>;
+
 /// The step that a mistake changes, and the function that replaces it.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // a decision is documented at the function that `Reading::SPEC` names

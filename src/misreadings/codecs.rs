@@ -1,127 +1,77 @@
 //! §2.9.8: mistakes with the streams of planes, and the order of their rows
 
-use super::at::At;
+use super::at::{At, Steps};
 use super::layout::{flip_rows, stored_row_if_top_down};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, PlaneStream};
-use crate::ptm::{Coding, Size};
+use crate::ptm::Coding::{self, Jpeg, JpegLs};
+use crate::ptm::Size;
 use crate::reading::Reading;
 
 type PlaneSamples = Result<Vec<u8>>;
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    // Rows
-    (
-        "compressed-rows-top-down",
-        At::StoredRow(|header, row| {
-            stored_row_if_top_down(header.format.coding().is_some(), header, row)
-        }),
-    ),
-    (
-        "jpeg-rows-top-down",
-        At::StoredRow(|header, row| {
-            stored_row_if_top_down(header.format.coding() == Some(Coding::Jpeg), header, row)
-        }),
-    ),
-    (
-        "jpeg-ls-rows-top-down",
-        At::StoredRow(|header, row| {
-            stored_row_if_top_down(header.format.coding() == Some(Coding::JpegLs), header, row)
-        }),
-    ),
-    (
-        "compressed-colors-top-down",
-        At::Planes(|ptm| {
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        // Rows
+        "compressed-rows-top-down" => {
+            At::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg, JpegLs], header, row))
+        }
+        "jpeg-rows-top-down" => {
+            At::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg], header, row))
+        }
+        "jpeg-ls-rows-top-down" => {
+            At::StoredRow(|header, row| stored_row_if_top_down(&[JpegLs], header, row))
+        }
+        "compressed-colors-top-down" => At::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
                 flip_rows(ptm, 6..9);
             }
         }),
-    ),
-    (
-        "compressed-green-and-blue-top-down",
-        At::Planes(|ptm| {
+        "compressed-green-and-blue-top-down" => At::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
                 flip_rows(ptm, 6..18);
             }
         }),
-    ),
-    // Samples
-    (
-        "jpeg-rows-padded-to-4",
-        At::Stream(|plane| decode_sheared(plane, 4)),
-    ),
-    (
-        "jpeg-rows-padded-to-8",
-        At::Stream(|plane| decode_sheared(plane, 8)),
-    ),
-    (
-        "compressed-columns-mirrored",
-        At::Stream(|plane| {
+        // Samples
+        "jpeg-rows-padded-to-4" => At::Stream(|plane| decode_sheared(plane, 4)),
+        "jpeg-rows-padded-to-8" => At::Stream(|plane| decode_sheared(plane, 8)),
+        "compressed-columns-mirrored" => At::Stream(|plane| {
             let mut samples = planes::decode_stream(plane)?;
-            samples
-                .chunks_exact_mut(plane.size.width as usize)
-                .for_each(<[u8]>::reverse);
+            let rows = samples.chunks_exact_mut(plane.size.width as usize);
+            rows.for_each(<[u8]>::reverse);
             Ok(samples)
         }),
-    ),
-    (
-        "jpeg-studio-range",
-        At::Stream(|plane| {
+        "jpeg-studio-range" => At::Stream(|plane| {
             decode_and_map(plane, |value| {
                 ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
             })
         }),
-    ),
-    (
-        "jpeg-studio-range-made",
-        At::Stream(|plane| {
+        "jpeg-studio-range-made" => At::Stream(|plane| {
             decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)
         }),
-    ),
-    (
-        "jpeg-without-level-shift",
-        At::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128))),
-    ),
-    (
-        "jpeg-gamma",
-        At::Stream(|plane| {
+        "jpeg-without-level-shift" => {
+            At::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128)))
+        }
+        "jpeg-gamma" => At::Stream(|plane| {
             // A square root resembles color management, and is exact on every machine.
             decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
         }),
-    ),
-    (
-        "jpeg-low-bit-lost",
-        At::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
-    ),
-    // Optional features of streams
-    (
-        "restart-markers-refused",
-        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane)),
-    ),
-    (
-        "sof1-refused",
-        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
-    ),
-    (
-        "tables-of-16-bits-refused",
-        At::Stream(|plane| {
+        "jpeg-low-bit-lost" => At::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
+        // Optional features of streams
+        "restart-markers-refused" => {
+            At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane))
+        }
+        "sof1-refused" => At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
+        "tables-of-16-bits-refused" => At::Stream(|plane| {
             let wide = segments(plane.bytes).any(|(code, segment)| {
                 code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
             });
             decode_unless(wide, plane)
         }),
-    ),
-    (
-        "tables-of-16-bits-cut",
-        At::Stream(|plane| {
+        "tables-of-16-bits-cut" => At::Stream(|plane| {
             decode_edited(plane, |code, segment| {
-                if let (0xDB, Some((16..=31, table))) = (
-                    code,
-                    segment
-                        .split_first_mut()
-                        .map(|(&mut first, table)| (first, table)),
-                ) {
+                if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
                     for entry in table.chunks_exact_mut(2) {
                         // A divisor of 0 becomes 1.
                         entry[0] = 0;
@@ -130,65 +80,43 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "quantisation-table-in-rows",
-        At::Stream(|plane| {
+        "quantisation-table-in-rows" => At::Stream(|plane| {
             decode_edited(plane, |code, segment| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
                     // Entry k in the file is used for frequency k, although the file is in zigzag order.
                     let stored = table.to_vec();
-                    table
-                        .iter_mut()
-                        .zip(zigzag())
-                        .for_each(|(entry, place)| *entry = stored[place]);
+                    table.copy_from_slice(&zigzag().map(|place| stored[place]));
                 }
             })
         }),
-    ),
-    (
-        "optimised-tables-refused",
-        At::Stream(|plane| {
+        "optimised-tables-refused" => At::Stream(|plane| {
             // The tables of Annex K have 12 and 162 codes.
-            let codes = |segment: &[u8]| {
-                segment
-                    .get(1..17)
-                    .map_or(0, |counts| counts.iter().map(|&n| u32::from(n)).sum())
+            let codes = |segment: &[u8]| -> u32 {
+                let counts = segment.get(1..17).unwrap_or_default();
+                counts.iter().map(|&count| u32::from(count)).sum()
             };
             let own = segments(plane.bytes)
                 .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
             decode_unless(own, plane)
         }),
-    ),
-    (
-        "sampling-factors-refused",
-        At::Stream(|plane| {
+        "sampling-factors-refused" => At::Stream(|plane| {
             let factors = segments(plane.bytes).any(|(code, segment)| {
                 matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
             });
             decode_unless(factors, plane)
         }),
-    ),
-    (
-        "jfif-required",
-        At::Stream(|plane| {
+        "jfif-required" => At::Stream(|plane| {
             let is_jpeg = plane.coding == Coding::Jpeg;
             decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
         }),
-    ),
-    (
-        "one-row-refused",
-        At::Stream(|plane| {
+        "one-row-refused" => At::Stream(|plane| {
             let is_small = plane.size.width < 8 || plane.size.height < 8;
             decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
         }),
-    ),
-    // JPEG-LS parameters
-    (
-        "near-ignored",
-        At::Stream(|plane| {
+        // JPEG-LS parameters
+        "near-ignored" => At::Stream(|plane| {
             decode_edited(plane, |code, segment| {
                 let of = (code, segment, plane.coding);
                 if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
@@ -196,39 +124,29 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "presets-ignored",
-        At::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0))),
-    ),
-    (
-        "thresholds-ignored",
-        At::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0))),
-    ),
-    (
-        "reset-ignored",
-        At::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0))),
-    ),
-    (
-        "presets-kept",
-        At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8)),
-    ),
-    (
-        "restart-interval-kept",
-        At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD)),
-    ),
-    (
-        "presets-refused",
-        At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane)),
-    ),
-    // Streams that must be refused
-    (
-        "plane-size-unchecked",
-        At::Stream(|plane| {
-            let found = segments(plane.bytes)
-                .find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7))
-                .map(|(_, segment)| segment);
-            let Some([_, h1, h0, w1, w0, ..]) = found else {
+        "presets-ignored" => {
+            At::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0)))
+        }
+        "thresholds-ignored" => {
+            At::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0)))
+        }
+        "reset-ignored" => {
+            At::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0)))
+        }
+        "presets-kept" => {
+            At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8))
+        }
+        "restart-interval-kept" => {
+            At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD))
+        }
+        "presets-refused" => {
+            At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane))
+        }
+        // Streams that must be refused
+        "plane-size-unchecked" => At::Stream(|plane| {
+            let mut found = segments(plane.bytes);
+            let found = found.find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7));
+            let Some((_, [_, h1, h0, w1, w0, ..])) = found else {
                 return planes::decode_stream(plane);
             };
             let own = Size {
@@ -238,33 +156,20 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             if own.texels() > 1 << 24 {
                 return planes::decode_stream(plane);
             }
-            let samples = planes::decode_stream(&PlaneStream {
-                size: own,
-                ..*plane
-            })?;
+            let size = own;
+            let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
             let mut placed = vec![0; plane.size.texels()];
-            for (to, from) in placed
-                .chunks_exact_mut(plane.size.width as usize)
-                .zip(samples.chunks_exact((own.width as usize).max(1)))
-            {
+            let rows = placed.chunks_exact_mut(plane.size.width as usize);
+            for (to, from) in rows.zip(samples.chunks_exact((own.width as usize).max(1))) {
                 to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
             }
             Ok(placed)
         }),
-    ),
-    (
-        "empty-stream-is-a-blank-plane",
-        At::Stream(|plane| {
-            if plane.bytes.is_empty() {
-                Ok(vec![0; plane.size.texels()])
-            } else {
-                planes::decode_stream(plane)
-            }
+        "empty-stream-is-a-blank-plane" => At::Stream(|plane| match plane.bytes.is_empty() {
+            true => Ok(vec![0; plane.size.texels()]),
+            false => planes::decode_stream(plane),
         }),
-    ),
-    (
-        "codec-from-the-stream",
-        At::Stream(|plane| {
+        "codec-from-the-stream" => At::Stream(|plane| {
             let coding = match plane.bytes {
                 [] => plane.coding,
                 bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
@@ -272,14 +177,12 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             };
             planes::decode_stream(&PlaneStream { coding, ..*plane })
         }),
-    ),
-    (
-        "broken-plane-is-blank",
-        At::Stream(|plane| {
+        "broken-plane-is-blank" => At::Stream(|plane| {
             Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
         }),
-    ),
-];
+        _ => return None,
+    })
+};
 
 /// Decodes all planes. A plane without a segment with this marker reuses the segment of the previous plane.
 fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
@@ -406,7 +309,5 @@ fn zigzag() -> [usize; 64] {
         let diagonal = row + column;
         (diagonal, if diagonal % 2 == 0 { column } else { row })
     });
-    let mut segment_ranges = [0; 64];
-    segment_ranges.copy_from_slice(&order);
-    segment_ranges
+    order.try_into().expect("64 places")
 }

@@ -3,160 +3,86 @@
 use std::ops::Range;
 
 use super::anatomy::EditedFile;
-use super::at::At;
+use super::at::{At, Steps};
 use crate::decode::{decode, texels};
-use crate::ptm::{Format, Header, Ptm};
+use crate::ptm::{Coding, Format, Header, Ptm};
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    (
-        "payload-reversed",
-        At::Bytes(|file| {
-            let flip_rows = file.file[file.payload_offset()..].iter().rev();
-            EditedFile::File(file.header().iter().chain(flip_rows).copied().collect())
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        "payload-reversed" => At::Bytes(|file| {
+            let mut payload = file.payload().to_vec();
+            payload.reverse();
+            file.with_payload(&payload)
         }),
-    ),
-    (
-        "rgb-as-lrgb",
-        At::Bytes(|file| {
-            file.respell(|clause, text| {
-                (clause == "2.2/1" && text == "PTM_FORMAT_RGB")
-                    .then(|| "PTM_FORMAT_LRGB".to_owned())
+        "rgb-as-lrgb" => At::Bytes(|file| {
+            file.respell(&["2.2/1"], |text| {
+                (text == "PTM_FORMAT_RGB").then(|| "PTM_FORMAT_LRGB".to_owned())
             })
         }),
-    ),
-    (
-        "coefficients-reversed",
-        At::Planes(|ptm| {
-            for_each_texel(ptm, |texel| {
-                let polynomials = if texel.len() == 18 { 18 } else { 6 };
-                texel[..polynomials]
-                    .chunks_exact_mut(6)
-                    .for_each(<[u8]>::reverse);
-            });
-        }),
-    ),
-    (
-        "a0-last",
-        At::Planes(|ptm| {
-            for_each_texel(ptm, |texel| {
-                let polynomials = if texel.len() == 18 { 18 } else { 6 };
-                texel[..polynomials]
-                    .chunks_exact_mut(6)
-                    .for_each(|a| a.rotate_right(1));
-            });
-        }),
-    ),
-    (
-        "last-row-lost",
-        At::Planes(|ptm| {
+        "coefficients-reversed" => At::Planes(|ptm| for_each_polynomial(ptm, <[u8]>::reverse)),
+        "a0-last" => At::Planes(|ptm| for_each_polynomial(ptm, |a| a.rotate_right(1))),
+        "last-row-lost" => At::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples[..row].fill(0);
         }),
-    ),
-    (
-        "first-row-lost",
-        At::Planes(|ptm| {
+        "first-row-lost" => At::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let start = ptm.planes.samples.len() - row;
             ptm.planes.samples[start..].fill(0);
         }),
-    ),
-    (
-        "last-column-lost",
-        At::Planes(|ptm| {
+        "last-column-lost" => At::Planes(|ptm| {
             let (row, channels) = row_and_channels(ptm);
-            ptm.planes.samples.chunks_exact_mut(row).for_each(|row| {
-                row.iter_mut()
-                    .rev()
-                    .take(channels)
-                    .for_each(|value| *value = 0);
-            });
+            let rows = ptm.planes.samples.chunks_exact_mut(row);
+            rows.for_each(|samples| samples[row - channels..].fill(0));
         }),
-    ),
-    (
-        "rows-rotated-by-one",
-        At::Planes(|ptm| {
+        "rows-rotated-by-one" => At::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples.rotate_right(row);
         }),
-    ),
-    (
-        "texels-counted-in-16-bits",
-        At::Planes(|ptm| {
-            let channels = ptm.planes.shape.channels();
-            let (width, height) = (
-                ptm.planes.size.width as usize,
-                ptm.planes.size.height as usize,
-            );
-            for (i, texel) in ptm.planes.samples.chunks_exact_mut(channels).enumerate() {
-                let stored = (height - 1 - i / width) * width + i % width;
-                if stored >= 65_536 {
-                    texel.fill(0);
-                }
+        "texels-counted-in-16-bits" => At::Planes(|ptm| {
+            // The top rows are stored last.
+            let (row, channels) = row_and_channels(ptm);
+            let rows = ptm.planes.samples.chunks_exact_mut(row).rev();
+            for texel in rows
+                .flat_map(|row| row.chunks_exact_mut(channels))
+                .skip(65_536)
+            {
+                texel.fill(0);
             }
         }),
-    ),
-    (
-        "columns-counted-in-8-bits",
-        At::Planes(|ptm| {
+        "columns-counted-in-8-bits" => At::Planes(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             for row in ptm.planes.samples.chunks_exact_mut(row) {
-                row.iter_mut()
-                    .skip(256 * channels)
-                    .for_each(|value| *value = 0);
+                row.chunks_exact_mut(channels)
+                    .skip(256)
+                    .for_each(|texel| texel.fill(0));
             }
         }),
-    ),
-    (
-        "rows-counted-in-8-bits",
-        At::Planes(|ptm| {
+        "rows-counted-in-8-bits" => At::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let lost = (ptm.planes.size.height as usize).saturating_sub(256) * row;
             ptm.planes.samples[..lost].fill(0);
         }),
-    ),
-    (
-        "square-only",
-        At::Planes(|ptm| {
-            let (width, height) = (
-                ptm.planes.size.width as usize,
-                ptm.planes.size.height as usize,
-            );
-            if height > width {
-                let channels = ptm.planes.shape.channels();
-                let length = ptm.planes.samples.len();
-                let shifted: Vec<u8> = (0..length)
-                    .map(|i| {
-                        ptm.planes.samples[(i / (width * channels) * height * channels
-                            + i % (width * channels))
-                            % length]
-                    })
-                    .collect();
-                ptm.planes.samples = shifted;
+        "square-only" => At::Planes(|ptm| {
+            let (row, channels) = row_and_channels(ptm);
+            let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
+            let stride = size.height as usize * channels;
+            if size.height > size.width {
+                let place = |i: usize| (i / row * stride + i % row) % samples.len();
+                ptm.planes.samples = (0..samples.len()).map(|i| samples[place(i)]).collect();
             }
         }),
-    ),
-    (
-        "height-before-width",
-        At::Bytes(
-            |file| match (file.nth_field("2.3/1", 0), file.nth_field("2.3/1", 1)) {
-                (Some(width), Some(height)) => EditedFile::File(
-                    [
-                        &file.file[..width.range.start],
-                        &file.file[height.range.clone()],
-                        &file.file[width.range.end..height.range.start],
-                        &file.file[width.range.clone()],
-                        &file.file[height.range.end..],
-                    ]
-                    .concat(),
-                ),
-                _ => file.unchanged(),
-            },
-        ),
-    ),
-    (
-        "blocks-separated",
-        At::Bytes(|file| {
+        "height-before-width" => At::Bytes(|file| {
+            let [Some(width), Some(height)] = [0, 1].map(|n| file.nth_field("2.3/1", n)) else {
+                return file.unchanged();
+            };
+            let (width, height) = (&width.range, &height.range);
+            let mut bytes = file.file.to_vec();
+            bytes.splice(height.clone(), file.file[width.clone()].iter().copied());
+            bytes.splice(width.clone(), file.file[height.clone()].iter().copied());
+            EditedFile::File(bytes)
+        }),
+        "blocks-separated" => At::Bytes(|file| {
             let format = file.field_texts(&["2.2/1"]);
             let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
                 (decode(file.file), &format[..])
@@ -175,29 +101,26 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             }
             EditedFile::File(bytes)
         }),
-    ),
-    (
-        "trailing-bytes-are-the-end",
-        At::Bytes(|file| {
+        "trailing-bytes-are-the-end" => At::Bytes(|file| {
             let end = file.fields.iter().map(|field| field.range.end).max();
             let extra = match (end, decode(file.file)) {
                 (Some(end), Ok(_)) => file.file.len() - end,
                 _ => 0,
             };
             match file.file.get(file.payload_offset() + extra..) {
-                Some(payload) => EditedFile::File([file.header(), payload].concat()),
+                Some(payload) => file.with_payload(payload),
                 None => file.unchanged(),
             }
         }),
-    ),
-];
+        _ => return None,
+    })
+};
 
-/// Returns the index of the stored row if the top row is stored first in some files.
-pub(super) fn stored_row_if_top_down(top_down: bool, header: &Header, row: usize) -> usize {
-    if top_down {
-        row
-    } else {
-        texels::bottom_row_first(header, row)
+/// Returns the index of the stored row if the top row is stored first in files with these codings.
+pub(super) fn stored_row_if_top_down(codings: &[Coding], header: &Header, row: usize) -> usize {
+    match header.format.coding() {
+        Some(coding) if codings.contains(&coding) => row,
+        _ => texels::bottom_row_first(header, row),
     }
 }
 
@@ -212,13 +135,13 @@ pub(super) fn flip_rows(ptm: &mut Ptm, channels: Range<usize>) {
     }
 }
 
-/// Applies `change` to the channels of every texel.
-pub(super) fn for_each_texel(ptm: &mut Ptm, change: fn(&mut [u8])) {
+/// Applies `change` to the stored coefficients of every polynomial.
+fn for_each_polynomial(ptm: &mut Ptm, change: fn(&mut [u8])) {
     let channels = ptm.planes.shape.channels();
-    ptm.planes
-        .samples
-        .chunks_exact_mut(channels)
-        .for_each(change);
+    let coefficients = ptm.planes.shape.coefficients();
+    for texel in ptm.planes.samples.chunks_exact_mut(channels) {
+        texel[..coefficients].chunks_exact_mut(6).for_each(change);
+    }
 }
 
 /// Returns the number of bytes in a row and in a texel.

@@ -4,7 +4,7 @@
 //! and every pair distinguished), and proves that each clause is tested.
 //!
 //! A [`Misreading`] is data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The modules for
-//! the sections have one line per slug, in the order of the YAML file, with the step ([`At`]) and the function. Every function is
+//! the sections have one entry per slug, in the order of the YAML file, with the step ([`At`]) and the function. Every function is
 //! *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
 
 mod misreading;

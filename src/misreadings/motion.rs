@@ -7,44 +7,34 @@
 
 use std::borrow::Cow;
 
-use super::at::At;
+use super::at::{At, Steps};
 use crate::decode::predict as rule;
 use crate::parts::Step;
 use crate::ptm::Size;
 use crate::reading::Reading;
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    (
-        "motion-halves-toward-zero",
-        At::Predictor(|reference, step, size, reading| {
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        "motion-halves-toward-zero" => At::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
                 let first = at + d / 2;
                 [first, first + (d & 1)]
             })
         }),
-    ),
-    (
-        "motion-half-of-the-other-axis",
-        At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-other-axis" => At::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
                 let first = at + (d >> 1);
                 let half = if axis.is_x { d } else { other };
                 [first, first + (half & 1)]
             })
         }),
-    ),
-    (
-        "motion-half-of-the-edge",
-        At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-edge" => At::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 [first, first + (d & 1)]
             })
         }),
-    ),
-    (
-        "motion-half-begins-again",
-        At::Predictor(|reference, step, size, reading| {
+        "motion-half-begins-again" => At::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 let second = at + (d >> 1) + (d & 1);
@@ -52,10 +42,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 [first, if inside || second < 0 { second } else { 0 }]
             })
         }),
-    ),
-    (
-        "motion-x-within-the-height",
-        At::Predictor(|reference, step, size, reading| {
+        "motion-x-within-the-height" => At::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = at + (d >> 1);
                 let most = if axis.is_x {
@@ -66,45 +53,31 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 [first, first + (d & 1)].map(|at| at.clamp(0, most - 1))
             })
         }),
-    ),
-    (
-        "motion-border-black",
-        At::Predictor(|reference, step, size, reading| {
-            displace_with_samples(
-                reference,
-                step,
-                size,
-                reading,
-                |plane, x, y, width, height| {
-                    let inside = (0..width).contains(&x) && (0..height).contains(&y);
-                    if inside {
-                        plane[(y * width + x) as usize]
-                    } else {
-                        0
-                    }
-                },
-            )
+        "motion-border-black" => At::Predictor(|reference, step, size, reading| {
+            let motion_border = black_border;
+            let reading = Reading {
+                motion_border,
+                ..*reading
+            };
+            rule::invert_then_displace(reference, step, size, &reading)
         }),
-    ),
-];
+        _ => return None,
+    })
+};
 
 fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// Displaces a reference by the correct rule, but with a custom function for the sample at (x, y), inside or outside the plane.
-fn displace_with_samples<'a>(
-    reference: &'a [u8],
-    step: &Step,
-    size: Size,
-    reading: &Reading,
-    sample: fn(&[u8], x: i64, y: i64, width: i64, height: i64) -> u8,
-) -> Cow<'a, [u8]> {
+/// Returns a sample, or 0 outside the plane.
+fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
-    let taps: Taps = |at, [d, _], _| [at + (d >> 1), at + (d >> 1) + (d & 1)];
-    displace_with(reference, step, size, reading, taps, |still, x, y| {
-        sample(still, x, y, width, height)
-    })
+    let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+    if is_inside {
+        plane[(y * width + x) as usize]
+    } else {
+        0
+    }
 }
 
 /// One axis of a plane.
@@ -120,7 +93,7 @@ struct PlaneAxis {
 /// along this and the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
-/// Displaces a reference by the correct rule, but with custom positions of the averaged samples.
+/// Displaces a reference by the correct rule, but each sample is the mean of four samples at the positions that `taps` returns.
 fn displace_with_taps<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -128,56 +101,26 @@ fn displace_with_taps<'a>(
     reading: &Reading,
     taps: Taps,
 ) -> Cow<'a, [u8]> {
-    displace_with(reference, step, size, reading, taps, |still, x, y| {
-        (reading.motion_border)(still, size, x, y)
-    })
-}
-
-/// Displaces a reference. Each sample is the mean of four samples at the positions that `taps` returns.
-fn displace_with<'a>(
-    reference: &'a [u8],
-    step: &Step,
-    size: Size,
-    reading: &Reading,
-    taps: Taps,
-    sample: impl Fn(&[u8], i64, i64) -> u8,
-) -> Cow<'a, [u8]> {
-    let still = Step {
-        moved: false,
-        ..*step
-    };
-    let still = rule::invert_then_displace(reference, &still, size, reading);
+    let moved = false;
+    let still = rule::invert_then_displace(reference, &Step { moved, ..*step }, size, reading);
     if !step.moved || step.motion == (0, 0) {
         return still;
     }
     let (width, height) = (i64::from(size.width), i64::from(size.height));
-    let (mx, my) = (
-        limit_displacement((reading.motion_sign)(step.motion.0)),
-        limit_displacement((reading.motion_sign)((reading.motion_vertical)(
-            step.motion.1,
-        ))),
-    );
-    let [along, across] =
-        [(true, width, height), (false, height, width)].map(|(is_x, length, other)| PlaneAxis {
-            is_x,
-            length,
-            other,
-        });
-    let texel = |(x, y): (i64, i64)| {
-        let [left, right] = taps(x, [mx, my], &along);
-        let [upper, lower] = taps(y, [my, mx], &across);
-        let at = |x, y| sample(&still, x, y);
-        (reading.motion_half)([
-            at(left, upper),
-            at(right, upper),
-            at(left, lower),
-            at(right, lower),
-        ])
+    let mx = limit_displacement((reading.motion_sign)(step.motion.0));
+    let my = (reading.motion_sign)((reading.motion_vertical)(step.motion.1));
+    let my = limit_displacement(my);
+    let axis = |is_x, length, other| PlaneAxis {
+        is_x,
+        length,
+        other,
     };
-    Cow::Owned(
-        (0..height)
-            .flat_map(|y| (0..width).map(move |x| (x, y)))
-            .map(texel)
-            .collect(),
-    )
+    let (along, across) = (axis(true, width, height), axis(false, height, width));
+    let texel = |i: i64| {
+        let [left, right] = taps(i % width, [mx, my], &along);
+        let [upper, lower] = taps(i / width, [my, mx], &across);
+        let corners = [(left, upper), (right, upper), (left, lower), (right, lower)];
+        (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(&still, size, x, y)))
+    };
+    Cow::Owned((0..height * width).map(texel).collect())
 }

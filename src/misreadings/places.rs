@@ -1,35 +1,20 @@
 //! §2.9.6–2.9.8/1: mistakes with sizes, offsets and the order of the planes
 
-use super::at::At;
+use super::at::{At, Steps};
 use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Extent, Number, Plan, RawLists};
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    // 2.9.6, 2.9.7 and the offsets of the planes
-    (
-        "planes-in-decode-order",
-        At::Plan(|lists| {
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        // 2.9.6, 2.9.7 and the offsets of the planes
+        "planes-in-decode-order" => At::Plan(|lists| {
             change_plan(lists, |lists, plan| {
-                let mut end = 0;
-                for &i in &plan.sequence {
-                    let (stream, side) = (
-                        nonnegative_size(&lists.sizes[i]),
-                        nonnegative_size(&lists.side_sizes[i]),
-                    );
-                    let (start, middle) = (end, usize::saturating_add(end, stream));
-                    end = middle.saturating_add(side);
-                    plan.extents[i] = Extent {
-                        stream: start..middle,
-                        side: middle..end,
-                    };
-                }
+                let order = plan.sequence.clone();
+                set_sizes(plan, order, |i| stored_sizes(lists, i));
             })
         }),
-    ),
-    (
-        "sizes-by-rank",
-        At::Plan(|lists| {
+        "sizes-by-rank" => At::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 // The first stream, with its sizes, belongs to the plane that is decoded first.
                 let before = plan.extents.clone();
@@ -38,45 +23,28 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "side-sizes-are-records",
-        At::Plan(|lists| {
+        "side-sizes-are-records" => At::Plan(|lists| {
             change_plan(lists, |lists, plan| {
-                set_sizes(plan, |i| {
-                    (
-                        nonnegative_size(&lists.sizes[i]),
-                        nonnegative_size(&lists.side_sizes[i]).saturating_mul(5),
-                    )
+                set_sizes(plan, 0..lists.planes, |i| {
+                    let (stream, side) = stored_sizes(lists, i);
+                    (stream, side.saturating_mul(5))
                 });
             })
         }),
-    ),
-    (
-        "sizes-include-side-information",
-        At::Plan(|lists| {
+        "sizes-include-side-information" => At::Plan(|lists| {
             change_plan(lists, |lists, plan| {
-                set_sizes(plan, |i| {
-                    (
-                        nonnegative_size(&lists.sizes[i])
-                            .saturating_sub(nonnegative_size(&lists.side_sizes[i])),
-                        nonnegative_size(&lists.side_sizes[i]),
-                    )
+                set_sizes(plan, 0..lists.planes, |i| {
+                    let (stream, side) = stored_sizes(lists, i);
+                    (stream.saturating_sub(side), side)
                 });
             })
         }),
-    ),
-    (
-        "side-information-not-skipped",
-        At::Plan(|lists| {
+        "side-information-not-skipped" => At::Plan(|lists| {
             change_plan(lists, |lists, plan| {
-                set_sizes(plan, |i| (nonnegative_size(&lists.sizes[i]), 0));
+                set_sizes(plan, 0..lists.planes, |i| (stored_sizes(lists, i).0, 0));
             })
         }),
-    ),
-    (
-        "side-information-before-its-plane",
-        At::Plan(|lists| {
+        "side-information-before-its-plane" => At::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 for extent in &mut plan.extents {
                     let (start, end) = (extent.stream.start, extent.side.end);
@@ -88,10 +56,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "side-information-behind-all-planes",
-        At::Plan(|lists| {
+        "side-information-behind-all-planes" => At::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 let mut end = 0;
                 for extent in &mut plan.extents {
@@ -104,20 +69,16 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "negative-side-size-is-none",
-        At::Plan(|lists| {
+        "negative-side-size-is-none" => At::Plan(|lists| {
             let mut lists = lists.clone();
-            lists
-                .side_sizes
-                .iter_mut()
-                .for_each(|number| number.value = number.value.max(0));
+            for number in &mut lists.side_sizes {
+                number.value = number.value.max(0);
+            }
             compressed::make_plan(&lists)
         }),
-    ),
-    // 2.9.8: the order of the planes
-];
+        _ => return None,
+    })
+};
 
 /// Returns the plan after changing the byte ranges of its planes.
 fn change_plan(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Plan> {
@@ -126,21 +87,26 @@ fn change_plan(lists: &RawLists, change: fn(&RawLists, &mut Plan)) -> Result<Pla
     Ok(plan)
 }
 
-/// Sets the byte ranges of consecutive planes with these sizes.
-fn set_sizes(plan: &mut Plan, sizes: impl Fn(usize) -> (usize, usize)) {
+/// Sets the byte ranges of planes that are stored in this order with these sizes.
+fn set_sizes(
+    plan: &mut Plan,
+    order: impl IntoIterator<Item = usize>,
+    sizes: impl Fn(usize) -> (usize, usize),
+) {
     let mut end = 0usize;
-    for (i, extent) in plan.extents.iter_mut().enumerate() {
+    for i in order {
         let (stream, side) = sizes(i);
         let (start, middle) = (end, end.saturating_add(stream));
         end = middle.saturating_add(side);
-        *extent = Extent {
+        plan.extents[i] = Extent {
             stream: start..middle,
             side: middle..end,
         };
     }
 }
 
-/// Returns a size that is known to be nonnegative.
-fn nonnegative_size(number: &Number) -> usize {
-    number.value.max(0) as usize
+/// Returns the sizes of the stream and the side information of a plane, which are known to be nonnegative.
+fn stored_sizes(lists: &RawLists, plane: usize) -> (usize, usize) {
+    let size = |number: &Number| number.value.max(0) as usize;
+    (size(&lists.sizes[plane]), size(&lists.side_sizes[plane]))
 }

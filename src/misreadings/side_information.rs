@@ -1,27 +1,23 @@
 //! §2.9.8: mistakes with side information
 
-use super::at::At;
+use super::at::{At, Steps};
 use crate::decode::planes as rule;
 use crate::error::Result;
-use crate::parts::Coded;
+use crate::parts::{Coded, Record};
 use crate::ptm::Coding;
 use crate::reading::Reading;
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    // Time of the correction
-    (
-        "side-information-too-late",
-        At::Reconstruct(|coded, residuals, reading| {
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        // Time of the correction
+        "side-information-too-late" => At::Reconstruct(|coded, residuals, reading| {
             let mut done = reconstruct_uncorrected(coded, residuals, reading)?;
             for (i, plane) in done.iter_mut().enumerate() {
                 coded.correct(i, plane, reading)?;
             }
             Ok(done)
         }),
-    ),
-    (
-        "side-information-before-prediction",
-        At::Reconstruct(|coded, residuals, reading| {
+        "side-information-before-prediction" => At::Reconstruct(|coded, residuals, reading| {
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
                 coded.correct(i, &mut plane, reading)?;
@@ -30,10 +26,7 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             }
             Ok(done)
         }),
-    ),
-    (
-        "side-information-only-for-references",
-        At::Reconstruct(|coded, residuals, reading| {
+        "side-information-only-for-references" => At::Reconstruct(|coded, residuals, reading| {
             let mut corrected = coded.blank_planes();
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
@@ -44,152 +37,106 @@ pub(super) const CHANGES: &[(&str, At)] = &[
             }
             Ok(done)
         }),
-    ),
-    (
-        "side-information-ignored",
-        At::Reconstruct(reconstruct_uncorrected),
-    ),
-    (
-        "side-information-of-inverted-planes-ignored",
-        At::Reconstruct(|coded, residuals, reading| {
-            reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
-                let step = &coded.plan.steps[i];
-                step.reference.is_none() || !(step.inverted || step.moved)
+        "side-information-ignored" => At::Reconstruct(reconstruct_uncorrected),
+        "side-information-of-inverted-planes-ignored" => {
+            At::Reconstruct(|coded, residuals, reading| {
+                reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
+                    let step = &coded.plan.steps[i];
+                    step.reference.is_none() || !(step.inverted || step.moved)
+                })
             })
-        }),
-    ),
-    (
-        "side-information-of-colors-ignored",
-        At::Reconstruct(|coded, residuals, reading| {
+        }
+        "side-information-of-colors-ignored" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                 coded.plan.steps.len() == 18 || i < 6
             })
         }),
-    ),
-    (
-        "side-information-of-jpeg-ls-ignored",
-        At::SideInformation(|coded, plane| {
+        "side-information-of-jpeg-ls-ignored" => At::SideInformation(|coded, plane| {
             side_information_unless(coded.coding == Coding::JpegLs, coded, plane)
         }),
-    ),
-    (
-        "quality-100-is-lossless",
-        At::SideInformation(|coded, plane| {
+        "quality-100-is-lossless" => At::SideInformation(|coded, plane| {
             let lossless = coded.plan.parameter == 100 && coded.coding == Coding::Jpeg;
             side_information_unless(lossless, coded, plane)
         }),
-    ),
-    // Position
-    (
-        "side-last-texel-skipped",
-        At::Records(|block, at, texels| {
-            filter_records(block, at, texels, |(position, _), texels| {
-                (position as usize) < texels - 1
-            })
+        // Position
+        "side-last-texel-skipped" => At::Records(|block, at, texels| {
+            let records = rule::parse_records(block, at, texels)?;
+            Ok(records_inside(records.into_iter(), texels - 1))
         }),
-    ),
-    (
-        "side-last-texel-refused",
-        At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1)),
-    ),
-    (
-        "side-position-past-the-end-ignored",
-        At::Records(|block, _, texels| {
+        "side-last-texel-refused" => {
+            At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1))
+        }
+        "side-position-past-the-end-ignored" => At::Records(|block, _, texels| {
             let (whole, rest) = block.as_chunks::<5>();
             // A partial record is still refused.
             rule::parse_records(rest, 0, texels)?;
             Ok(records_inside(
-                whole
-                    .iter()
-                    .map(|&[p3, p2, p1, p0, value]| (u32::from_be_bytes([p3, p2, p1, p0]), value)),
+                whole.iter().map(|&record| big_endian(record)),
                 texels,
             ))
         }),
-    ),
-    // Value
-    (
-        "side-little-endian",
-        At::Records(|block, at, texels| {
+        // Value
+        "side-little-endian" => At::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p0, p1, p2, p3, value]| {
                 (u32::from_le_bytes([p0, p1, p2, p3]), value)
             })
         }),
-    ),
-    (
-        "side-words-swapped",
-        At::Records(|block, at, texels| {
+        "side-words-swapped" => At::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p1, p0, p3, p2, value]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
-    ),
-    (
-        "side-value-first",
-        At::Records(|block, at, texels| {
+        "side-value-first" => At::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[value, p3, p2, p1, p0]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
-    ),
-    (
-        "side-bytes-signed",
-        At::Records(|block, at, texels| {
+        "side-bytes-signed" => At::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p3, p2, p1, p0, value]| {
-                let signed = |byte: u8, shift: u32| (i64::from(byte.cast_signed()) << shift) as u32;
-                (
-                    signed(p3, 24)
-                        .wrapping_add(signed(p2, 16))
-                        .wrapping_add(signed(p1, 8))
-                        .wrapping_add(signed(p0, 0)),
-                    value,
-                )
+                let bytes = [p3, p2, p1, p0].map(|byte| i32::from(byte.cast_signed()));
+                let sum = bytes
+                    .into_iter()
+                    .fold(0, |sum: i32, byte| (sum << 8).wrapping_add(byte));
+                (sum.cast_unsigned(), value)
             })
         }),
-    ),
-    (
-        "side-cursor-by-one",
-        At::Records(|block, at, texels| {
+        "side-cursor-by-one" => At::Records(|block, at, texels| {
             rule::parse_records(block, at, texels)?;
-            let seen = block.windows(5).map(|record| {
-                (
-                    u32::from_be_bytes([record[0], record[1], record[2], record[3]]),
-                    record[4],
-                )
-            });
+            let seen = block
+                .windows(5)
+                .map(|bytes| bytes.try_into().expect("five bytes"));
+            Ok(records_inside(seen.map(big_endian), texels))
+        }),
+        "side-records-of-four-bytes" => At::Records(|block, _, texels| {
+            let (whole, _) = block.as_chunks::<4>();
+            let seen = whole
+                .iter()
+                .map(|&[p2, p1, p0, value]| big_endian([0, p2, p1, p0, value]));
             Ok(records_inside(seen, texels))
         }),
-    ),
-    (
-        "side-records-of-four-bytes",
-        At::Records(|block, _, texels| {
-            let (whole, _) = block.as_chunks::<4>();
-            Ok(records_inside(
-                whole
-                    .iter()
-                    .map(|&[p2, p1, p0, value]| (u32::from_be_bytes([0, p2, p1, p0]), value)),
-                texels,
-            ))
-        }),
-    ),
-    (
-        "side-partial-record-ignored",
-        At::Records(|block, at, texels| {
+        "side-partial-record-ignored" => At::Records(|block, at, texels| {
             rule::parse_records(&block[..block.len() / 5 * 5], at, texels)
         }),
-    ),
-    // Records
-    (
-        "side-values-exclusive-or",
-        At::Correct(|plane, records| update_texels(plane, records, |old, value| old ^ value)),
-    ),
-    (
-        "side-first-of-two-wins",
-        At::Correct(|plane, records| {
+        // Records
+        "side-values-exclusive-or" => At::Correct(|plane, records| {
+            for &(position, value) in records {
+                if let Some(texel) = plane.get_mut(position as usize) {
+                    *texel ^= value;
+                }
+            }
+        }),
+        "side-first-of-two-wins" => At::Correct(|plane, records| {
             let turned: Vec<_> = records.iter().rev().copied().collect();
             rule::overwrite_samples(plane, &turned);
         }),
-    ),
-];
+        _ => return None,
+    })
+};
+
+/// Parses a record.
+fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
+    (u32::from_be_bytes([p3, p2, p1, p0]), value)
+}
 
 /// Returns the side information of a plane, or nothing if it is skipped.
 fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
@@ -227,43 +174,19 @@ fn reconstruct_partly_corrected(
     Ok(done)
 }
 
-/// Returns the records of a legal block for which `keep` is true.
-fn filter_records(
-    block: &[u8],
-    at: usize,
-    texels: usize,
-    keep: fn((u32, u8), usize) -> bool,
-) -> Result<Vec<(u32, u8)>> {
-    Ok(rule::parse_records(block, at, texels)?
-        .into_iter()
-        .filter(|&record| keep(record, texels))
-        .collect())
-}
-
 /// Parses the records of a legal block with `read`. Ignores positions past the end.
 fn read_records_with(
     block: &[u8],
     at: usize,
     texels: usize,
-    read: fn(&[u8; 5]) -> (u32, u8),
-) -> Result<Vec<(u32, u8)>> {
+    read: fn(&[u8; 5]) -> Record,
+) -> Result<Vec<Record>> {
     rule::parse_records(block, at, texels)?;
-    Ok(records_inside(
-        block.as_chunks::<5>().0.iter().map(read),
-        texels,
-    ))
+    let records = block.as_chunks::<5>().0.iter().map(read);
+    Ok(records_inside(records, texels))
 }
 
-fn records_inside(records: impl Iterator<Item = (u32, u8)>, texels: usize) -> Vec<(u32, u8)> {
-    records
-        .filter(|&(position, _)| (position as usize) < texels)
-        .collect()
-}
-
-fn update_texels(plane: &mut [u8], records: &[(u32, u8)], change: fn(old: u8, value: u8) -> u8) {
-    for &(position, value) in records {
-        if let Some(texel) = plane.get_mut(position as usize) {
-            *texel = change(*texel, value);
-        }
-    }
+fn records_inside(records: impl Iterator<Item = Record>, texels: usize) -> Vec<Record> {
+    let is_inside = |&(position, _): &Record| (position as usize) < texels;
+    records.filter(is_inside).collect()
 }

@@ -1,138 +1,75 @@
 //! §2.9.2: mistakes with the choice and the effect of transforms
 
-use super::at::At;
+use super::at::{At, Steps};
 use crate::decode::{compressed, predict as rule};
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, Number, Plan, RawLists, Step};
 use crate::reading::Reading;
 
-pub(super) const CHANGES: &[(&str, At)] = &[
-    // 2.9.2: choice of the transform
-    (
-        "any-transform-refused",
-        At::Plan(|lists| plan_unless(lists, |transform| transform != 0)),
-    ),
-    (
-        "motion-refused",
-        At::Plan(|lists| plan_unless(lists, |transform| transform & 2 != 0)),
-    ),
-    (
-        "undefined-transforms-ignored",
-        At::Plan(|lists| {
+pub(super) const STEPS: Steps = |slug| {
+    Some(match slug {
+        // 2.9.2: choice of the transform
+        "any-transform-refused" => At::Plan(|lists| plan_unless(lists, |transform| transform != 0)),
+        "motion-refused" => At::Plan(|lists| plan_unless(lists, |transform| transform & 2 != 0)),
+        "undefined-transforms-ignored" => At::Plan(|lists| {
             let mut lists = lists.clone();
             for transform in &mut lists.transforms {
                 transform.value &= 3;
             }
             compressed::make_plan(&lists)
         }),
-    ),
-    // 2.9.2: effect of the transform
-    (
-        "inversion-turns-the-plane-round",
-        At::Invert(<[u8]>::reverse),
-    ),
-    (
-        "inversion-with-one-carry",
-        At::Reconstruct(|coded, residuals, reading| {
+        // 2.9.2: effect of the transform
+        "inversion-turns-the-plane-round" => At::Invert(<[u8]>::reverse),
+        "inversion-with-one-carry" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, _| {
                 let step = &coded.plan.steps[i];
                 match step.reference {
                     Some(reference) if step.inverted && !step.moved => {
-                        map_sample_pairs(plane, &done[reference], |value, reference| {
-                            let sum = i16::from(value) - i16::from(reference) - 129;
-                            clamp_to_byte(if sum < 0 { sum + 256 } else { sum })
-                        });
+                        for (value, &reference) in plane.iter_mut().zip(&done[reference]) {
+                            let sum = i16::from(*value) - i16::from(reference) - 129;
+                            let sum = if sum < 0 { sum + 256 } else { sum };
+                            *value = sum.clamp(0, 255) as u8;
+                        }
                     }
                     _ => coded.predict(i, plane, done, reading),
                 }
             })
         }),
-    ),
-    (
-        "inversion-of-the-residual",
-        At::Reconstruct(|coded, residuals, reading| {
+        "inversion-of-the-residual" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].inverted {
                     (reading.invert)(plane);
                 }
-                predict(
-                    coded,
-                    reading,
-                    plane,
-                    done,
-                    Step {
-                        inverted: false,
-                        ..steps[i]
-                    },
-                );
+                predict(coded, reading, plane, done, without_inversion(steps[i]));
             })
         }),
-    ),
-    (
-        "inversion-of-the-result",
-        At::Reconstruct(|coded, residuals, reading| {
+        "inversion-of-the-result" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
-                predict(
-                    coded,
-                    reading,
-                    plane,
-                    done,
-                    Step {
-                        inverted: false,
-                        ..steps[i]
-                    },
-                );
+                predict(coded, reading, plane, done, without_inversion(steps[i]));
                 if steps[i].reference.is_some() && steps[i].inverted {
                     (reading.invert)(plane);
                 }
             })
         }),
-    ),
-    (
-        "motion-of-the-residual",
-        At::Reconstruct(|coded, residuals, reading| {
+        "motion-of-the-residual" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].moved {
                     let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
-                predict(
-                    coded,
-                    reading,
-                    plane,
-                    done,
-                    Step {
-                        moved: false,
-                        ..steps[i]
-                    },
-                );
+                predict(coded, reading, plane, done, without_motion(steps[i]));
             })
         }),
-    ),
-    (
-        "motion-of-the-result",
-        At::Reconstruct(|coded, residuals, reading| {
+        "motion-of-the-result" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
-                predict(
-                    coded,
-                    reading,
-                    plane,
-                    done,
-                    Step {
-                        moved: false,
-                        ..steps[i]
-                    },
-                );
+                predict(coded, reading, plane, done, without_motion(steps[i]));
                 if steps[i].reference.is_some() && steps[i].moved {
                     let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
             })
         }),
-    ),
-    (
-        "transforms-of-intra-planes",
-        At::Reconstruct(|coded, residuals, reading| {
+        "transforms-of-intra-planes" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_none() && steps[i].inverted {
@@ -140,35 +77,20 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-    (
-        "reference-stays-inverted",
-        At::Reconstruct(|coded, residuals, reading| {
+        "reference-stays-inverted" => At::Reconstruct(|coded, residuals, reading| {
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
                 let step = coded.plan.steps[i];
                 if let (Some(reference), true) = (step.reference, step.inverted) {
                     (reading.invert)(&mut done[reference]);
                 }
-                predict(
-                    coded,
-                    reading,
-                    &mut plane,
-                    &done,
-                    Step {
-                        inverted: false,
-                        ..step
-                    },
-                );
+                predict(coded, reading, &mut plane, &done, without_inversion(step));
                 coded.correct(i, &mut plane, reading)?;
                 done[i] = plane;
             }
             Ok(done)
         }),
-    ),
-    (
-        "motion-leaves-planes-empty",
-        At::Reconstruct(|coded, residuals, reading| {
+        "motion-leaves-planes-empty" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_some() && steps[i].moved {
@@ -176,8 +98,9 @@ pub(super) const CHANGES: &[(&str, At)] = &[
                 }
             })
         }),
-    ),
-];
+        _ => return None,
+    })
+};
 
 /// Returns the plan of a decoder that refuses some transforms.
 fn plan_unless(lists: &RawLists, refuses: fn(i64) -> bool) -> Result<Plan> {
@@ -215,6 +138,16 @@ pub(super) fn reconstruct_with(
     Ok(done)
 }
 
+fn without_inversion(step: Step) -> Step {
+    let inverted = false;
+    Step { inverted, ..step }
+}
+
+fn without_motion(step: Step) -> Step {
+    let moved = false;
+    Step { moved, ..step }
+}
+
 /// Predicts a plane with the given step instead of the one in the plan.
 fn predict(coded: &Coded, reading: &Reading, plane: &mut [u8], done: &[Vec<u8>], step: Step) {
     if let Some(reference) = step.reference {
@@ -233,15 +166,4 @@ pub(super) fn map_samples(plane: &mut [u8], change: impl Fn(u8) -> u8) {
     for value in plane {
         *value = change(*value);
     }
-}
-
-pub(super) fn map_sample_pairs(plane: &mut [u8], predictor: &[u8], change: fn(u8, u8) -> u8) {
-    plane
-        .iter_mut()
-        .zip(predictor)
-        .for_each(|(value, &predicted)| *value = change(*value, predicted));
-}
-
-pub(super) fn clamp_to_byte(sum: i16) -> u8 {
-    sum.clamp(0, 255) as u8
 }

@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crate::protocol::forms;
-use crate::protocol::frame::{Answer, View};
+use crate::protocol::frame::Answer;
 use crate::runner::run::{Reply, Request};
 
 /// Maximum length of the first line of an answer, in bytes.
@@ -86,7 +86,8 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         "ok" if length > max_bytes => {
             Answer::Flooded(format!("{length} bytes exceed the limit of {max_bytes}"))
         }
-        "ok" => answer_from_bytes(&bytes, request.view, request.max_answer_bytes()),
+        "ok" => forms::read(&bytes, request.view, request.max_answer_bytes())
+            .map_or_else(Answer::ProtocolError, Answer::Decoded),
         "reject" => Answer::Rejected,
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
@@ -98,17 +99,8 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
     } else {
         message()
     };
-    Ok(Reply {
-        stderr,
-        ..Reply::from(answer)
-    })
-}
-
-fn answer_from_bytes(bytes: &[u8], view: &View, max_bytes: usize) -> Answer {
-    match forms::read(bytes, view, max_bytes) {
-        Ok(frame) => Answer::Decoded(frame),
-        Err(what) => Answer::ProtocolError(what),
-    }
+    let reply = Reply::from(answer);
+    Ok(Reply { stderr, ..reply })
 }
 
 /// Reads the word of an answer and the number of bytes that follow.

@@ -8,6 +8,7 @@
 //! the call is repeated. If the problem persists, the run stops, and [`Decoder::trouble`] returns the reason.
 
 use std::ffi::{OsStr, OsString};
+use std::fmt;
 use std::io;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
@@ -111,21 +112,6 @@ impl<T> Reply<T> {
         matches!(self.answer, Answer::Rejected)
             && self.exit.is_some_and(|exit| exit != EXIT_MALFORMED)
     }
-}
-
-/// A call of a decoder for any purpose.
-#[derive(Clone, Debug)]
-pub struct Invocation<'a> {
-    /// Argument before the file.
-    pub view: &'a str,
-    /// Name of the file.
-    pub file_name: &'a str,
-    /// Contents of the file.
-    pub file: &'a [u8],
-    /// Maximum number of bytes in an answer.
-    pub max_bytes: usize,
-    /// Factor for the timeout.
-    pub timeout_factor: u32,
 }
 
 /// Result of a call.
@@ -254,23 +240,20 @@ impl Decoder {
     #[must_use]
     pub fn ask(&self, request: &Request, scratch: &Scratch) -> Reply {
         let max_bytes = request.max_answer_bytes();
-        let result = self.invoke(
-            &Invocation {
-                view: &request.view.to_string(),
-                file_name: "case.ptm",
-                file: request.file,
-                max_bytes,
-                timeout_factor: request.timeout_factor,
-            },
-            scratch,
-        );
+        let result = self.invoke(request, "case.ptm", max_bytes, scratch);
         result.into_reply(|bytes| forms::read(bytes, request.view, max_bytes))
     }
 
-    /// Runs the decoder once and returns the result.
+    /// Runs the decoder once, with a file of this name and at most `max_bytes` bytes of output.
     #[must_use]
-    pub fn invoke(&self, invocation: &Invocation, scratch: &Scratch) -> CallResult {
-        self.retry(|| self.attempt(invocation, scratch))
+    pub(crate) fn invoke<V: fmt::Display>(
+        &self,
+        request: &Request<V>,
+        file_name: &str,
+        max_bytes: usize,
+        scratch: &Scratch,
+    ) -> CallResult {
+        self.retry(|| self.attempt(request, file_name, max_bytes, scratch))
     }
 
     /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
@@ -298,39 +281,37 @@ impl Decoder {
         }
     }
 
-    fn attempt(
+    fn attempt<V: fmt::Display>(
         &self,
-        invocation: &Invocation,
+        request: &Request<V>,
+        file_name: &str,
+        max_bytes: usize,
         scratch: &Scratch,
     ) -> Result<CallResult, CallFailure> {
         let mut workspace = scratch.workspace()?;
         // The name of the file must not reveal the expected result.
-        let input = workspace.write_input(invocation.file_name, invocation.file)?;
+        let input = workspace.write_input(file_name, request.file)?;
         let workplace = &workspace.workplace;
         let output_file = match &self.template {
             Some(template) => template.output_file(workplace)?,
             None => None,
         };
-        let words = self.command_words(invocation.view, &input, workplace);
-        let time = self.timeout.saturating_mul(invocation.timeout_factor);
-        let mut result = self.run_command(&words, invocation.max_bytes, time, workplace)?;
+        let view = request.view.to_string();
+        let words = match &self.template {
+            Some(template) => template.command_words(&view, &input, workplace),
+            None => self.command_with(&[OsStr::new(&view), input.as_os_str()]),
+        };
+        let time = self.timeout.saturating_mul(request.timeout_factor);
+        let mut result = self.run_command(&words, max_bytes, time, workplace)?;
         if let (Ok(stdout), Some(file)) = (&mut result.output, &output_file) {
             result.stdout = std::mem::take(stdout);
-            result.output = file.read(invocation.max_bytes)?;
+            result.output = file.read(max_bytes)?;
         }
         result.stderr = workspace.strip_directories(&result.stderr);
-        if !is_unchanged(&input, invocation.file)? {
+        if !is_unchanged(&input, request.file)? {
             result.output = Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()));
         }
         Ok(result)
-    }
-
-    /// Returns the command line of a call, including the program.
-    fn command_words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
-        match &self.template {
-            Some(template) => template.command_words(view, input, workplace),
-            None => self.command_with(&[OsStr::new(view), input.as_os_str()]),
-        }
     }
 
     /// Returns the command, followed by additional arguments.

@@ -11,6 +11,11 @@ use std::path::{Path, PathBuf};
 /// The reason why a program cannot be started, and a remedy.
 pub(crate) type Obstacle = (String, String);
 
+/// Returns an obstacle as an error.
+fn obstacle(says: String, next: impl Into<String>) -> Result<(), Obstacle> {
+    Err((says, next.into()))
+}
+
 /// Returns the message for `program`, which did not start because of `error`.
 pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> String {
     // The report contains the name of the program, but not its directory.
@@ -33,16 +38,13 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
     if here.is_dir() {
-        return Err((
-            format!("{text} is a directory"),
-            "name the program in it".to_owned(),
-        ));
+        return obstacle(format!("{text} is a directory"), "name the program in it");
     }
     if here.is_file() && here.extension().is_some_and(|suffix| suffix == "ptm") {
-        return Err((
+        return obstacle(
             format!("{text} is a PTM file, not a decoder"),
             format!("to check a file: ptm-conform lint {text}"),
-        ));
+        );
     }
     let Some(program) = (if is_path {
         Some(here.to_owned())
@@ -62,14 +64,16 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         return Err((says, next));
     };
     let Ok(about) = fs::metadata(&program) else {
-        let next = "check the path of the decoder".to_owned();
-        return Err((format!("{text}: no such file"), next));
+        return obstacle(
+            format!("{text}: no such file"),
+            "check the path of the decoder",
+        );
     };
     if !about.is_file() {
-        return Err((
+        return obstacle(
             format!("{text} is a device, a pipe or a socket, not a program"),
-            "name the decoder by a path such as ./my-decoder, after --".to_owned(),
-        ));
+            "name the decoder by a path such as ./my-decoder, after --",
+        );
     }
     let beginning = read_beginning(&program);
     if about.permissions().mode() & 0o111 == 0 {
@@ -143,10 +147,7 @@ const MACH_O_REMEDY: &str = "build it for this system; run a class with java";
 /// Checks the first bytes of a file, which determine how the system executes it.
 fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     if beginning.is_empty() {
-        return Err((
-            format!("{text} is empty"),
-            "write the decoder first".to_owned(),
-        ));
+        return obstacle(format!("{text} is empty"), "write the decoder first");
     }
     if let Some(line) = beginning.strip_prefix(b"#!") {
         return check_first_line(text, line);
@@ -178,22 +179,22 @@ fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     let end = line.iter().position(|&byte| byte == b'\n');
     let line = &line[..end.unwrap_or(line.len())];
     if line.ends_with(b"\r") {
-        return Err((
+        return obstacle(
             format!(
                 "the first line of {text} ends in CR LF, and the CR becomes part of the interpreter's name"
             ),
-            "save the script with LF line endings (dos2unix)".to_owned(),
-        ));
+            "save the script with LF line endings (dos2unix)",
+        );
     }
     let line = String::from_utf8_lossy(line);
     let interpreter = line.split_whitespace().next().unwrap_or_default();
     if !Path::new(interpreter).is_file() {
-        return Err((
+        return obstacle(
             format!(
                 "the first line of {text} names the interpreter {interpreter:?}, which does not exist"
             ),
-            "name one that exists, for example #!/usr/bin/env python3".to_owned(),
-        ));
+            "name one that exists, for example #!/usr/bin/env python3",
+        );
     }
     Ok(())
 }
@@ -211,11 +212,10 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     if ours {
         return Ok(());
     }
-    Err((
+    obstacle(
         format!("{text} is a program for another machine: {name}, {bits} bits"),
-        "build it for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder"
-            .to_owned(),
-    ))
+        "build it for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder",
+    )
 }
 
 /// Returns the name of an ELF machine, and true if this system can execute its programs.
@@ -232,38 +232,30 @@ fn machine_name(machine: u16) -> (String, bool) {
         (243, "riscv64"),
         (258, "loongarch64"),
     ];
-    let name = known
-        .iter()
-        .find(|&&(number, _)| number == machine)
-        .map(|&(_, name)| name);
+    let known = known.into_iter().find(|(number, _)| *number == machine);
+    let Some((_, name)) = known else {
+        return (format!("machine {machine}"), true);
+    };
     // 64-bit machines can also execute programs for their 32-bit predecessors. The system decides about unknown machines.
-    let runs = [("x86_64", "x86"), ("aarch64", "arm")]
-        .contains(&(std::env::consts::ARCH, name.unwrap_or_default()));
-    let ours = name.is_none_or(|name| name == std::env::consts::ARCH) || runs;
-    (
-        name.map_or_else(|| format!("machine {machine}"), str::to_owned),
-        ours,
-    )
+    let ours = std::env::consts::ARCH;
+    let runs = [("x86_64", "x86"), ("aarch64", "arm")].contains(&(ours, name));
+    (name.to_owned(), name == ours || runs)
 }
 
 /// Returns the interpreter for a script, based on its extension.
 fn interpreter_for(text: &str) -> Option<&'static str> {
-    let suffixes = [
-        (".py", "python3"),
-        (".js", "node"),
-        (".mjs", "node"),
-        (".rb", "ruby"),
-        (".pl", "perl"),
-        (".sh", "sh"),
-        (".lua", "lua"),
-        (".R", "Rscript"),
-        (".jl", "julia"),
-        (".php", "php"),
-    ];
-    suffixes
-        .iter()
-        .find(|(suffix, _)| text.ends_with(suffix))
-        .map(|&(_, interpreter)| interpreter)
+    Some(match text.rsplit_once('.')?.1 {
+        "py" => "python3",
+        "js" | "mjs" => "node",
+        "rb" => "ruby",
+        "pl" => "perl",
+        "sh" => "sh",
+        "lua" => "lua",
+        "R" => "Rscript",
+        "jl" => "julia",
+        "php" => "php",
+        _ => return None,
+    })
 }
 
 fn source_code_obstacle(text: &str, language: &str) -> Obstacle {
@@ -275,21 +267,18 @@ fn source_code_obstacle(text: &str, language: &str) -> Obstacle {
 
 /// Returns the language of a source file that must be compiled, based on its extension.
 fn source_language(text: &str) -> Option<&'static str> {
-    let languages = [
-        (".c", "C"),
-        (".cc", "C++"),
-        (".cpp", "C++"),
-        (".cxx", "C++"),
-        (".cs", "C#"),
-        (".go", "Go"),
-        (".java", "Java"),
-        (".kt", "Kotlin"),
-        (".rs", "Rust"),
-        (".swift", "Swift"),
-        (".ts", "TypeScript"),
-    ];
-    let named = languages.iter().find(|(suffix, _)| text.ends_with(suffix));
-    named.map(|&(_, language)| language)
+    Some(match text.rsplit_once('.')?.1 {
+        "c" => "C",
+        "cc" | "cpp" | "cxx" => "C++",
+        "cs" => "C#",
+        "go" => "Go",
+        "java" => "Java",
+        "kt" => "Kotlin",
+        "rs" => "Rust",
+        "swift" => "Swift",
+        "ts" => "TypeScript",
+        _ => return None,
+    })
 }
 
 pub(crate) fn is_script_name(text: &str) -> bool {

@@ -73,12 +73,11 @@ impl Template {
                 names.join("}, {")
             ));
         }
-        if template.pieces().any(|piece| {
-            matches!(
-                piece,
-                TemplatePiece::Lu | TemplatePiece::Lv | TemplatePiece::View
-            )
-        }) {
+        if template.has_view()
+            || template
+                .pieces()
+                .any(|piece| matches!(piece, TemplatePiece::Lu | TemplatePiece::Lv))
+        {
             return Err("a writer has no view and no light".to_owned());
         }
         Ok(template)

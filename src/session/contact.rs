@@ -110,11 +110,9 @@ impl<C: TestCase> Session<'_, C> {
         let first = self.first_files();
         // The first file that was not answered in serve mode.
         let trouble = first.iter().find_map(|First { case, view, reply }| {
-            let (id, says) = (
-                self.suite.cases[*case].id(),
-                serve_mode_failure(reply)?.says,
-            );
-            Some(Remark::failure(format!("{id} in {view}, {says}")))
+            let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
+            let says = format!("{} in {view}, {}", case.id(), failure.says);
+            Some(Remark::failure(says))
         });
         let mut remarks: Vec<Remark> = trouble.into_iter().collect();
         let mut contact = Contact {
@@ -207,8 +205,18 @@ impl<C: TestCase> Session<'_, C> {
             declared: plan.declared_kinds.clone(),
             ..Offer::default()
         };
+        let is_decoded = first.iter().any(First::is_decoded);
         for &view in C::VIEWS {
-            if is_offered(first, view) {
+            let mut in_view = first
+                .iter()
+                .filter(|first| C::view_name(&first.view) == view);
+            // A refusal offers nothing. If no view decodes any first file, every view that is not answered 69 is offered, so that the
+            // run can report the errors.
+            let is_offered = match is_decoded {
+                true => in_view.any(First::is_decoded),
+                false => !in_view.all(First::is_unsupported),
+            };
+            if is_offered {
                 offer.views.push(view);
             } else if answered(suite, first, view, None) {
                 remarks.push(Remark::failure(format!(
@@ -352,16 +360,6 @@ fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
         "" => why,
         stderr => format!("{why}\nits standard error begins:\n{stderr}"),
     })
-}
-
-/// Returns true if a first file was decoded in this view. A refusal offers nothing. But if no view decodes any first file,
-/// every view that is not answered 69 is offered, so that the run can report the errors.
-fn is_offered<C: TestCase>(first: &[First<C>], view: &str) -> bool {
-    let mut in_view = (first.iter()).filter(|first| C::view_name(&first.view) == view);
-    match first.iter().any(First::is_decoded) {
-        true => in_view.any(First::is_decoded),
-        false => !in_view.all(First::is_unsupported),
-    }
 }
 
 /// Returns true if a first file in this view, and of this kind if one is given, was answered with anything but 69.

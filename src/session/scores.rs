@@ -17,8 +17,7 @@ pub struct Scores {
 
 impl fmt::Display for Scores {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (correctness, breadth) = (self.correctness, self.breadth);
-        let robustness = self.robustness;
+        let [correctness, breadth, robustness] = [self.correctness, self.breadth, self.robustness];
         write!(
             f,
             "correctness {correctness}, breadth {breadth}, robustness {robustness}"
@@ -52,10 +51,10 @@ impl TryFrom<String> for Fraction {
     type Error = String;
 
     fn try_from(text: String) -> Result<Fraction, String> {
-        let parts = text.split_once('/');
-        let parts = parts.and_then(|(part, whole)| Some((part.parse().ok()?, whole.parse().ok()?)));
-        let (part, whole) =
-            parts.ok_or_else(|| format!("expected a fraction such as 3/4, found {text:?}"))?;
-        Ok(Fraction { part, whole })
+        let parts = text.split_once('/').and_then(|(part, whole)| {
+            let (part, whole) = (part.parse().ok()?, whole.parse().ok()?);
+            Some(Fraction { part, whole })
+        });
+        parts.ok_or_else(|| format!("expected a fraction such as 3/4, found {text:?}"))
     }
 }

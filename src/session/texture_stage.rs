@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::runner::run::{Decoder, Invocation, Reply, Request};
+use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::suite::texture::test_case::TextureView;
 
@@ -13,14 +13,7 @@ pub fn ask(
     request: &Request<'_, TextureView>,
     scratch: &Scratch,
 ) -> Reply<Value> {
-    let invocation = Invocation {
-        view: &request.view.to_string(),
-        file_name: "case.json",
-        file: request.file,
-        max_bytes: request.largest_frame,
-        timeout_factor: request.timeout_factor,
-    };
-    let result = decoder.invoke(&invocation, scratch);
+    let result = decoder.invoke(request, "case.json", request.largest_frame, scratch);
     result.into_reply(|bytes| match serde_json::from_slice::<Value>(bytes) {
         Ok(value) if value.is_object() => Ok(value),
         Ok(other) => Err(format!("expected a JSON object, found {other}")),

@@ -48,53 +48,53 @@ impl Phase {
         }
     }
 
-    /// Returns the behavior of the decoder, as a sentence without its subject.
-    fn effect(self) -> &'static str {
+    /// Returns the behavior of the decoder, as a sentence without its subject, and the advice for the user.
+    fn effect_and_fix(self) -> [&'static str; 2] {
         match self {
-            Phase::Size => "shows an image of another size",
-            Phase::Channels => {
-                "shows an image with another number of channels or another sample type"
-            }
-            Phase::Choice => "follows another reading of an open question than in its other images",
-            Phase::NoReading => "shows an image that is wrong in every reading of the file",
-            Phase::Rearranged => "shows the correct values in the wrong places",
-            Phase::Stream => {
-                "shows wrong values in planes that are neither predicted nor corrected"
-            }
-            Phase::Prediction => {
-                "shows wrong values in predicted planes; planes that are not predicted are correct"
-            }
-            Phase::Correction => "shows wrong values only at texels that side information corrects",
-            Phase::StoredValue => "shows wrong stored values",
-            Phase::FinalValue => "shows wrong final values",
-            Phase::Color => "shows wrong colors",
-        }
-    }
-
-    /// Returns the advice for the user.
-    fn fix(self) -> &'static str {
-        match self {
-            Phase::Size => "compare width and height with the header of the file",
-            Phase::Channels => {
-                "compare the number of channels and the sample type with the expected frame"
-            }
-            Phase::Choice => "use one reading of the question in all files",
-            Phase::NoReading => "show the image of one reading, or exit with 65",
-            Phase::Rearranged => "compare the order of rows, columns and blocks with the clause",
-            Phase::Stream => {
-                "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard"
-            }
-            Phase::Prediction => {
-                "compute the example's sample by hand from its residual and its reference"
-            }
-            Phase::Correction => "read the example's record by hand: bytes, position, value",
-            Phase::StoredValue => {
-                "compare the bytes that the example names with the values that the decoder reads there"
-            }
-            Phase::FinalValue => "compute the example by hand: stored value, scale, bias",
-            Phase::Color => {
-                "compute the example by hand: final values first, then the polynomial, then the color"
-            }
+            Phase::Size => [
+                "shows an image of another size",
+                "compare width and height with the header of the file",
+            ],
+            Phase::Channels => [
+                "shows an image with another number of channels or another sample type",
+                "compare the number of channels and the sample type with the expected frame",
+            ],
+            Phase::Choice => [
+                "follows another reading of an open question than in its other images",
+                "use one reading of the question in all files",
+            ],
+            Phase::NoReading => [
+                "shows an image that is wrong in every reading of the file",
+                "show the image of one reading, or exit with 65",
+            ],
+            Phase::Rearranged => [
+                "shows the correct values in the wrong places",
+                "compare the order of rows, columns and blocks with the clause",
+            ],
+            Phase::Stream => [
+                "shows wrong values in planes that are neither predicted nor corrected",
+                "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard",
+            ],
+            Phase::Prediction => [
+                "shows wrong values in predicted planes; planes that are not predicted are correct",
+                "compute the example's sample by hand from its residual and its reference",
+            ],
+            Phase::Correction => [
+                "shows wrong values only at texels that side information corrects",
+                "read the example's record by hand: bytes, position, value",
+            ],
+            Phase::StoredValue => [
+                "shows wrong stored values",
+                "compare the bytes that the example names with the values that the decoder reads there",
+            ],
+            Phase::FinalValue => [
+                "shows wrong final values",
+                "compute the example by hand: stored value, scale, bias",
+            ],
+            Phase::Color => [
+                "shows wrong colors",
+                "compute the example by hand: final values first, then the polynomial, then the color",
+            ],
         }
     }
 
@@ -322,14 +322,11 @@ fn difference_text(
         (Phase::FinalValue, _) if are_colors => Some("2.4/9"),
         _ => clause,
     };
-    let (effect, only, views) = (
-        step.effect(),
-        channel_text(&wrong),
-        views_phrase(witnesses, indices),
-    );
+    let [effect, fix] = step.effect_and_fix();
+    let (only, views) = (channel_text(&wrong), views_phrase(witnesses, indices));
     let words = CauseWords {
         effect: format!("{effect}{only}, in {}{views}", part.files),
-        fix: step.fix().to_owned(),
+        fix: fix.to_owned(),
         example: example_with_mistakes(search, set, smallest_file(witnesses, indices)),
     };
     let described = Diagnosis::from_description(Category::Difference, witnesses, indices, words);

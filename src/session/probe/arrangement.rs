@@ -43,17 +43,12 @@ pub(in crate::session) struct Arrangement {
 impl Arrangement {
     /// Returns all arrangements, the right one first.
     pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
-        let layouts = LAYOUTS.into_iter();
-        let orders = layouts.flat_map(|layout| ORDERS.map(|order| (layout, order)));
-        orders.flat_map(|(layout, order)| {
-            [(false, false), (false, true), (true, false), (true, true)].map(
-                |(upside_down, mirrored)| Arrangement {
-                    layout,
-                    order,
-                    upside_down,
-                    mirrored,
-                },
-            )
+        let count = LAYOUTS.len() * ORDERS.len() * 4;
+        (0..count).map(|i| Arrangement {
+            layout: LAYOUTS[i / 4 / ORDERS.len()],
+            order: ORDERS[i / 4 % ORDERS.len()],
+            upside_down: i & 2 != 0,
+            mirrored: i & 1 != 0,
         })
     }
 

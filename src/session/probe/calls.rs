@@ -59,12 +59,8 @@ impl Calls<'_> {
             timeout_factor: 1,
             needs_new_process: true,
         };
-        match template {
-            None => self.decoder.ask(&request, self.scratch),
-            Some(template) => {
-                (self.decoder.with_command_line(template)).ask(&request, self.scratch)
-            }
-        }
+        let other = template.map(|template| self.decoder.with_command_line(template));
+        (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }
 
     /// Returns a template with words around the command.

@@ -1,8 +1,10 @@
 //! Tests the strength of the suite: it must catch and distinguish all misreadings.
 
 use std::collections::{HashMap, HashSet};
+use std::fs;
+use std::path::Path;
 
-use ptm_conform::misreadings;
+use ptm_conform::misreadings::{self, At};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_conform::suite::cases::{Case, Suite};
@@ -38,6 +40,41 @@ byte-order-mark-skipped | its files are hand-assembled and have stored values on
 fn is_small(case: &Case) -> bool {
     case.recipe()
         .is_none_or(|recipe| recipe.size.width <= 4 && recipe.size.height <= 4)
+}
+
+/// Returns the slugs with a function in these files of `src/misreadings`.
+fn slugs_with_functions(files: &[&str]) -> Vec<String> {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/misreadings");
+    let text = |file: &&str| fs::read_to_string(directory.join(file)).expect("a source file");
+    let lines = files.iter().map(text).collect::<String>();
+    let arms = lines.lines().filter_map(|line| {
+        let (slug, _) = line.strip_prefix("        \"")?.split_once("\" =>")?;
+        Some(slug.to_owned())
+    });
+    arms.collect()
+}
+
+#[test]
+fn functions_are_in_the_order_of_the_catalog() {
+    let own = misreadings::all().filter(|one| !matches!(one.at, At::Edits(_)));
+    let slugs: Vec<&str> = own.map(|one| one.slug).collect();
+    let sections = [
+        "header.rs",
+        "buffers.rs",
+        "lookup.rs",
+        "luminance.rs",
+        "layout.rs",
+        "lists.rs",
+        "transforms.rs",
+        "motion.rs",
+        "prediction.rs",
+        "places.rs",
+        "side_information.rs",
+        "codecs.rs",
+    ];
+    assert_eq!(slugs_with_functions(&sections), slugs);
+    let texture: Vec<&str> = misreadings::texture::all().map(|one| one.slug).collect();
+    assert_eq!(slugs_with_functions(&["texture.rs"]), texture);
 }
 
 #[test]
