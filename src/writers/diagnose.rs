@@ -16,13 +16,12 @@ use crate::ptm::Format;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
 use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
 use crate::writers::seen::{MisreadFile, explains, is_right_under};
-use crate::writers::test_case::{WrittenFile, wrong_file};
+use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 
 /// Maximum size in bytes of a file that is searched.
 const MAX_FILE_BYTES: usize = 100_000;
@@ -167,14 +166,11 @@ fn mistake_pairs(
 }
 
 /// Describes the failures that no mistake of the catalog explains, grouped by the clause of the first difference.
-pub(super) fn describe_differences<C>(
-    suite: &Suite<C>,
-    run: &Run<C>,
+pub(super) fn describe_differences<V: RequestValues>(
+    suite: &Suite<FileCase<V>>,
+    run: &Run<FileCase<V>>,
     failing: &[usize],
-) -> Vec<WriterDiagnosis>
-where
-    C: TestCase<Output = WrittenFile, Difference = WriterFault>,
-{
+) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
     for &place in failing {
         if let Some((_, fault)) = wrong_file(run.observations[place].as_ref()) {
@@ -186,7 +182,7 @@ where
         .into_iter()
         .map(|(clause, faults)| {
             let (place, fault) = faults[0];
-            let example = format!("for example {}: {fault}", suite.cases[place].id());
+            let example = format!("for example {}: {fault}", suite.cases[place].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);
             Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
         })
