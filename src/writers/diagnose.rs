@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
+use crate::generate::Recipe;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
@@ -16,7 +17,6 @@ use crate::ptm::Format;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
@@ -49,8 +49,8 @@ type Exhibits = BTreeMap<usize, Exhibit>;
 /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 #[must_use]
 pub fn diagnose(
-    suite: &Suite<WriterCase>,
-    run: &Run<WriterCase>,
+    suite: &Suite<FileCase<Recipe>>,
+    run: &Run<FileCase<Recipe>>,
     threads: usize,
 ) -> Vec<WriterDiagnosis> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
@@ -80,7 +80,11 @@ pub fn diagnose(
 }
 
 /// Returns the exhibit for a request, or `None` if the file is too large or missing.
-fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Option<Exhibit> {
+fn exhibit(
+    suite: &Suite<FileCase<Recipe>>,
+    run: &Run<FileCase<Recipe>>,
+    place: usize,
+) -> Option<Exhibit> {
     let request = suite.cases[place].request();
     let right = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[place].as_ref());

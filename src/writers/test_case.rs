@@ -112,6 +112,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// Returns the files that the request refers to, directly or indirectly.
     fn attachments(built: &BuiltRequest<Self::Request>) -> Vec<Attachment>;
     /// Returns the values that a template can refer to, other than format and size.
+    #[must_use]
     fn template_values(_: &Self::Request) -> Vec<(&'static str, String)> {
         Vec::new()
     }
