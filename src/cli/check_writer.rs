@@ -19,9 +19,9 @@ use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::writers::asking::{self, VALUES, WritingCase};
+use ptm_conform::writers::asking::{self, VALUES};
 use ptm_conform::writers::fitting::pictures::ImageSet;
-use ptm_conform::writers::test_case::WriteView;
+use ptm_conform::writers::test_case::{FileCase, RequestValues, WriteView};
 
 /// Check a program that writes PTM files: name the clauses that it gets wrong.
 ///
@@ -88,23 +88,23 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
 }
 
 /// Runs the selected cases of a suite with the writer.
-fn check<C: WritingCase>(
+fn check<V: RequestValues>(
     args: &CheckWriterArgs,
-    suite: &Suite<C>,
+    suite: &Suite<FileCase<V>>,
     stop: &Arc<AtomicBool>,
 ) -> CommandResult {
     let is_named = id_filter(&args.cases)?;
-    let matches = |case: &C| {
-        is_named(case.id())
-            && (args.formats.is_empty() || args.formats.contains(&case.format()))
-            && (!args.smoke || case.is_smoke())
+    let matches = |case: &FileCase<V>| {
+        is_named(&case.id)
+            && (args.formats.is_empty() || args.formats.contains(&case.format))
+            && (!args.smoke || case.smoke)
     };
     let selected: Vec<bool> = suite.cases.iter().map(matches).collect();
     if !selected.contains(&true) {
         let says = "no request matches --case, --ptm-format and --smoke";
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
     }
-    let (writer, words) = args.writer(C::VERB, stop)?;
+    let (writer, words) = args.writer(V::VERB, stop)?;
     let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("a case of this suite");

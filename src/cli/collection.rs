@@ -38,13 +38,8 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, tagged with its origin.
-pub enum FileSource {
-    /// Path from the command line. It is read regardless of its type, even if it is a pipe.
-    CommandLine(PathBuf),
-    /// Path from a list.
-    Listed(PathBuf),
-}
+/// Path of a file or folder. True if it is from a list; a path from the command line is read even if it is a pipe.
+pub type NamedPath = (PathBuf, bool);
 
 /// Iterator over the entries of a folder.
 type Entries = Box<dyn Iterator<Item = io::Result<(OsString, FileType)>> + Send>;
@@ -54,7 +49,7 @@ type WalkStep = Result<WalkItem, PathBuf>;
 
 /// Returns the named files and the files in the named folders. Subfolders are included if `recursive` is true.
 pub fn walk(
-    mut named: impl Iterator<Item = FileSource> + Send,
+    mut named: impl Iterator<Item = NamedPath> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = WalkItem> + Send {
     let mut folders: Vec<(PathBuf, Entries)> = Vec::new();
@@ -83,9 +78,7 @@ pub fn walk(
 }
 
 /// Classifies a path from the command line or a list. Links are followed.
-fn classify_named_path(named: FileSource) -> WalkStep {
-    let is_listed = matches!(named, FileSource::Listed(_));
-    let (FileSource::CommandLine(path) | FileSource::Listed(path)) = named;
+fn classify_named_path((path, is_listed): NamedPath) -> WalkStep {
     match fs::metadata(&path) {
         Ok(data) if data.is_dir() => Err(path),
         // Opening a named pipe would block until its writer opens it.

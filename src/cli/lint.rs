@@ -10,7 +10,7 @@ use clap::Args;
 use indicatif::ProgressBar;
 
 use super::arguments::parse_size;
-use super::collection::{FileSource, MemoryPool, WalkItem, estimate_memory, paths, walk};
+use super::collection::{MemoryPool, NamedPath, WalkItem, estimate_memory, paths, walk};
 use super::files::with_path;
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, MachineFormatArgs};
@@ -184,12 +184,12 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
 }
 
 /// Returns all paths from the command line and the list.
-fn named_sources(args: &LintArgs) -> impl Iterator<Item = FileSource> + Send {
+fn named_sources(args: &LintArgs) -> impl Iterator<Item = NamedPath> + Send {
     let end = if args.null { 0 } else { b'\n' };
-    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = FileSource> + Send> {
+    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
         match is_list(path) {
-            true => Box::new(paths(BufReader::new(io::stdin()), end).map(FileSource::Listed)),
-            false => Box::new(std::iter::once(FileSource::CommandLine(path.clone()))),
+            true => Box::new(paths(BufReader::new(io::stdin()), end).map(|path| (path, true))),
+            false => Box::new(std::iter::once((path.clone(), false))),
         }
     };
     args.files.iter().flat_map(of_path)
@@ -208,7 +208,7 @@ fn progress(args: &LintArgs) -> ProgressBar {
     }
     let (files, recursive, counted) = (args.files.clone(), args.recursive, bar.clone());
     std::thread::spawn(move || {
-        let walk = walk(files.into_iter().map(FileSource::CommandLine), recursive);
+        let walk = walk(files.into_iter().map(|path| (path, false)), recursive);
         let files = walk.take_while(|_| !counted.is_finished()).count();
         counted.set_length(files as u64);
     });

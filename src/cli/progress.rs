@@ -59,6 +59,10 @@ pub fn format_duration(time: Duration) -> String {
     }
 }
 
+fn lock(activity: &Mutex<Activity>) -> MutexGuard<'_, Activity> {
+    (activity.lock()).expect("no thread panics while it holds the lock")
+}
+
 /// Displays the current activity of a run until it is dropped.
 pub struct ProgressLine {
     bar: ProgressBar,
@@ -89,10 +93,7 @@ impl ProgressLine {
             };
             let print_updates = move || {
                 while ended.recv_timeout(tick) == Err(RecvTimeoutError::Timeout) {
-                    let words = activity
-                        .lock()
-                        .expect("no thread panics while it holds the lock")
-                        .status_text();
+                    let words = lock(&activity).status_text();
                     match on_terminal {
                         true => bar.set_message(words),
                         false => print_error(&words),
@@ -108,15 +109,9 @@ impl ProgressLine {
         }
     }
 
-    fn activity(&self) -> MutexGuard<'_, Activity> {
-        self.activity
-            .lock()
-            .expect("no thread panics while it holds the lock")
-    }
-
     /// Starts a new activity.
     pub fn begin(&self, what: &'static str) {
-        let mut activity = self.activity();
+        let mut activity = lock(&self.activity);
         (activity.done, activity.all, activity.is_limit) = (Arc::default(), 0, false);
         (activity.what, activity.since) = (what, Instant::now());
         self.bar.set_message(what);
@@ -127,13 +122,13 @@ impl ProgressLine {
     /// Starts a new activity whose progress is `counter`, with at most `all` steps.
     pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
         self.begin(what);
-        let mut activity = self.activity();
+        let mut activity = lock(&self.activity);
         (activity.done, activity.all, activity.is_limit) = (Arc::clone(counter), all, true);
     }
 
     /// Reports that `done` of `all` items are finished. Concurrent calls may arrive out of order.
     pub fn update(&self, done: usize, all: usize) {
-        let mut activity = self.activity();
+        let mut activity = lock(&self.activity);
         let before = activity.done.fetch_max(done, Ordering::Relaxed);
         activity.all = all;
         self.bar.set_length(all as u64);
@@ -142,7 +137,7 @@ impl ProgressLine {
 
     /// Counts a wrong answer.
     pub fn count_wrong_answer(&self) {
-        self.activity().wrong += 1;
+        lock(&self.activity).wrong += 1;
     }
 
     /// Prints a message without disturbing the progress display.
@@ -169,18 +164,22 @@ mod tests {
 
     #[test]
     fn progress_line_contains_done_and_remaining_work() {
-        let asking = "asking 100 of 300, 7 wrong so far, about 4 min left";
-        let searching = "searching, 7 wrong so far, at most 60 s left";
         for (what, done, all, is_limit, expected) in [
-            ("asking", 100, 300, false, asking),
+            (
+                "asking",
+                100,
+                300,
+                false,
+                " 100 of 300, 7 wrong so far, about 4 min left",
+            ),
+            ("searching", 0, 0, false, ", 7 wrong so far, for 2 min"),
             (
                 "searching",
-                0,
-                0,
-                false,
-                "searching, 7 wrong so far, for 2 min",
+                100,
+                150,
+                true,
+                ", 7 wrong so far, at most 60 s left",
             ),
-            ("searching", 100, 150, true, searching),
         ] {
             let since = Instant::now().checked_sub(Duration::from_secs(120));
             let activity = Activity {
@@ -191,7 +190,7 @@ mod tests {
                 wrong: 7,
                 since: since.expect("it is later"),
             };
-            assert_eq!(activity.status_text(), expected);
+            assert_eq!(activity.status_text(), format!("{what}{expected}"));
         }
     }
 }

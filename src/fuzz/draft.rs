@@ -304,15 +304,6 @@ impl Draft {
         Ok(())
     }
 
-    /// Returns the same file without its damage.
-    #[must_use]
-    pub fn without_damage(&self) -> Draft {
-        Draft {
-            damage: None,
-            ..self.clone()
-        }
-    }
-
     /// Returns the case. A damaged file has two cases: its twin `ID-whole`, and itself.
     ///
     /// # Errors

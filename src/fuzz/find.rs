@@ -59,17 +59,12 @@ impl KnownDecoder<'_> {
 
     /// Returns the decoder's answer.
     pub(super) fn answer(&self, question: &DraftRequest) -> Answer {
+        let texels = (question.case.recipe()).map(|recipe| recipe.size.texels());
         let request = Request {
             name: &question.case.id,
             view: &question.view,
             file: &question.built.file,
-            largest_frame: question
-                .case
-                .recipe()
-                .map_or(0, |recipe| recipe.size.texels())
-                * 18
-                * 4
-                + question.built.file.len(),
+            largest_frame: 72 * texels.unwrap_or(0) + question.built.file.len(),
             timeout_factor: 1,
             needs_new_process: false,
         };
@@ -130,11 +125,8 @@ impl Explanation {
         let mut suspects: Vec<&'static Misreading> = misreadings::all()
             .filter(|suspect| explains(suspect, &question, observation, decoder))
             .collect();
-        for question in passed
-            .iter()
-            .take(MAX_WITNESSES)
-            .filter_map(|draft| decoder.question(draft))
-        {
+        let passed = passed.iter().take(MAX_WITNESSES);
+        for question in passed.filter_map(|draft| decoder.question(draft)) {
             if suspects.is_empty() {
                 break;
             }
@@ -142,16 +134,15 @@ impl Explanation {
                 decoder.is_right(&question, &decoder.answer_with(&[suspect], &question))
             });
         }
-        if suspects.is_empty() {
-            other
-        } else {
-            Explanation::Misreading(suspects)
+        match suspects.is_empty() {
+            true => other,
+            false => Explanation::Misreading(suspects),
         }
     }
 
-    /// Returns true if another failure has the same cause.
-    pub(super) fn is_cause_of(
-        &self,
+    /// Returns true if another failure has the same cause, and removes the suspects that do not explain that failure.
+    pub(super) fn explains_failure(
+        &mut self,
         draft: &Draft,
         observation: &Observation,
         decoder: &KnownDecoder,
@@ -162,24 +153,13 @@ impl Explanation {
                     && matches!(observation.response, Response::Image { .. })
             }
             Explanation::Misreading(suspects) => decoder.question(draft).is_some_and(|question| {
-                suspects
-                    .iter()
-                    .any(|suspect| explains(suspect, &question, observation, decoder))
+                let explains =
+                    |suspect: &&Misreading| explains(suspect, &question, observation, decoder);
+                let is_explained = suspects.iter().any(explains);
+                suspects.retain(|suspect| !is_explained || explains(suspect));
+                is_explained
             }),
             Explanation::Other(known) => *known == response_symptom(&observation.response),
-        }
-    }
-
-    /// Removes the suspects that do not explain this failure.
-    pub(super) fn drop_refuted_suspects(
-        &mut self,
-        draft: &Draft,
-        observation: &Observation,
-        decoder: &KnownDecoder,
-    ) {
-        if let (Explanation::Misreading(suspects), Some(question)) = (self, decoder.question(draft))
-        {
-            suspects.retain(|suspect| explains(suspect, &question, observation, decoder));
         }
     }
 
@@ -243,8 +223,6 @@ pub struct Find {
     pub cause: Explanation,
     /// The cause that the diagnosis finds, if the failure is not explained otherwise.
     pub diagnosis: Option<LikelyCause>,
-    /// Message of the verdict on the first failing file.
-    pub says: String,
     /// The original file.
     pub drawn: Draft,
     /// The minimized file.
@@ -263,7 +241,6 @@ impl Find {
     pub(super) fn new(
         draft: &Draft,
         mut cause: Explanation,
-        says: String,
         decoder: &KnownDecoder,
         stop: &AtomicBool,
     ) -> Find {
@@ -276,7 +253,6 @@ impl Find {
         Find {
             cause,
             diagnosis: None,
-            says,
             drawn: draft.clone(),
             view: question.map(|question| question.view),
             answer: answer.as_ref().map_or("", Answer::name).to_owned(),
@@ -358,9 +334,12 @@ pub(super) fn fails_for_same_reason(
     let answer = decoder.answer(&question);
     match (cause, &answer) {
         (Explanation::Misreading(_), answer) => made.is_some_and(|made| are_equal(&made, answer)),
-        (Explanation::Accepts(_), Answer::Decoded(_)) => decoder
-            .question(&draft.without_damage())
-            .is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_))),
+        (Explanation::Accepts(_), Answer::Decoded(_)) => {
+            let mut whole = draft.clone();
+            whole.damage = None;
+            let whole = decoder.question(&whole);
+            whole.is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_)))
+        }
         (Explanation::Accepts(_), _) => false,
         (Explanation::Other(known), answer) => {
             !decoder.is_right(&question, answer)

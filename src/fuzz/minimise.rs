@@ -38,7 +38,16 @@ const SPELLING: DraftPart = |draft| &mut draft.spelling;
 
 /// Returns all drafts that are one step simpler.
 fn steps(draft: &Draft) -> Vec<Draft> {
-    let mut all = sizes(draft);
+    let (width, height) = (draft.width, draft.height);
+    let sizes = smaller_sizes(Size { width, height }).into_iter();
+    // Records may be past the new end; such a file cannot be written and is skipped.
+    let mut all: Vec<Draft> = sizes
+        .map(|Size { width, height }| Draft {
+            width,
+            height,
+            ..draft.clone()
+        })
+        .collect();
     let mut add = |change: &dyn Fn(&mut Draft)| {
         let mut simpler = draft.clone();
         change(&mut simpler);
@@ -70,18 +79,6 @@ fn steps(draft: &Draft) -> Vec<Draft> {
         }
     }
     all
-}
-
-/// Returns narrower and lower drafts. Records may be past the new end; such a file cannot be written and is skipped.
-fn sizes(draft: &Draft) -> Vec<Draft> {
-    let (width, height) = (draft.width, draft.height);
-    let resized = |Size { width, height }| Draft {
-        width,
-        height,
-        ..draft.clone()
-    };
-    let sizes = smaller_sizes(Size { width, height }).into_iter();
-    sizes.map(resized).collect()
 }
 
 /// Returns numbers closer to zero, or lists with one word removed or simplified.

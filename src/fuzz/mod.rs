@@ -189,22 +189,17 @@ impl Batch {
             let Some(observation) = &run.observations[place] else {
                 continue;
             };
-            if let Some(known) = finds
-                .iter_mut()
-                .find(|find| find.cause.is_cause_of(draft, observation, decoder))
-            {
-                known
-                    .cause
-                    .drop_refuted_suspects(draft, observation, decoder);
+            let mut finds_so_far = finds.iter_mut();
+            let known = finds_so_far.find_map(|find| {
+                let is_same = find.cause.explains_failure(draft, observation, decoder);
+                is_same.then_some(find)
+            });
+            if let Some(known) = known {
                 known.seen += 1;
                 continue;
             }
-            let says = run.judgement.cases[place]
-                .as_ref()
-                .map(|judged| judged.says.clone())
-                .unwrap_or_default();
             let cause = Explanation::find(draft, observation, &passed, decoder);
-            let mut find = Find::new(draft, cause, says, decoder, &plan.stop);
+            let mut find = Find::new(draft, cause, decoder, &plan.stop);
             if let Explanation::Other(_) = find.cause {
                 find.diagnosis = self.diagnosis(run, &find.small, decoder, plan);
             }

@@ -66,21 +66,12 @@ impl Capabilities {
             ));
         }
         let mut remarks = Vec::new();
-        let views = record.views.map(|words| {
-            known_words(words, "view", &mut remarks, |word| {
-                ViewKind::from_name(word).map(ViewKind::name)
-            })
-        });
-        let formats = record.formats.map(|words| {
-            known_words(words, "format", &mut remarks, |word| {
-                word.parse::<Format>().ok()
-            })
-        });
-        let modes = record.modes.map(|words| {
-            known_words(words, "mode", &mut remarks, |word| {
-                ["one-shot", "serve"].into_iter().find(|&mode| mode == word)
-            })
-        });
+        let view = |word: &str| ViewKind::from_name(word).map(ViewKind::name);
+        let views = known_words(record.views, "view", &mut remarks, view);
+        let format = |word: &str| word.parse().ok();
+        let formats = known_words(record.formats, "format", &mut remarks, format);
+        let mode = |word: &str| ["one-shot", "serve"].into_iter().find(|&mode| mode == word);
+        let modes = known_words(record.modes, "mode", &mut remarks, mode);
         let reject_exit = record.reject_exit.and_then(|status| {
             let usable = i32::try_from(status)
                 .ok()
@@ -111,11 +102,11 @@ impl Capabilities {
 }
 
 fn known_words<T>(
-    words: Vec<String>,
+    words: Option<Vec<String>>,
     what: &str,
     remarks: &mut Vec<String>,
     know: impl Fn(&str) -> Option<T>,
-) -> Vec<T> {
+) -> Option<Vec<T>> {
     let one = |word: String| {
         let word = remove_unprintable(&word);
         let known = know(&word);
@@ -124,7 +115,7 @@ fn known_words<T>(
         }
         known
     };
-    words.into_iter().filter_map(one).collect()
+    Some(words?.into_iter().filter_map(one).collect())
 }
 
 #[cfg(test)]

@@ -13,12 +13,13 @@ use std::hash::{Hash, Hasher};
 use std::io::{self, Write};
 use std::str::FromStr;
 
+use data_encoding::HEXLOWER;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::decode::Stored;
 use crate::formula::{self, Edits};
-use crate::ptm::{Ptm, Size};
+use crate::ptm::Ptm;
 use crate::reading::Reading;
 
 /// Exit status of a decoder for a malformed file (`EX_DATAERR`).
@@ -281,18 +282,6 @@ impl Samples {
             Samples::F32(values) => 4 * values.len(),
         }
     }
-
-    /// Returns true if both have the same type and bits.
-    #[must_use]
-    pub fn bits_equal(&self, other: &Samples) -> bool {
-        match (self, other) {
-            (Samples::U8(a), Samples::U8(b)) => a == b,
-            (Samples::F32(a), Samples::F32(b)) => {
-                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
-            }
-            _ => false,
-        }
-    }
 }
 
 impl Hash for Samples {
@@ -315,7 +304,14 @@ impl Frame {
     /// Returns true if both frames are bitwise equal; a NaN equals only a NaN with the same bits.
     #[must_use]
     pub fn is_equivalent(&self, other: &Frame) -> bool {
-        self.shape() == other.shape() && self.samples.bits_equal(&other.samples)
+        self.shape() == other.shape()
+            && match (&self.samples, &other.samples) {
+                (Samples::U8(a), Samples::U8(b)) => a == b,
+                (Samples::F32(a), Samples::F32(b)) => {
+                    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+                }
+                _ => false,
+            }
     }
 
     /// Returns the view, the width, the height and the number of channels.
@@ -357,11 +353,7 @@ impl Frame {
     /// # Errors
     /// Errors of `out`.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let size = Size {
-            width: self.width,
-            height: self.height,
-        };
-        self.write_line(size, out)?;
+        self.write_line(self.height, out)?;
         self.write_samples(out)
     }
 
@@ -374,15 +366,11 @@ impl Frame {
         bytes
     }
 
-    /// Writes the PTM1 line of a frame of the given size.
-    fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
-        let Size { width, height } = size;
+    /// Writes the PTM1 line of a frame of the given height.
+    fn write_line(&self, height: u32, out: &mut impl Write) -> io::Result<()> {
+        let (view, width, channels) = (self.view, self.width, self.channels);
         let kind = self.samples.sample_type();
-        writeln!(
-            out,
-            "PTM1 {} {width} {height} {} {kind}",
-            self.view, self.channels
-        )
+        writeln!(out, "PTM1 {view} {width} {height} {channels} {kind}")
     }
 
     fn write_samples(&self, out: &mut impl Write) -> io::Result<()> {
@@ -415,7 +403,10 @@ impl Frame {
         let mut frame = Frame::parse_line(line)?;
         let samples = &bytes[end + 1..];
         let shape = [frame.width, frame.height, frame.channels];
-        let size = if frame.is_real() { 4 } else { 1 };
+        let size = match frame.samples {
+            Samples::U8(_) => 1,
+            Samples::F32(_) => 4,
+        };
         let needed = shape
             .into_iter()
             .try_fold(size, |product: usize, n| product.checked_mul(n as usize));
@@ -479,10 +470,6 @@ impl Frame {
             lossy: false,
         })
     }
-
-    fn is_real(&self) -> bool {
-        matches!(self.samples, Samples::F32(_))
-    }
 }
 
 /// Writes the frame of a map in `view` in pieces, so that the whole frame is never in memory.
@@ -493,7 +480,7 @@ pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Re
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::render(&piece, view);
         if i == 0 {
-            frame.write_line(map.header.size, out)?;
+            frame.write_line(map.header.size.height, out)?;
         }
         frame.write_samples(out)?;
     }
@@ -590,9 +577,7 @@ impl<T> Answer<T> {
             | Answer::NotAsked(what) => Some(what),
         }
     }
-}
 
-impl<T> Answer<T> {
     /// Returns true if both answers are of the same kind. All limits are one kind, because the machine decides which one is
     /// reached first.
     #[must_use]
@@ -625,11 +610,9 @@ const LOSSY_PREFIX: &str = "lossy ";
 /// Serializes a frame as hexadecimal text.
 impl Serialize for Frame {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let bytes = self.to_bytes();
         let mark = if self.lossy { LOSSY_PREFIX } else { "" };
-        let digits = bytes.iter().map(|byte| format!("{byte:02x}"));
-        let text: String = std::iter::once(mark.to_owned()).chain(digits).collect();
-        serializer.serialize_str(&text)
+        let digits = HEXLOWER.encode(&self.to_bytes());
+        serializer.serialize_str(&format!("{mark}{digits}"))
     }
 }
 
@@ -638,14 +621,8 @@ impl<'de> Deserialize<'de> for Frame {
         let text = String::deserialize(deserializer)?;
         let lossy = text.starts_with(LOSSY_PREFIX);
         let digits = text.trim_start_matches(LOSSY_PREFIX);
-        let (pairs, rest) = digits.as_bytes().as_chunks::<2>();
-        let byte = |pair: &[u8; 2]| {
-            let digits = std::str::from_utf8(pair).ok()?;
-            u8::from_str_radix(digits, 16).ok()
-        };
-        let bytes: Option<Vec<u8>> = pairs.iter().map(byte).collect();
-        let bytes = bytes.filter(|_| rest.is_empty());
-        let bytes = bytes.ok_or_else(|| D::Error::custom("a frame is not hexadecimal"))?;
+        let bytes = HEXLOWER.decode(digits.as_bytes());
+        let bytes = bytes.map_err(|_| D::Error::custom("a frame is not hexadecimal"))?;
         let frame = Frame::read(&bytes).map_err(D::Error::custom)?;
         Ok(Frame { lossy, ..frame })
     }

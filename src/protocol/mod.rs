@@ -1,11 +1,7 @@
 //! Requests to a decoder and its responses: views, frames, other output formats, capabilities.
 
 pub mod capabilities;
-
-pub mod frame;
-
-pub mod npy;
-
-pub mod picture;
-
 pub mod forms;
+pub mod frame;
+pub mod npy;
+pub mod picture;

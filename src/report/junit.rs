@@ -9,44 +9,27 @@ use crate::report::document::{CaseResult, Report};
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::section_of;
 
-/// XML element of a test that did not pass: its name, attributes and content.
-struct NotPassed {
-    element: &'static str,
-    message: String,
-    clauses: String,
-    text: String,
-}
-
-/// Class, name, status (`None` if the test passed) and standard error of a test.
-type Test<'a> = (String, String, Option<NotPassed>, &'a str);
+/// Test: its class, its name, the name and markup of its element (`None` if it passed), and its standard error.
+type Test<'a> = (String, String, Option<(&'static str, Markup)>, &'a str);
 
 /// Returns the problems of the whole run and all cases as tests. The class of a case is the section of its first clause.
 fn tests(report: &Report) -> Vec<Test<'_>> {
-    let whole_run = |element, name: String, message: &str, text: &str| -> Test<'_> {
-        let (message, text) = (message.to_owned(), text.to_owned());
-        let status = NotPassed {
-            element,
-            message,
-            clauses: String::new(),
-            text,
-        };
-        ("ptm-conform".to_owned(), name, Some(status), "")
-    };
-    let reason = report.reason.iter();
-    let mut tests: Vec<_> = reason
-        .map(|reason| whole_run("error", "first-files".into(), &report.verdict, reason))
-        .collect();
+    let mut tests = Vec::new();
+    let mut put = |name, element| tests.push(("ptm-conform".to_owned(), name, Some(element), ""));
+    if let Some(reason) = &report.reason {
+        let element = html! { error message=(report.verdict) { (reason) } };
+        put("first-files".to_owned(), ("error", element));
+    }
     let failures = report.remarks.iter().filter(|remark| remark.failure);
     for (number, remark) in (1..).zip(failures) {
-        let name = format!("whole-run-{number}");
-        tests.push(whole_run("failure", name, &remark.says, ""));
+        let element = html! { failure message=(remark.says) {} };
+        put(format!("whole-run-{number}"), ("failure", element));
     }
     tests.extend(report.cases.iter().map(|case| {
         // A dot would separate packages.
         let section = case.clauses.first().map_or("none", |id| section_of(id));
         let class = format!("ptm-conform.section-{}", section.replace('.', "_"));
-        let status = case_status(report, case);
-        (class, case.id.clone(), status, &*case.stderr)
+        (class, case.id.clone(), element(report, case), &*case.stderr)
     }));
     tests
 }
@@ -57,7 +40,7 @@ pub fn junit(report: &Report) -> String {
     let tests = tests(report);
     let [failures, errors, skipped] = ["failure", "error", "skipped"].map(|element| {
         let statuses = tests.iter().filter_map(|test| test.2.as_ref());
-        statuses.filter(|status| status.element == element).count()
+        statuses.filter(|status| status.0 == element).count()
     });
     let scores = [
         ("correctness", report.scores.correctness.to_string()),
@@ -72,10 +55,10 @@ pub fn junit(report: &Report) -> String {
                 properties {
                     @for (name, value) in &scores { property name=(name) value=(value) {} }
                 }
-                @for (class, name, not_passed, stderr) in &tests {
+                @for (class, name, element, stderr) in &tests {
                     "\n"
                     testcase classname=(class) name=(name) {
-                        @if let Some(status) = not_passed { (render_status(status)) }
+                        @if let Some((_, element)) = element { (element) }
                         @if !stderr.is_empty() { system-err { (stderr) } }
                     }
                 }
@@ -90,47 +73,30 @@ pub fn junit(report: &Report) -> String {
     )
 }
 
-/// Returns the status of a case, or `None` if the case passed.
-fn case_status(report: &Report, case: &CaseResult) -> Option<NotPassed> {
+/// Returns the name and the markup of the element for a case, or `None` if the case passed.
+fn element(report: &Report, case: &CaseResult) -> Option<(&'static str, Markup)> {
     let says = match case.says.as_str() {
         "" => case.outcome.name(),
         says => says,
     };
-    let (element, message) = match case.outcome {
-        _ if report.is_known(case) => ("skipped", format!("known failure: {says}")),
-        Outcome::Pass => return None,
-        Outcome::Fail => ("failure", says.to_owned()),
-        Outcome::NotRun => ("error", format!("not run: {says}")),
-        _ => ("skipped", says.to_owned()),
-    };
-    let cause = report.cause_of(case).filter(|_| element == "failure");
-    let text = cause.map_or_else(String::new, |cause| {
-        let subject = report.suite.subject();
-        let (effect, clause, fix) = (&cause.effect, &cause.clause, &cause.fix);
-        format!("The {subject} {effect} (clause {clause}). Fix: {fix}.")
-    });
-    Some(NotPassed {
-        element,
-        message,
-        clauses: case.clauses.join(", "),
-        text,
-    })
-}
-
-/// Renders the XML element of a status.
-fn render_status(
-    NotPassed {
-        element,
-        message,
-        clauses,
-        text,
-    }: &NotPassed,
-) -> Markup {
-    match *element {
-        "failure" => {
-            html! { failure message=(message) type=[(!clauses.is_empty()).then(|| format!("clause {clauses}"))] { (text) } }
+    Some(match case.outcome {
+        _ if report.is_known(case) => {
+            let element = html! { skipped message={ "known failure: " (says) } {} };
+            ("skipped", element)
         }
-        "error" => html! { error message=(message) { (text) } },
-        _ => html! { skipped message=(message) {} },
-    }
+        Outcome::Pass => return None,
+        Outcome::Fail => {
+            let (subject, cause) = (report.suite.subject(), report.cause_of(case));
+            let clauses = (!case.clauses.is_empty()).then(|| case.clauses.join(", "));
+            let kind = clauses.map(|clauses| format!("clause {clauses}"));
+            let element = html! {
+                failure message=(says) type=[kind] {
+                    @if let Some(cause) = cause { "The " (subject) " " (cause.effect) " (clause " (cause.clause) "). Fix: " (cause.fix) "." }
+                }
+            };
+            ("failure", element)
+        }
+        Outcome::NotRun => ("error", html! { error message={ "not run: " (says) } {} }),
+        _ => ("skipped", html! { skipped message=(says) {} }),
+    })
 }

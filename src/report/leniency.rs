@@ -32,17 +32,13 @@ pub struct Leniency {
 impl Leniency {
     /// Returns a summary such as `lut-huge: 1 refused, 4 other results`.
     pub(super) fn to_summary(&self) -> String {
-        let other = if self.other == 1 {
-            "other result"
-        } else {
-            "other results"
-        };
+        let plural = if self.other == 1 { "" } else { "s" };
         let mut counts = Vec::new();
         for (count, what) in [
             (self.decoded, "decoded"),
             (self.refused, "refused"),
             (self.unsupported, "unsupported"),
-            (self.other, other),
+            (self.other, &format!("other result{plural}")),
         ] {
             if count > 0 {
                 counts.push(format!("{count} {what}"));

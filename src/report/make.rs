@@ -1,5 +1,6 @@
 //! Conversion of a run and its diagnoses to a report.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use crate::diagnose::{Cause, Diagnosis};
@@ -35,7 +36,9 @@ impl Report {
             _ if matches!(C::SUITE, SuiteName::Writers | SuiteName::Fitters) => "not a writer",
             _ => "not a decoder",
         };
-        let words: Vec<String> = command.iter().map(|word| base_name(word)).collect();
+        let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
+        let words = command.iter().map(|word| name(word).to_string_lossy());
+        let words: Vec<_> = words.collect();
         let views = run.offer.views.iter();
         let remarks = run.remarks.iter().cloned();
         Report {
@@ -229,10 +232,4 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
 
 fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
     misreadings.iter().map(|of| of.slug.to_owned()).collect()
-}
-
-/// Returns the last path component of a command-line word.
-fn base_name(word: &str) -> String {
-    let name = Path::new(word).file_name().unwrap_or(word.as_ref());
-    name.to_string_lossy().into_owned()
 }

@@ -54,12 +54,8 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         .skip(MAX_EQUIVALENT_MISREADINGS)
         .count();
     if more > 0 {
-        let misreadings = if more == 1 {
-            "misreading"
-        } else {
-            "misreadings"
-        };
-        let before = format!("{more} other {misreadings} would look the same; see the report");
+        let plural = if more == 1 { "" } else { "s" };
+        let before = format!("{more} other misreading{plural} would look the same; see the report");
         details.push(detail(before, "", ""));
     }
     for (slug, _, effect) in find_misreadings(suite, &cause.with) {

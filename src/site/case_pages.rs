@@ -204,7 +204,7 @@ fn reader_results(paper: PageContext, case: &Case) -> Markup {
     html! {
         h2 { "Public readers" }
         ul.plain { @for run in &paper.library.runs {
-            @let outcome = run.outcome(&case.id);
+            @let outcome = run.outcome(&case.id).name();
             li { span.outcome data-outcome=(outcome) { (outcome) } " " (paper.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } }
         } }
     }

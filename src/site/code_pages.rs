@@ -76,9 +76,9 @@ fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup 
     let seen: Vec<_> = seen.collect();
     let runs = &paper.library.runs;
     let tally = |run: &ReaderRun| {
-        let mut tally: BTreeMap<String, usize> = BTreeMap::new();
+        let mut tally: BTreeMap<&str, usize> = BTreeMap::new();
         for case in cases {
-            *tally.entry(run.outcome(&case.id).to_owned()).or_default() += 1;
+            *tally.entry(run.outcome(&case.id).name()).or_default() += 1;
         }
         tally
     };

@@ -1,11 +1,12 @@
 //! Data from which the site is generated, and the URLs of the pages.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use serde::Deserialize;
 
 use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
-use super::texts::{TEXTS, Texts};
 use super::witness::{MisreadingWitness, witnesses};
 use crate::kit::yaml::from_yaml;
 use crate::misreadings::{self, Misreading};
@@ -149,4 +150,38 @@ impl Library {
     pub(super) fn clause(&self, id: &str) -> Option<&Clause> {
         self.clauses.iter().find(|clause| clause.id == id)
     }
+}
+
+/// YAML source of [`Texts`].
+const TEXTS: &str = include_str!("../../spec-cases/site/texts.yaml");
+
+/// Name or URL, and the associated text.
+type NamedText = (String, String);
+
+/// Descriptions by name.
+pub(super) type NamedTexts = BTreeMap<String, String>;
+
+/// Texts and tables of the site. See `spec-cases/site/texts.yaml` for descriptions of the fields.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Texts {
+    pub navigation: Vec<NamedText>,
+    pub glossary: NamedTexts,
+    pub topics: Vec<NamedText>,
+    pub steps: Vec<NamedText>,
+    pub counts: Vec<NamedText>,
+    pub drawings: Vec<Drawing>,
+    pub flow: Vec<(String, String, String)>,
+    pub expectations: NamedTexts,
+    pub ruling_kinds: NamedTexts,
+    pub severities: NamedTexts,
+}
+
+/// Diagram of a kind of file: its parts and the sections that describe them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Drawing {
+    pub name: String,
+    pub text: Vec<NamedText>,
+    pub bytes: Vec<NamedText>,
 }

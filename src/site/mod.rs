@@ -22,7 +22,6 @@ mod reader_pages;
 pub mod readers;
 mod ruling_pages;
 mod search;
-mod texts;
 mod texture_pages;
 mod witness;
 

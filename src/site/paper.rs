@@ -2,8 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::library::{Library, PROTOCOL};
-use super::texts::NamedTexts;
+use super::library::{Library, NamedTexts, PROTOCOL};
 
 /// File of the site.
 pub struct SiteFile {

@@ -5,27 +5,19 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{PageContext, SiteFile};
-use super::readers::{ReaderRun, ReaderTally};
+use super::readers::ReaderRun;
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
+use crate::report::html::ClauseTally;
 use crate::suite::clauses::Clause;
 
 /// Number of cases per outcome that are initially visible.
 const INITIALLY_VISIBLE_CASES: usize = 20;
 
 /// Counts the results of a run by clause.
-pub(super) fn tallies<'a>(
-    paper: PageContext<'a>,
-    run: &ReaderRun,
-) -> BTreeMap<&'a str, ReaderTally> {
-    let mut tallies: BTreeMap<&str, ReaderTally> = BTreeMap::new();
-    for case in &paper.library.suite.cases {
-        for clause in &case.clauses {
-            let tally = tallies.entry(clause).or_default();
-            tally.add(run.outcome(&case.id));
-        }
-    }
-    tallies
+fn tallies<'a>(paper: PageContext<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ClauseTally> {
+    let cases = paper.library.suite.cases.iter();
+    ClauseTally::count(cases.map(|case| (&case.clauses, run.outcome(&case.id))))
 }
 
 /// Renders the list of readers and the page of each reader.
@@ -161,7 +153,7 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
     let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
     let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
-        (0..runs.len()).any(|place| tally(place, &clause.id) != ReaderTally::default())
+        (0..runs.len()).any(|place| tally(place, &clause.id) != ClauseTally::default())
     };
     let differs = |clause: &Clause| {
         let mut states = (0..runs.len()).map(|place| tally(place, &clause.id).state());
@@ -175,7 +167,7 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
             span.tile data-state="pass" { "✓" } " all judged cases passed "
-            span.tile data-state="open" { "–" } " nothing judged: unsupported, inconclusive or not run"
+            span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run"
         }
         form.tools {
             label for="list-filter" { "Filter" }
@@ -193,20 +185,10 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
             tbody { @for clause in paper.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
                     th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
-                    @for place in 0..runs.len() { (cell(tally(place, &clause.id))) }
+                    @for place in 0..runs.len() { (tally(place, &clause.id).cell()) }
                 }
             } }
         } }
     };
     paper.page("scoreboard.html", "Scoreboard", "Scoreboard", &body)
-}
-
-fn cell(tally: ReaderTally) -> Markup {
-    let (state, mark) = tally.state();
-    let judged = tally.passed + tally.failed;
-    html! {
-        td.result data-state=(state) {
-            (mark) " " @if judged > 0 { (tally.passed) span { "/" (judged) } } @else if tally.open > 0 { span { (tally.open) " open" } }
-        }
-    }
 }

@@ -41,14 +41,13 @@ pub struct ReaderRun {
     pub outcomes: BTreeMap<String, Vec<String>>,
     /// Outcomes other than `pass`, by case id.
     #[serde(skip)]
-    by_case: BTreeMap<String, String>,
+    by_case: BTreeMap<String, Outcome>,
 }
 
 impl ReaderRun {
     /// Returns the outcome of a case.
-    pub(super) fn outcome(&self, id: &str) -> &str {
-        let listed = self.by_case.get(id);
-        listed.map_or(Outcome::Pass.name(), String::as_str)
+    pub(super) fn outcome(&self, id: &str) -> Outcome {
+        self.by_case.get(id).copied().unwrap_or(Outcome::Pass)
     }
 
     /// Formats the number of cases with each outcome.
@@ -87,50 +86,17 @@ const FILES: &[(&str, &str)] = embedded![
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     let read = |(name, text): &(&str, &str)| {
         let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
-        let known = |outcome: &String| Outcome::ALL.iter().any(|known| known.name() == outcome);
         for (outcome, cases) in &run.outcomes {
-            if !known(outcome) {
-                return Err(format!("{name}: unknown outcome {outcome:?}"));
-            }
-            let cases = cases.iter().map(|case| (case.clone(), outcome.clone()));
-            run.by_case.extend(cases);
+            let known = Outcome::ALL
+                .into_iter()
+                .find(|known| known.name() == outcome);
+            let known = known.ok_or_else(|| format!("{name}: unknown outcome {outcome:?}"))?;
+            run.by_case
+                .extend(cases.iter().map(|case| (case.clone(), known)));
         }
         Ok(run)
     };
     FILES.iter().map(read).collect()
-}
-
-/// Results of a reader for the cases of a clause.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct ReaderTally {
-    /// Number of cases that passed.
-    pub passed: usize,
-    /// Number of cases that failed.
-    pub failed: usize,
-    /// Number of cases without evidence: unsupported, inconclusive, not judged or not run.
-    pub open: usize,
-}
-
-impl ReaderTally {
-    pub(super) fn add(&mut self, outcome: &str) {
-        if outcome == Outcome::Pass.name() {
-            self.passed += 1;
-        } else if outcome == Outcome::Fail.name() {
-            self.failed += 1;
-        } else {
-            self.open += 1;
-        }
-    }
-
-    /// Returns the state of the clause as a word and a symbol.
-    pub(super) fn state(self) -> (&'static str, &'static str) {
-        match self {
-            ReaderTally { failed: 1.., .. } => ("fail", "✗"),
-            ReaderTally { passed: 1.., .. } => ("pass", "✓"),
-            ReaderTally { open: 1.., .. } => ("open", "–"),
-            ReaderTally { .. } => ("none", "·"),
-        }
-    }
 }
 
 /// Returns the public readers that make a mistake, with the examined versions, based on profiles and sightings.

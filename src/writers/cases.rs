@@ -4,37 +4,31 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::diagnose::Diagnosis;
 use crate::generate::plan::Residuals;
 use crate::generate::recipe::Indices;
 use crate::generate::{Model, Recipe};
 use crate::kit::yaml::records;
+use crate::misreadings::Misreading;
 use crate::ptm::{Coding, Format};
+use crate::runner::write::Attachment;
+use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite};
+use crate::suite::name::SuiteName;
 use crate::suite::recipes::MakeRecord;
 use crate::suite::words::Words;
+use crate::tools::join_texts;
+use crate::writers::diagnose::diagnose;
+use crate::writers::fault::WriterFault;
+use crate::writers::judge::judge;
 use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
+use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues};
 
 /// Embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
-/// Request to a writer, with the expected result.
-#[derive(Clone, Debug)]
-pub struct WriterCase {
-    /// Permanent slug.
-    pub id: String,
-    /// Clauses that the case tests.
-    pub clauses: Vec<String>,
-    /// Purpose of the case, in a sentence.
-    pub because: String,
-    /// Expected result: a file with the values, or a refusal.
-    pub expect: Expect,
-    /// True if the case is requested before all others.
-    pub first: bool,
-    /// True if the case is in the smoke subset.
-    pub smoke: bool,
-    /// Contents of the requested file.
-    recipe: Recipe,
-}
+/// Request to a writer. Its values are the contents of the requested file.
+pub type WriterCase = FileCase<Recipe>;
 
 /// Request as written in YAML. With `for_each`, it expands to one case for every combination of the listed words.
 #[derive(Debug, Deserialize)]
@@ -93,62 +87,110 @@ impl RequestRecord {
             because: words.fill(&self.because),
             expect: self.expect,
             first: self.first,
-            recipe,
+            format: recipe.format,
+            values: recipe,
         })
     }
 }
 
 impl WriterCase {
-    /// Returns the requested format.
-    #[must_use]
-    pub fn format(&self) -> Format {
-        self.recipe.format
-    }
-
-    /// Returns the number of distinct polynomials in the planes for formats with a table, or `None` for other formats.
-    #[must_use]
-    pub fn entries(&self) -> Option<u32> {
-        let has_table = self.recipe.format.has_table();
-        has_table.then_some(self.recipe.entries)
-    }
-
     /// Returns the request, with the placeholder `{planes}` as the path of the planes.
     #[must_use]
     pub fn request(&self) -> WriteRequest {
-        let recipe = &self.recipe;
-        let format = recipe.format;
-        let plan = &recipe.compression;
+        self.values.build(self.format).request
+    }
+}
+
+impl RequestValues for Recipe {
+    type Request = WriteRequest;
+
+    const SUITE: SuiteName = SuiteName::Writers;
+    const VERB: &'static str = "write";
+    const EXPECTED: &'static str = "a file";
+
+    fn suite() -> Result<Suite<WriterCase>, String> {
+        Suite::load_writer_requests()
+    }
+
+    fn entries(&self) -> Option<u32> {
+        self.format.has_table().then_some(self.entries)
+    }
+
+    fn build(&self, format: Format) -> BuiltRequest<WriteRequest> {
+        let plan = &self.compression;
         let predicts = format.coding().is_some() && plan.predicts();
-        WriteRequest {
-            header: RequestHeader {
-                format: format.name().to_owned(),
-                width: recipe.size.width,
-                height: recipe.size.height,
-                scale: recipe.scale.values,
-                bias: recipe.bias.values.map(|bias| bias as i64),
-                matrix: (format == Format::Lum).then_some(recipe.matrix.values),
-                quality: (format.coding() == Some(Coding::Jpeg)).then_some(plan.parameter),
-                near: (format.coding() == Some(Coding::JpegLs)).then_some(plan.parameter),
-                prediction: predicts.then(|| PredictionAdvice {
-                    references: plan.references.clone(),
-                    order: plan.order.clone(),
-                    transforms: plan.transforms.clone(),
-                    motion_x: plan.motion_x.clone(),
-                    motion_y: plan.motion_y.clone(),
-                }),
-                planes: "{planes}".to_owned(),
+        let header = RequestHeader {
+            format: format.name().to_owned(),
+            width: self.size.width,
+            height: self.size.height,
+            scale: self.scale.values,
+            bias: self.bias.values.map(|bias| bias as i64),
+            matrix: (format == Format::Lum).then_some(self.matrix.values),
+            quality: (format.coding() == Some(Coding::Jpeg)).then_some(plan.parameter),
+            near: (format.coding() == Some(Coding::JpegLs)).then_some(plan.parameter),
+            prediction: predicts.then(|| PredictionAdvice {
+                references: plan.references.clone(),
+                order: plan.order.clone(),
+                transforms: plan.transforms.clone(),
+                motion_x: plan.motion_x.clone(),
+                motion_y: plan.motion_y.clone(),
+            }),
+            planes: "{planes}".to_owned(),
+        };
+        let mut plain = self.clone();
+        if format.coding().is_some() {
+            plain.format = format.uncompressed();
+        }
+        BuiltRequest {
+            json: header.to_json(),
+            size: self.size,
+            request: WriteRequest {
+                header,
+                format,
+                samples: Model::paint(&plain).samples,
             },
-            format,
-            samples: self.samples(),
         }
     }
 
-    /// Returns the generated samples before compression.
-    fn samples(&self) -> Vec<u8> {
-        let mut plain = self.recipe.clone();
-        if plain.format.coding().is_some() {
-            plain.format = plain.format.uncompressed();
-        }
-        Model::paint(&plain).samples
+    fn attachments(built: &BuiltRequest<WriteRequest>) -> Vec<Attachment> {
+        vec![Attachment {
+            name: "planes".to_owned(),
+            file_name: "planes.npy".to_owned(),
+            bytes: built.request.to_npy(),
+        }]
+    }
+
+    fn template_values(request: &WriteRequest) -> Vec<(&'static str, String)> {
+        let header = &request.header;
+        let list = |numbers: &[f64]| join_texts(numbers, ",");
+        let matrix = header.matrix.map_or(String::new(), |matrix| list(&matrix));
+        let number = |number: Option<u8>| number.map_or(String::new(), |number| number.to_string());
+        vec![
+            ("scale", list(&header.scale)),
+            ("bias", join_texts(header.bias, ",")),
+            ("matrix", matrix),
+            ("quality", number(header.quality)),
+            ("near", number(header.near)),
+        ]
+    }
+
+    fn judge(request: &WriteRequest, _: Format, file: &[u8]) -> Result<(), WriterFault> {
+        judge(request, file)
+    }
+
+    fn to_bytes(built: &BuiltRequest<WriteRequest>) -> Vec<u8> {
+        [built.json.as_bytes(), &built.request.samples].concat()
+    }
+
+    fn describe(built: &BuiltRequest<WriteRequest>) -> (&'static str, String) {
+        ("The request", built.json.clone())
+    }
+
+    fn diagnose(
+        suite: &Suite<WriterCase>,
+        run: &Run<WriterCase>,
+        threads: usize,
+    ) -> Vec<Diagnosis<&'static Misreading>> {
+        diagnose(suite, run, threads)
     }
 }

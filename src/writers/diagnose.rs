@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
+use crate::generate::Recipe;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
@@ -16,13 +17,11 @@ use crate::ptm::Format;
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
-use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
 use crate::writers::seen::{MisreadFile, explains, is_right_under};
-use crate::writers::test_case::{WrittenFile, wrong_file};
+use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 
 /// Maximum size in bytes of a file that is searched.
 const MAX_FILE_BYTES: usize = 100_000;
@@ -50,8 +49,8 @@ type Exhibits = BTreeMap<usize, Exhibit>;
 /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 #[must_use]
 pub fn diagnose(
-    suite: &Suite<WriterCase>,
-    run: &Run<WriterCase>,
+    suite: &Suite<FileCase<Recipe>>,
+    run: &Run<FileCase<Recipe>>,
     threads: usize,
 ) -> Vec<WriterDiagnosis> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
@@ -81,7 +80,11 @@ pub fn diagnose(
 }
 
 /// Returns the exhibit for a request, or `None` if the file is too large or missing.
-fn exhibit(suite: &Suite<WriterCase>, run: &Run<WriterCase>, place: usize) -> Option<Exhibit> {
+fn exhibit(
+    suite: &Suite<FileCase<Recipe>>,
+    run: &Run<FileCase<Recipe>>,
+    place: usize,
+) -> Option<Exhibit> {
     let request = suite.cases[place].request();
     let right = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[place].as_ref());
@@ -167,14 +170,11 @@ fn mistake_pairs(
 }
 
 /// Describes the failures that no mistake of the catalog explains, grouped by the clause of the first difference.
-pub(super) fn describe_differences<C>(
-    suite: &Suite<C>,
-    run: &Run<C>,
+pub(super) fn describe_differences<V: RequestValues>(
+    suite: &Suite<FileCase<V>>,
+    run: &Run<FileCase<V>>,
     failing: &[usize],
-) -> Vec<WriterDiagnosis>
-where
-    C: TestCase<Output = WrittenFile, Difference = WriterFault>,
-{
+) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
     for &place in failing {
         if let Some((_, fault)) = wrong_file(run.observations[place].as_ref()) {
@@ -186,7 +186,7 @@ where
         .into_iter()
         .map(|(clause, faults)| {
             let (place, fault) = faults[0];
-            let example = format!("for example {}: {fault}", suite.cases[place].id());
+            let example = format!("for example {}: {fault}", suite.cases[place].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);
             Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
         })

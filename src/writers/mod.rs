@@ -24,8 +24,6 @@ mod lossy;
 #[cfg(unix)]
 pub mod probe;
 pub mod reference;
-#[cfg(unix)]
-mod reported;
 pub mod request;
 mod seen;
 #[cfg(unix)]

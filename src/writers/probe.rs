@@ -23,7 +23,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
         let reply = asking::ask(writer, case, 1, scratch);
-        let format = case.format().short_name();
+        let format = case.format.short_name();
         match &reply.answer {
             Answer::Decoded(file) => {
                 list.answers = true;
@@ -49,7 +49,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
 
 /// Adds a step to the checklist: the file is right, or has a fault with a likely cause.
 fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
-    let (request, format) = (case.request(), case.format().short_name());
+    let (request, format) = (case.request(), case.format.short_name());
     let fault = match judge(&request, &file.0) {
         Ok(()) => return list.add_good(format!("{format}: the file has the values")),
         Err(fault) => fault,

@@ -1,21 +1,31 @@
-//! Test case implementation for requests to writers. The answer to a request is a file.
+//! Test cases whose answer is a file: requests to writers and to fitters, with the parts that only reports need.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
 use data_encoding::BASE64;
+use maud::{Markup, html};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::decode::decode;
+use crate::diagnose::{Causes, Diagnosis};
+use crate::kit::digest::sha256;
+use crate::misreadings::Misreading;
+use crate::ptm::{Format, Size};
+use crate::report::html::{download, standard_error};
+use crate::report::reported::Reported;
+use crate::runner::write::Attachment;
 use crate::session::observation::{Observation, Response};
-use crate::suite::cases::{Expect, TableSpelling};
+use crate::session::run::Run;
+use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Right};
 use crate::suite::features::Feature;
+use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::writers::cases::WriterCase;
 use crate::writers::fault::WriterFault;
-use crate::writers::judge::judge;
-use crate::writers::request::WriteRequest;
+
+/// Maximum number of bytes of a wrong file that a page displays.
+const MAX_DISPLAYED_BYTES: usize = 512;
 
 /// The only view of a writer: `write`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,28 +41,6 @@ impl fmt::Display for WriteView {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenFile(pub Vec<u8>);
 
-impl WrittenFile {
-    /// Returns true if both files decode to the same values, or neither can be decoded.
-    pub(super) fn decodes_equally(&self, other: &WrittenFile) -> bool {
-        self == other || decode(&self.0).ok() == decode(&other.0).ok()
-    }
-}
-
-/// Returns the wrong file in an observation and its fault, if there is one.
-pub(super) fn wrong_file<C>(observation: Option<&Observation<C>>) -> Option<(&[u8], &WriterFault)>
-where
-    C: TestCase<Output = WrittenFile, Difference = WriterFault>,
-{
-    match &observation?.response {
-        Response::Image {
-            frame: Some(file),
-            difference: Some(fault),
-            ..
-        } => Some((&file.0, fault)),
-        _ => None,
-    }
-}
-
 impl Serialize for WrittenFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&BASE64.encode(&self.0))
@@ -67,20 +55,104 @@ impl<'de> Deserialize<'de> for WrittenFile {
     }
 }
 
-/// Request in the form in which it is sent.
-pub struct BuiltRequest {
-    /// Request with all values.
-    pub request: WriteRequest,
-    /// JSON of the request, with a placeholder as the path of the planes.
-    pub json: Vec<u8>,
+/// Request for a file, with the expected result.
+#[derive(Clone, Debug)]
+pub struct FileCase<V> {
+    /// Permanent slug.
+    pub id: String,
+    /// Clauses that the case tests.
+    pub clauses: Vec<String>,
+    /// Purpose of the case, in a sentence.
+    pub because: String,
+    /// Expected result: a file with the values, or a refusal.
+    pub expect: Expect,
+    /// True if the case is requested before all others.
+    pub first: bool,
+    /// True if the case is in the smoke subset.
+    pub smoke: bool,
+    /// Requested format.
+    pub format: Format,
+    /// Values of the request.
+    pub values: V,
 }
 
-impl TestCase for WriterCase {
+/// Request in the form in which it is sent.
+pub struct BuiltRequest<R> {
+    /// Request with all values.
+    pub request: R,
+    /// JSON of the request, with names in braces as placeholders for the paths of attachments.
+    pub json: String,
+    /// Size of the requested map.
+    pub size: Size,
+}
+
+/// Values from which a file is written: a map, or photographs.
+pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
+    /// Request with all values.
+    type Request;
+
+    /// Name of the suite.
+    const SUITE: SuiteName;
+    /// Verb on the command line of the program.
+    const VERB: &'static str;
+    /// Expected result, unless it is a refusal.
+    const EXPECTED: &'static str;
+
+    /// Returns the embedded suite.
+    ///
+    /// # Errors
+    /// Returns a message that names the line or the request with the error.
+    fn suite() -> Result<Suite<FileCase<Self>>, String>;
+    /// Returns the number of distinct polynomials in the planes for formats with a table, or `None` for other formats.
+    fn entries(&self) -> Option<u32> {
+        None
+    }
+    /// Creates the request for a file in the given format.
+    fn build(&self, format: Format) -> BuiltRequest<Self::Request>;
+    /// Returns the files that the request refers to, directly or indirectly.
+    fn attachments(built: &BuiltRequest<Self::Request>) -> Vec<Attachment>;
+    /// Returns the values that a template can refer to, other than format and size.
+    #[must_use]
+    fn template_values(_: &Self::Request) -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+    /// Judges a file in the given format.
+    ///
+    /// # Errors
+    /// Returns the fault of the file.
+    fn judge(request: &Self::Request, format: Format, file: &[u8]) -> Result<(), WriterFault>;
+    /// Returns all values as bytes, for the digest of the suite.
+    fn to_bytes(built: &BuiltRequest<Self::Request>) -> Vec<u8>;
+    /// Describes the request on a page: a caption and a text.
+    fn describe(built: &BuiltRequest<Self::Request>) -> (&'static str, String);
+    /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
+    fn diagnose(
+        suite: &Suite<FileCase<Self>>,
+        run: &Run<FileCase<Self>>,
+        threads: usize,
+    ) -> Vec<Diagnosis<&'static Misreading>>;
+}
+
+/// Returns the wrong file in an observation and its fault, if there is one.
+pub(super) fn wrong_file<V: RequestValues>(
+    observation: Option<&Observation<FileCase<V>>>,
+) -> Option<(&[u8], &WriterFault)> {
+    match &observation?.response {
+        Response::Image {
+            frame: Some(file),
+            difference: Some(fault),
+            ..
+        } => Some((&file.0, fault)),
+        _ => None,
+    }
+}
+
+impl<V: RequestValues> TestCase for FileCase<V> {
     type View = WriteView;
     type Output = WrittenFile;
     type Difference = WriterFault;
     type Feature = Feature;
-    type Built = BuiltRequest;
+    type Built = BuiltRequest<V::Request>;
     type Decisions = ();
 
     const VIEWS: &'static [&'static str] = &["write"];
@@ -121,43 +193,39 @@ impl TestCase for WriterCase {
     }
 
     fn kind(&self) -> Feature {
-        Feature::Format(self.format())
+        Feature::Format(self.format)
     }
 
     fn features(&self, _: &WriteView) -> BTreeSet<Feature> {
         let mut features = BTreeSet::from([self.kind()]);
-        if self.entries().is_some_and(|entries| entries > 256) {
+        if self.values.entries().is_some_and(|entries| entries > 256) {
             features.insert(Feature::LargeTables);
         }
         features
     }
 
-    fn make(&self, _: TableSpelling) -> BuiltRequest {
-        let request = self.request();
-        BuiltRequest {
-            json: request.header.to_json().into_bytes(),
-            request,
-        }
+    fn make(&self, _: TableSpelling) -> BuiltRequest<V::Request> {
+        self.values.build(self.format)
     }
 
-    fn file(built: &BuiltRequest) -> &[u8] {
-        &built.json
+    fn file(built: &BuiltRequest<V::Request>) -> &[u8] {
+        built.json.as_bytes()
     }
 
     /// Returns twice the size of the planes plus the maximum size of a header.
-    fn largest_answer(&self, built: &BuiltRequest) -> usize {
-        2 * built.request.samples.len() + 65_536
+    fn largest_answer(&self, built: &BuiltRequest<V::Request>) -> usize {
+        2 * built.size.texels() * self.format.channels() + 65_536
     }
 
     fn compare(
         &self,
-        built: &BuiltRequest,
+        built: &BuiltRequest<V::Request>,
         _: &WriteView,
         file: &WrittenFile,
-    ) -> Comparison<WriterCase> {
+    ) -> Comparison<FileCase<V>> {
         let difference = match self.expect {
             Expect::Refuse => Some(WriterFault::new(&self.clauses[0], self.fault())),
-            _ => judge(&built.request, &file.0).err(),
+            _ => V::judge(&built.request, self.format, &file.0).err(),
         };
         Comparison {
             right: Right::InAll(difference.is_none()),
@@ -166,20 +234,63 @@ impl TestCase for WriterCase {
         }
     }
 
+    /// Returns true if both files decode to the same values, or neither can be decoded.
     fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one.decodes_equally(other)
+        one == other || decode(&one.0).ok() == decode(&other.0).ok()
     }
 
     fn expected_text(&self) -> Option<String> {
-        (self.expect == Expect::Decode).then(|| "a file".to_owned())
+        (self.expect == Expect::Decode).then(|| V::EXPECTED.to_owned())
     }
 
     fn fault(&self) -> String {
-        match self.entries() {
+        match self.values.entries() {
             Some(entries) => {
                 format!("{entries} distinct polynomials are more than two bytes can index")
             }
             None => "no legal file has these values".to_owned(),
         }
+    }
+}
+
+impl<V: RequestValues> Reported for FileCase<V> {
+    const SUITE: SuiteName = V::SUITE;
+
+    type MisreadingPoint = &'static Misreading;
+
+    fn suite() -> Result<Suite<FileCase<V>>, String> {
+        V::suite()
+    }
+
+    fn digest(suite: &Suite<FileCase<V>>) -> String {
+        let digests = suite.cases.iter().map(|case| {
+            let built = case.values.build(case.format);
+            sha256(&V::to_bytes(&built))
+        });
+        sha256(digests.collect::<String>().as_bytes())
+    }
+
+    fn evidence(&self, _: TableSpelling, observation: &Observation<FileCase<V>>) -> Markup {
+        let file = wrong_file(Some(observation)).map(|(file, _)| file);
+        let (caption, text) = V::describe(&self.values.build(self.format));
+        html! {
+            p.label { (caption) }
+            pre.bytes tabindex="0" { (text) }
+            @if let Some(file) = file {
+                p.label { "The file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { ", its beginning" } }
+                pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+                (download(&format!("{}.ptm", self.id), file))
+            }
+            @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+        }
+    }
+
+    fn diagnose(
+        suite: &Suite<FileCase<V>>,
+        run: &Run<FileCase<V>>,
+        _: &[String],
+        threads: usize,
+    ) -> Causes<&'static Misreading> {
+        V::diagnose(suite, run, threads).into()
     }
 }

@@ -12,7 +12,7 @@ use crate::suite::name::SuiteName;
 
 /// Results of a run for one clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct ClauseTally {
+pub(crate) struct ClauseTally {
     /// Number of cases that passed.
     pub passed: usize,
     /// Number of cases that failed.
@@ -22,13 +22,15 @@ pub(super) struct ClauseTally {
 }
 
 impl ClauseTally {
-    /// Counts the results of `report` by clause.
-    pub(super) fn count(report: &Report) -> BTreeMap<&str, ClauseTally> {
+    /// Counts results, each with the clauses of its case, by clause.
+    pub(crate) fn count<'a>(
+        results: impl Iterator<Item = (&'a Vec<String>, Outcome)>,
+    ) -> BTreeMap<&'a str, ClauseTally> {
         let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
-        for case in &report.cases {
-            for clause in &case.clauses {
+        for (clauses, outcome) in results {
+            for clause in clauses {
                 let tally = tallies.entry(clause).or_default();
-                *match case.outcome {
+                *match outcome {
                     Outcome::Pass => &mut tally.passed,
                     Outcome::Fail => &mut tally.failed,
                     _ => &mut tally.open,
@@ -39,7 +41,7 @@ impl ClauseTally {
     }
 
     /// Returns the state of the clause as a word and a symbol.
-    pub(super) fn state(self) -> (&'static str, &'static str) {
+    pub(crate) fn state(self) -> (&'static str, &'static str) {
         match self {
             ClauseTally { failed: 1.., .. } => ("fail", "✗"),
             ClauseTally { passed: 1.., .. } => ("pass", "✓"),
@@ -47,6 +49,28 @@ impl ClauseTally {
             _ => ("none", "·"),
         }
     }
+
+    /// Renders the tally as a cell of a table.
+    pub(crate) fn cell(self) -> Markup {
+        let (state, mark) = self.state();
+        let judged = self.passed + self.failed;
+        html! {
+            td.result data-state=(state) {
+                (mark) " "
+                @if judged > 0 { (self.passed) span { "/" (judged) } } @else if self.open > 0 { span { (self.open) " open" } }
+            }
+        }
+    }
+}
+
+/// Counts the results of `report` by clause.
+pub(super) fn tallies(report: &Report) -> BTreeMap<&str, ClauseTally> {
+    ClauseTally::count(
+        report
+            .cases
+            .iter()
+            .map(|case| (&case.clauses, case.outcome)),
+    )
 }
 
 /// Groups clauses by section, in order.
@@ -63,7 +87,7 @@ pub(super) fn group_by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> 
 }
 
 pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
-    let tallies = ClauseTally::count(report);
+    let tallies = tallies(report);
     let is_misread = |id: &str| {
         let mut causes = report.diagnoses.iter();
         causes.any(|cause| cause.blames_clause() && cause.clause == id)

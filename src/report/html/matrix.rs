@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
-use crate::report::html::clause_map::{ClauseTally, group_by_section};
+use crate::report::html::clause_map::{group_by_section, tallies};
 use crate::report::html::shell::{linked, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
@@ -17,7 +17,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
     if reports.iter().any(|report| report.suite != suite) {
         return Err("these reports are from different suites".to_owned());
     }
-    let tallies: Vec<_> = reports.iter().map(ClauseTally::count).collect();
+    let tallies: Vec<_> = reports.iter().map(tallies).collect();
     let is_first = |report: &Report| report.tool.corpus == reports[0].tool.corpus;
     let body = html! {
         header.top {
@@ -56,7 +56,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                                 @if tallies.iter().any(|tallies| tallies.contains_key(clause.id.as_str())) {
                                     tr {
                                         th scope="row" { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
-                                        @for tallies in &tallies { (cell(tallies.get(clause.id.as_str()).copied().unwrap_or_default())) }
+                                        @for tallies in &tallies { (tallies.get(clause.id.as_str()).copied().unwrap_or_default().cell()) }
                                     }
                                 }
                             }
@@ -100,15 +100,4 @@ fn mistakes(causes: &[LikelyCause]) -> Markup {
 
 fn row(name: &str, reports: &[Report], of: impl Fn(&Report) -> Markup) -> Markup {
     html! { tr { th scope="row" { (name) } @for report in reports { td { (of(report)) } } } }
-}
-
-fn cell(tally: ClauseTally) -> Markup {
-    let (state, mark) = tally.state();
-    let judged = tally.passed + tally.failed;
-    html! {
-        td.result data-state=(state) {
-            (mark) " "
-            @if judged > 0 { (tally.passed) span { "/" (judged) } } @else if tally.open > 0 { span { (tally.open) " open" } }
-        }
-    }
 }

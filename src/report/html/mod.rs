@@ -16,6 +16,8 @@ mod scene;
 mod shell;
 
 #[cfg(feature = "cli")]
+pub(crate) use clause_map::ClauseTally;
+#[cfg(feature = "cli")]
 pub(crate) use evidence::{download, number, standard_error};
 pub use matrix::matrix;
 pub use page::page;

@@ -14,7 +14,6 @@ use crate::session::run::Run;
 use crate::session::scores::Fraction;
 use crate::suite::address::SITE;
 use crate::suite::cases::Suite;
-use crate::suite::name::SuiteName;
 
 /// Renders the page of a report. Images are included if `run` is available.
 ///
@@ -135,7 +134,7 @@ fn other_cases(report: &Report) -> Markup {
                             thead { tr { th scope="col" { "case" } th scope="col" { "view" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "remark" } } }
                             tbody {
                                 @for case in cases {
-                                    tr { td { (case_link(report.suite, &case.id)) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
+                                    tr { td { (linked(report.suite.case_page(&case.id), &html! { code { (case.id) } })) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
                                 }
                             }
                         }
@@ -144,11 +143,6 @@ fn other_cases(report: &Report) -> Markup {
             }
         }
     }
-}
-
-/// Renders the id of a case as a link to its page.
-fn case_link(suite: SuiteName, id: &str) -> Markup {
-    linked(suite.case_page(id), &html! { code { (id) } })
 }
 
 /// Renders the decoder's readings of open questions and the features that it decodes.

@@ -242,7 +242,7 @@ fn check_wraparound(findings: &mut Findings, streams: &Streams) {
 }
 
 /// Describes the texels of a plane that are within `max_deviation` of 0 or 255 and that no record corrects. Returns `None`
-/// if there are none. Returns `None` if there are none.
+/// if there are none.
 fn describe_wrapping_texels(
     samples: impl Iterator<Item = u8>,
     max_deviation: u8,

@@ -116,7 +116,7 @@ fn wrong_writers_are_named() {
 fn undetectable_mistakes_are_not_reported() {
     let mut requests = Requests::small();
     let cases = &mut requests.suite.cases;
-    cases.retain(|case| case.format() == Format::Lum);
+    cases.retain(|case| case.format == Format::Lum);
     let first = |edit: fn(&mut RequestHeader)| {
         let ask = |asked: &Request<'_, WriteView>, _: usize| {
             let mut request = requests.all[asked.name].0.clone();
