@@ -46,11 +46,13 @@ impl FileScope {
         }
     }
 
-    /// Returns the clause about the property if the property is a threshold of one quantity.
+    /// Returns the clause about the scope: that of the format or of the quantity.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
             FileScope::Beyond { what, .. } => Some(what.0),
-            _ => None,
+            FileScope::Formats(formats) if formats.len() == 1 => Some(formats[0].layout_clause()),
+            FileScope::Formats(_) => Some("2.2/1"),
+            FileScope::All | FileScope::Property(..) => None,
         }
     }
 

@@ -5,15 +5,19 @@ use std::ops::Range;
 use super::anatomy::EditedFile;
 use super::at::{At, Steps};
 use crate::decode::{decode, texels};
-use crate::ptm::{Coding, Format, Header, Ptm};
+use crate::ptm::{Coding, Format, Header, Ptm, Storage};
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         "payload-reversed" => At::Bytes(|file| {
             let mut payload = file.payload().to_vec();
             payload.reverse();
+            flip_rows_of_blocks(file.file, &mut payload);
             file.with_payload(&payload)
         }),
+        "format-ignored" => {
+            At::Bytes(|file| file.respell(&["2.2/1"], |_| Some("PTM_FORMAT_LRGB".to_owned())))
+        }
         "rgb-as-lrgb" => At::Bytes(|file| {
             file.respell(&["2.2/1"], |text| {
                 (text == "PTM_FORMAT_RGB").then(|| "PTM_FORMAT_LRGB".to_owned())
@@ -115,6 +119,23 @@ pub(super) const STEPS: Steps = |slug| {
         _ => return None,
     })
 };
+
+/// Flips the rows of each block of texels, for decoders that do not flip them.
+fn flip_rows_of_blocks(file: &[u8], payload: &mut [u8]) {
+    let Ok(ptm) = decode(file) else { return };
+    let (size, mut rest) = (ptm.header.size, payload);
+    if ptm.header.format.storage() != Storage::Texels {
+        return;
+    }
+    for block in texels::blocks(ptm.header.format) {
+        let length = (size.texels() * block.channels).min(rest.len());
+        let (rows, after) = rest.split_at_mut(length);
+        let flipped = rows.chunks(size.width as usize * block.channels).rev();
+        let flipped: Vec<u8> = flipped.flatten().copied().collect();
+        rows.copy_from_slice(&flipped);
+        rest = after;
+    }
+}
 
 /// Returns the index of the stored row if the top row is stored first in files with these codings.
 pub(super) fn stored_row_if_top_down(codings: &[Coding], header: &Header, row: usize) -> usize {

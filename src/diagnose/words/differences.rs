@@ -13,7 +13,7 @@ use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, ViewKind};
-use crate::ptm::{Format, channel_name};
+use crate::ptm::{Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, format_distinct};
@@ -406,16 +406,55 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     if is_rearranged(&pair) {
         return Phase::Rearranged;
     }
-    let plain = Phase::for_view(pair.view);
+    let plain = match has_other_stored_values(&pair, witness) {
+        true => Phase::StoredValue,
+        false => Phase::for_view(pair.view),
+    };
     if plain == Phase::Color || witness.case.format().coding().is_none() {
         return plain;
     }
     match first_difference_of_planes(&pair, witness) {
         step @ (Phase::Prediction | Phase::Correction) => step,
-        step if pair.view == ViewKind::Raw => step,
+        step if pair.view == ViewKind::Raw || plain == Phase::StoredValue => step,
         // A later step may explain the wrong samples of a stream.
         _ => plain,
     }
+}
+
+/// Returns true if wrong final values are those of other stored values: each belongs to a byte, and in some channel the order of
+/// these bytes is neither that of the stored values nor the reverse, so no mistake with scale and bias explains them.
+fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
+    let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
+        return false;
+    };
+    let ScaleBias { scale, bias } = ptm.header.scale_bias;
+    let polynomials = if pair.channels == 18 { 18 } else { 6 };
+    let stored = |values: &[f64], channel: usize| -> Vec<f64> {
+        let values = values.iter().skip(channel).step_by(pair.channels);
+        let raw = |value: &f64| match channel < polynomials {
+            true => value / scale[channel % 6] + bias[channel % 6],
+            false => *value,
+        };
+        values.map(raw).collect()
+    };
+    let is_byte =
+        |value: &f64| (-1e-3..255.5).contains(value) && (value - value.round()).abs() < 1e-3;
+    let mut is_reordered = false;
+    for channel in 0..pair.channels {
+        let [expected, received] = [&pair.expected, &pair.received].map(|one| stored(one, channel));
+        if !received.iter().all(is_byte) {
+            return false;
+        }
+        let pairs = expected.iter().zip(&received);
+        let mut pairs: Vec<(i64, i64)> = pairs
+            .map(|(a, b)| (a.round() as i64, b.round() as i64))
+            .collect();
+        pairs.sort_unstable();
+        let rises = pairs.windows(2).any(|two| two[1].1 > two[0].1);
+        let falls = pairs.windows(2).any(|two| two[1].1 < two[0].1);
+        is_reordered |= rises && falls;
+    }
+    is_reordered
 }
 
 /// Returns true if an image has the correct values in the wrong order.
