@@ -92,8 +92,8 @@ impl<'a> File<'a> {
     }
 }
 
-/// Text that completes "files …", and true if the file has the property.
-pub(super) type Property = (&'static str, bool);
+/// The clause about a property, text that completes "files …", and true if the file has the property.
+pub(super) type Property = (&'static str, &'static str, bool);
 
 /// Number of properties of the requested view, which are the first ones.
 pub(super) const VIEW_PROPERTIES: usize = 3;
@@ -102,12 +102,28 @@ fn view_properties(f: &File) -> [Property; 6] {
     let under = |holds: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| holds(u, v));
     let outside = under(|u, v| u * u + v * v > 1.0);
     [
-        ("if stored values are requested", *f.view == View::Raw),
-        ("if final values are requested", *f.view == View::Coef),
-        ("if colors are requested", f.light.is_some()),
-        ("under a light whose u is negative", under(|u, _| u < 0.0)),
-        ("under a light whose v is negative", under(|_, v| v < 0.0)),
-        ("under a light outside the unit circle", outside),
+        (
+            "2.7/1",
+            "if stored values are requested",
+            *f.view == View::Raw,
+        ),
+        (
+            "2.4/8",
+            "if final values are requested",
+            *f.view == View::Coef,
+        ),
+        ("1.0/1", "if colors are requested", f.light.is_some()),
+        (
+            "1.0/2",
+            "under a light whose u is negative",
+            under(|u, _| u < 0.0),
+        ),
+        (
+            "1.0/2",
+            "under a light whose v is negative",
+            under(|_, v| v < 0.0),
+        ),
+        ("1.0/2", "under a light outside the unit circle", outside),
     ]
 }
 
@@ -115,12 +131,16 @@ fn format_properties(f: &File) -> [Property; 6] {
     let coding = f.format.coding();
     let is_large = f.entries().is_some_and(|entries| entries > 256);
     [
-        ("with compressed planes", coding.is_some()),
-        ("without compressed planes", coding.is_none()),
-        ("with JPEG planes", coding == Some(Coding::Jpeg)),
-        ("with JPEG-LS planes", coding == Some(Coding::JpegLs)),
-        ("with a lookup table", f.format.has_table()),
-        ("with a table of more than 256 entries", is_large),
+        ("2.9/1", "with compressed planes", coding.is_some()),
+        ("2.7/1", "without compressed planes", coding.is_none()),
+        ("2.9.8/3", "with JPEG planes", coding == Some(Coding::Jpeg)),
+        (
+            "2.9.8/3",
+            "with JPEG-LS planes",
+            coding == Some(Coding::JpegLs),
+        ),
+        ("2.5/1", "with a lookup table", f.format.has_table()),
+        ("2.8.1/3", "with a table of more than 256 entries", is_large),
     ]
 }
 
@@ -137,21 +157,58 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     let has_lists = f.format.coding().is_some();
     let has_other_lists = has_lists && spelling.is_some_and(|s| s.lists != Lists::default());
     [
-        ("with width and height on one line", size == Some(false)),
-        ("with width and height on two lines", size == Some(true)),
-        ("with scales and biases on one line", numbers == Some(false)),
-        ("with scales and biases on two lines", numbers == Some(true)),
-        ("with several spaces between two numbers", has_gap),
-        ("with a space before a line feed", !spaces.is_empty()),
-        ("with a space after the version", after(Line::Version)),
-        ("with a space after the format", after(Line::Format)),
-        ("with a space after the width", after(Line::Width)),
-        ("with a space after the height", after(Line::Height)),
-        ("with a space after the scales", after(Line::Scale)),
-        ("with a space after the biases", after(Line::Bias)),
-        ("with the matrix on several lines", is_split),
-        ("with an entry count that is a bare number", is_bare),
         (
+            "2.3/1",
+            "with width and height on one line",
+            size == Some(false),
+        ),
+        (
+            "2.3/2",
+            "with width and height on two lines",
+            size == Some(true),
+        ),
+        (
+            "2.4/6",
+            "with scales and biases on one line",
+            numbers == Some(false),
+        ),
+        (
+            "2.4/6",
+            "with scales and biases on two lines",
+            numbers == Some(true),
+        ),
+        ("2.4/5", "with several spaces between two numbers", has_gap),
+        (
+            "2.0/2",
+            "with a space before a line feed",
+            !spaces.is_empty(),
+        ),
+        (
+            "2.0/2",
+            "with a space after the version",
+            after(Line::Version),
+        ),
+        (
+            "2.0/2",
+            "with a space after the format",
+            after(Line::Format),
+        ),
+        ("2.0/2", "with a space after the width", after(Line::Width)),
+        (
+            "2.0/2",
+            "with a space after the height",
+            after(Line::Height),
+        ),
+        ("2.4/7", "with a space after the scales", after(Line::Scale)),
+        ("2.4/7", "with a space after the biases", after(Line::Bias)),
+        ("2.6/2", "with the matrix on several lines", is_split),
+        (
+            "2.5/2",
+            "with an entry count that is a bare number",
+            is_bare,
+        ),
+        (
+            "2.9/2",
             "with the numbers of a list on several lines or of several lists on one",
             has_other_lists,
         ),
@@ -171,22 +228,37 @@ fn data_properties(f: &File) -> [Property; 10] {
     let (width, height) = f.size.unwrap_or_default();
     let is_ragged = width % 4 != 0 && height > 1;
     [
-        ("with a negative bias", is_negative(biases)),
-        ("with a negative scale", is_negative(scales)),
-        ("with a number in scientific notation", is_scientific),
-        ("with a number that starts with a plus sign", has_plus),
+        ("2.4/4", "with a negative bias", is_negative(biases)),
+        ("2.4/3", "with a negative scale", is_negative(scales)),
         (
+            "2.4/3",
+            "with a number in scientific notation",
+            is_scientific,
+        ),
+        (
+            "2.4/3",
+            "with a number that starts with a plus sign",
+            has_plus,
+        ),
+        (
+            "2.4/3",
             "with a number that starts or ends with its decimal point",
             has_end_point,
         ),
-        ("with white space at the start of the binary data", is_space),
         (
+            "2.0/2",
+            "with whitespace at the start of the binary data",
+            is_space,
+        ),
+        (
+            "2.0/2",
             "with a line feed at the start of the binary data",
             is_line_feed,
         ),
-        ("of odd width", width % 2 == 1),
-        ("of odd height", height % 2 == 1),
+        ("2.3/1", "of odd width", width % 2 == 1),
+        ("2.3/1", "of odd height", height % 2 == 1),
         (
+            "2.7/2",
             "of several rows with a width that is not a multiple of 4",
             is_ragged,
         ),
@@ -211,19 +283,51 @@ fn prediction_properties(f: &File) -> [Property; 13] {
     let of_intra = corrected().any(|plane| reference(plane).is_none());
     let of_predicted = corrected().any(|plane| reference(plane).is_some());
     [
-        ("with predicted planes", has(Compression::predicts)),
-        ("with a transform other than 0", is_transformed),
-        ("with inverted references", has(Compression::inverts)),
-        ("with displaced references", has(Compression::moves)),
-        ("with references that are inverted and displaced", is_both),
-        ("with motion vectors of half texels", is_half),
-        ("with negative motion vectors", is_negative),
-        ("with an order other than 0, 1, 2, …", is_reordered),
-        ("with a plane predicted from a later one", is_later),
-        ("with a plane predicted from a predicted one", is_chained),
-        ("with side information", is_corrected),
-        ("with side information of intra planes", of_intra),
-        ("with side information of predicted planes", of_predicted),
+        (
+            "2.9.5/4",
+            "with predicted planes",
+            has(Compression::predicts),
+        ),
+        ("2.9.2/1", "with a transform other than 0", is_transformed),
+        (
+            "2.9.2/3",
+            "with inverted references",
+            has(Compression::inverts),
+        ),
+        (
+            "2.9.2/4",
+            "with displaced references",
+            has(Compression::moves),
+        ),
+        (
+            "2.9.2/6",
+            "with references that are inverted and displaced",
+            is_both,
+        ),
+        ("2.9.3/5", "with motion vectors of half texels", is_half),
+        ("2.9.3/2", "with negative motion vectors", is_negative),
+        (
+            "2.9.4/1",
+            "with an order other than 0, 1, 2, …",
+            is_reordered,
+        ),
+        (
+            "2.9.4/2",
+            "with a plane predicted from a later one",
+            is_later,
+        ),
+        (
+            "2.9.4/2",
+            "with a plane predicted from a predicted one",
+            is_chained,
+        ),
+        ("2.9.8/4", "with side information", is_corrected),
+        ("2.9.8/7", "with side information of intra planes", of_intra),
+        (
+            "2.9.8/7",
+            "with side information of predicted planes",
+            of_predicted,
+        ),
     ]
 }
 
@@ -237,16 +341,24 @@ fn stream_properties(f: &File) -> [Property; 6] {
     let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
     let has_presets = has(|plan| plan.stream.presets.is_some());
     [
-        ("with a compression parameter of 0", is_0),
-        ("with restart markers", has_restarts),
-        ("with several tables in one marker segment", is_joint),
-        ("with 16-bit quantization tables", is_wide),
-        ("with sampling factors other than 1x1", has_factors),
-        ("with preset parameters (LSE)", has_presets),
+        ("2.9.1/2", "with a compression parameter of 0", is_0),
+        ("2.9.8/3", "with restart markers", has_restarts),
+        (
+            "2.9.8/3",
+            "with several tables in one marker segment",
+            is_joint,
+        ),
+        ("2.9.8/3", "with 16-bit quantization tables", is_wide),
+        (
+            "2.9.8/3",
+            "with sampling factors other than 1x1",
+            has_factors,
+        ),
+        ("2.9.8/3", "with preset parameters (LSE)", has_presets),
     ]
 }
 
-/// A numeric property of a file: the clause about it, the text after "with 17 or more", and the value.
+/// A numeric property of a file: the clause about it, text in which {} stands for "17 or more", and the value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 fn quantities(f: &File) -> Vec<Quantity> {
@@ -268,18 +380,30 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let loss = parameter(Coding::JpegLs);
     let distance = f.light.map(|(u, v)| u.hypot(v));
     vec![
-        ("2.7/3", "texels", size.map(|(w, h)| w * h)),
-        ("2.3/1", "columns", size.map(|(width, _)| width)),
-        ("2.3/1", "rows", size.map(|(_, height)| height)),
-        ("2.3/1", "columns or rows", size.map(|(w, h)| w.max(h))),
-        ("2.0/1", "bytes in one line of the header", longest),
-        ("2.5/2", "table entries", f.entries().map(f64::from)),
-        ("2.9.4/3", "as their largest rank", rank),
-        ("2.9.3/1", "half texels of motion", moved.map(f64::from)),
-        ("2.9.8/4", "records in one plane", records.map(|n| n as f64)),
-        ("2.9.8/5", "as their largest position of a record", position),
-        ("2.9.1/1", "as their JPEG quality", parameter(Coding::Jpeg)),
-        ("2.9.1/1", "as their maximum loss", loss),
-        ("1.0/2", "as the length of (u, v)", distance),
+        ("2.7/3", "with {} texels", size.map(|(w, h)| w * h)),
+        ("2.3/1", "with {} columns", size.map(|(width, _)| width)),
+        ("2.3/1", "with {} rows", size.map(|(_, height)| height)),
+        (
+            "2.3/1",
+            "with {} columns or rows",
+            size.map(|(w, h)| w.max(h)),
+        ),
+        ("2.0/1", "with {} bytes in one line of the header", longest),
+        ("2.5/2", "with {} table entries", f.entries().map(f64::from)),
+        ("2.9.4/3", "whose largest rank is {}", rank),
+        (
+            "2.9.3/1",
+            "with motion of {} half texels",
+            moved.map(f64::from),
+        ),
+        (
+            "2.9.8/4",
+            "with {} records in one plane",
+            records.map(|n| n as f64),
+        ),
+        ("2.9.8/5", "with a record at position {}", position),
+        ("2.9.1/1", "of JPEG quality {}", parameter(Coding::Jpeg)),
+        ("2.9.1/1", "whose maximum loss is {}", loss),
+        ("1.0/2", "under a light where |(u, v)| is {}", distance),
     ]
 }

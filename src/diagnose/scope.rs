@@ -11,8 +11,8 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index, and its text.
-    Property(usize, &'static str),
+    /// Files with the property at this index, the clause about it, and its text.
+    Property(usize, &'static str, &'static str),
     /// Files whose quantity at this index is at least or at most `nearest`. Other files reach `edge`.
     Beyond {
         quantity: usize,
@@ -30,7 +30,7 @@ impl FileScope {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
-            FileScope::Property(place, _) => witness.facts().properties[*place].1,
+            FileScope::Property(place, ..) => witness.facts().properties[*place].2,
             FileScope::Beyond {
                 quantity,
                 nearest,
@@ -46,13 +46,14 @@ impl FileScope {
         }
     }
 
-    /// Returns the clause about the scope: that of the format or of the quantity.
+    /// Returns the clause about the format, the property or the quantity.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
             FileScope::Beyond { what, .. } => Some(what.0),
             FileScope::Formats(formats) if formats.len() == 1 => Some(formats[0].layout_clause()),
             FileScope::Formats(_) => Some("2.2/1"),
-            FileScope::All | FileScope::Property(..) => None,
+            FileScope::Property(_, clause, _) => Some(clause),
+            FileScope::All => None,
         }
     }
 
@@ -64,7 +65,7 @@ impl FileScope {
                 let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
                 format!("of format {}", names.join(", "))
             }
-            FileScope::Property(_, words) => (*words).to_owned(),
+            FileScope::Property(.., words) => (*words).to_owned(),
             FileScope::Beyond {
                 what: (_, words),
                 nearest,
@@ -81,7 +82,8 @@ impl FileScope {
                 } else {
                     ["less", "more"]
                 };
-                format!("with {nearest} or {side} {words} (but not with {edge} or {rest})")
+                let words = words.replace("{}", &format!("{nearest} or {side}"));
+                format!("{words} (but not {edge} or {rest})")
             }
         }
     }
@@ -126,7 +128,8 @@ pub(super) fn shared_scope(
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let properties = &witnesses.first()?.facts().properties;
     let places = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
-    let property = |place: usize| FileScope::Property(place, properties[place].0);
+    let property =
+        |place: usize| FileScope::Property(place, properties[place].0, properties[place].1);
     let scopes: Vec<FileScope> = formats
         .into_iter()
         .chain(places.map(property))

@@ -8,7 +8,7 @@ use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::ImagePair;
-use crate::diagnose::scope::{SharedScope, shared_scope};
+use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
@@ -288,7 +288,11 @@ fn take_scopes(
             open.retain(|w| !shared.cases.contains(w));
             parts.push(CauseGroup {
                 files: files_in_scope(witnesses, &shared, one),
-                clause: shared.scope.clause(),
+                // The clause of the step is closer to the cause than that of a property.
+                clause: match shared.scope {
+                    FileScope::Beyond { .. } => shared.scope.clause(),
+                    _ => None,
+                },
                 cases: shared.cases,
             });
         }
