@@ -1,6 +1,6 @@
 //! Properties that describe a set of files. Each was needed for a real decoder, or is a key of `make:` in the cases.
 
-use super::witness::{Facts, Witness};
+use super::witness::{Facts, Property, Quantity, Witness};
 use crate::generate::Recipe;
 use crate::generate::plan::Compression;
 use crate::generate::planes::StoredPlane;
@@ -91,9 +91,6 @@ impl<'a> File<'a> {
         predicted.map(vector).collect()
     }
 }
-
-/// The clause about a property, text that completes "files …", and true if the file has the property.
-pub(super) type Property = (&'static str, &'static str, bool);
 
 /// Number of properties of the requested view, which are the first ones.
 pub(super) const VIEW_PROPERTIES: usize = 3;
@@ -357,9 +354,6 @@ fn stream_properties(f: &File) -> [Property; 6] {
         ("2.9.8/3", "with preset parameters (LSE)", has_presets),
     ]
 }
-
-/// A numeric property of a file: the clause about it, text in which {} stands for "17 or more", and the value.
-pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 fn quantities(f: &File) -> Vec<Quantity> {
     let size = f

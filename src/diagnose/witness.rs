@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use super::properties::{Property, Quantity};
 use super::stream_cache::stream_once;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{Alternative, decode_as, examine_as};
@@ -46,6 +45,12 @@ pub(super) struct Witness<'a> {
     /// The map that the reference decodes from the file.
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
+
+/// The clause about a property, text that completes "files …", and true if the file has the property.
+pub(super) type Property = (&'static str, &'static str, bool);
+
+/// A numeric property of a file: the clause about it, text in which {} stands for "17 or more", and the value.
+pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 /// Properties and quantities of a file.
 pub(super) struct Facts {

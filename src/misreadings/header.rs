@@ -106,7 +106,7 @@ pub(super) const STEPS: Steps = |slug| {
                 Some((value as u64).to_string()).filter(|_| value > u64::MAX.into())
             })
         },
-        "exponent-ignored" => |f| f.respell(&[SCALE], |text| before(text, &['e', 'E'])),
+        "exponent-ignored" => |f| f.respell(&[SCALE], |text| text_before(text, &['e', 'E'])),
         "exponent-refused" => |f| f.refuse_text(&[SCALE], |text| text.contains(['e', 'E'])),
         "capital-exponent-refused" => |f| f.refuse_text(&[SCALE], |text| text.contains('E')),
         "plus-sign-refused" => |f| f.refuse_text(&[SCALE, BIAS], |text| text.starts_with('+')),
@@ -119,7 +119,7 @@ pub(super) const STEPS: Steps = |slug| {
         "scale-needs-a-point" => |f| f.refuse_text(&[SCALE], |text| !text.contains('.')),
         "scale-to-the-point" => |f| {
             f.respell(&[SCALE], |text| {
-                let whole = before(text, &['.'])?;
+                let whole = text_before(text, &['.'])?;
                 let is_zero = whole.trim_start_matches(['+', '-']).is_empty();
                 Some(if is_zero { "0".to_owned() } else { whole })
             })
@@ -135,7 +135,7 @@ pub(super) const STEPS: Steps = |slug| {
                 text.parse().is_ok_and(|bias: f64| bias > 255.0)
             })
         },
-        "bias-fraction-cut" => |f| f.respell(&[BIAS], |text| before(text, &['.'])),
+        "bias-fraction-cut" => |f| f.respell(&[BIAS], |text| text_before(text, &['.'])),
         "numbers-by-prefix" => |f| {
             f.respell(&[SIZE, SCALE, BIAS, "2.6/2", "2.5/2"], |text| {
                 text.parse::<f64>().is_err().then(|| number_prefix(text))
@@ -199,7 +199,7 @@ fn shorten(text: &str, known: &str) -> Option<String> {
 }
 
 /// Returns the text before the first of these characters, if it contains one.
-fn before(text: &str, ends: &[char]) -> Option<String> {
+fn text_before(text: &str, ends: &[char]) -> Option<String> {
     Some(text.split_once(ends)?.0.to_owned())
 }
 
