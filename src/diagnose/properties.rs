@@ -99,28 +99,18 @@ fn view_properties(f: &File) -> [Property; 6] {
     let under = |holds: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| holds(u, v));
     let outside = under(|u, v| u * u + v * v > 1.0);
     [
+        ("2.7/1 if stored values are requested", *f.view == View::Raw),
+        ("2.4/8 if final values are requested", *f.view == View::Coef),
+        ("1.0/1 if colors are requested", f.light.is_some()),
         (
-            "2.7/1",
-            "if stored values are requested",
-            *f.view == View::Raw,
-        ),
-        (
-            "2.4/8",
-            "if final values are requested",
-            *f.view == View::Coef,
-        ),
-        ("1.0/1", "if colors are requested", f.light.is_some()),
-        (
-            "1.0/2",
-            "under a light whose u is negative",
+            "1.0/2 under a light whose u is negative",
             under(|u, _| u < 0.0),
         ),
         (
-            "1.0/2",
-            "under a light whose v is negative",
+            "1.0/2 under a light whose v is negative",
             under(|_, v| v < 0.0),
         ),
-        ("1.0/2", "under a light outside the unit circle", outside),
+        ("1.0/2 under a light outside the unit circle", outside),
     ]
 }
 
@@ -128,16 +118,15 @@ fn format_properties(f: &File) -> [Property; 6] {
     let coding = f.format.coding();
     let is_large = f.entries().is_some_and(|entries| entries > 256);
     [
-        ("2.9/1", "with compressed planes", coding.is_some()),
-        ("2.7/1", "without compressed planes", coding.is_none()),
-        ("2.9.8/3", "with JPEG planes", coding == Some(Coding::Jpeg)),
+        ("2.9/1 with compressed planes", coding.is_some()),
+        ("2.7/1 without compressed planes", coding.is_none()),
+        ("2.9.8/3 with JPEG planes", coding == Some(Coding::Jpeg)),
         (
-            "2.9.8/3",
-            "with JPEG-LS planes",
+            "2.9.8/3 with JPEG-LS planes",
             coding == Some(Coding::JpegLs),
         ),
-        ("2.5/1", "with a lookup table", f.format.has_table()),
-        ("2.8.1/3", "with a table of more than 256 entries", is_large),
+        ("2.5/1 with a lookup table", f.format.has_table()),
+        ("2.8.1/3 with a table of more than 256 entries", is_large),
     ]
 }
 
@@ -155,58 +144,33 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     let has_other_lists = has_lists && spelling.is_some_and(|s| s.lists != Lists::default());
     [
         (
-            "2.3/1",
-            "with width and height on one line",
+            "2.3/1 with width and height on one line",
             size == Some(false),
         ),
         (
-            "2.3/2",
-            "with width and height on two lines",
+            "2.3/2 with width and height on two lines",
             size == Some(true),
         ),
         (
-            "2.4/6",
-            "with scales and biases on one line",
+            "2.4/6 with scales and biases on one line",
             numbers == Some(false),
         ),
         (
-            "2.4/6",
-            "with scales and biases on two lines",
+            "2.4/6 with scales and biases on two lines",
             numbers == Some(true),
         ),
-        ("2.4/5", "with several spaces between two numbers", has_gap),
+        ("2.4/5 with several spaces between two numbers", has_gap),
+        ("2.0/2 with a space before a line feed", !spaces.is_empty()),
+        ("2.0/2 with a space after the version", after(Line::Version)),
+        ("2.0/2 with a space after the format", after(Line::Format)),
+        ("2.0/2 with a space after the width", after(Line::Width)),
+        ("2.0/2 with a space after the height", after(Line::Height)),
+        ("2.4/7 with a space after the scales", after(Line::Scale)),
+        ("2.4/7 with a space after the biases", after(Line::Bias)),
+        ("2.6/2 with the matrix on several lines", is_split),
+        ("2.5/2 with an entry count that is a bare number", is_bare),
         (
-            "2.0/2",
-            "with a space before a line feed",
-            !spaces.is_empty(),
-        ),
-        (
-            "2.0/2",
-            "with a space after the version",
-            after(Line::Version),
-        ),
-        (
-            "2.0/2",
-            "with a space after the format",
-            after(Line::Format),
-        ),
-        ("2.0/2", "with a space after the width", after(Line::Width)),
-        (
-            "2.0/2",
-            "with a space after the height",
-            after(Line::Height),
-        ),
-        ("2.4/7", "with a space after the scales", after(Line::Scale)),
-        ("2.4/7", "with a space after the biases", after(Line::Bias)),
-        ("2.6/2", "with the matrix on several lines", is_split),
-        (
-            "2.5/2",
-            "with an entry count that is a bare number",
-            is_bare,
-        ),
-        (
-            "2.9/2",
-            "with the numbers of a list on several lines or of several lists on one",
+            "2.9/2 with the numbers of a list on several lines or of several lists on one",
             has_other_lists,
         ),
     ]
@@ -225,38 +189,26 @@ fn data_properties(f: &File) -> [Property; 10] {
     let (width, height) = f.size.unwrap_or_default();
     let is_ragged = width % 4 != 0 && height > 1;
     [
-        ("2.4/4", "with a negative bias", is_negative(biases)),
-        ("2.4/3", "with a negative scale", is_negative(scales)),
+        ("2.4/4 with a negative bias", is_negative(biases)),
+        ("2.4/3 with a negative scale", is_negative(scales)),
+        ("2.4/3 with a number in scientific notation", is_scientific),
+        ("2.4/3 with a number that starts with a plus sign", has_plus),
         (
-            "2.4/3",
-            "with a number in scientific notation",
-            is_scientific,
-        ),
-        (
-            "2.4/3",
-            "with a number that starts with a plus sign",
-            has_plus,
-        ),
-        (
-            "2.4/3",
-            "with a number that starts or ends with its decimal point",
+            "2.4/3 with a number that starts or ends with its decimal point",
             has_end_point,
         ),
         (
-            "2.0/2",
-            "with whitespace at the start of the binary data",
+            "2.0/2 with whitespace at the start of the binary data",
             is_space,
         ),
         (
-            "2.0/2",
-            "with a line feed at the start of the binary data",
+            "2.0/2 with a line feed at the start of the binary data",
             is_line_feed,
         ),
-        ("2.3/1", "of odd width", width % 2 == 1),
-        ("2.3/1", "of odd height", height % 2 == 1),
+        ("2.3/1 of odd width", width % 2 == 1),
+        ("2.3/1 of odd height", height % 2 == 1),
         (
-            "2.7/2",
-            "of several rows with a width that is not a multiple of 4",
+            "2.7/2 of several rows with a width that is not a multiple of 4",
             is_ragged,
         ),
     ]
@@ -280,49 +232,29 @@ fn prediction_properties(f: &File) -> [Property; 13] {
     let of_intra = corrected().any(|plane| reference(plane).is_none());
     let of_predicted = corrected().any(|plane| reference(plane).is_some());
     [
+        ("2.9.5/4 with predicted planes", has(Compression::predicts)),
+        ("2.9.2/1 with a transform other than 0", is_transformed),
         (
-            "2.9.5/4",
-            "with predicted planes",
-            has(Compression::predicts),
-        ),
-        ("2.9.2/1", "with a transform other than 0", is_transformed),
-        (
-            "2.9.2/3",
-            "with inverted references",
+            "2.9.2/3 with inverted references",
             has(Compression::inverts),
         ),
+        ("2.9.2/4 with displaced references", has(Compression::moves)),
         (
-            "2.9.2/4",
-            "with displaced references",
-            has(Compression::moves),
-        ),
-        (
-            "2.9.2/6",
-            "with references that are inverted and displaced",
+            "2.9.2/6 with references that are inverted and displaced",
             is_both,
         ),
-        ("2.9.3/5", "with motion vectors of half texels", is_half),
-        ("2.9.3/2", "with negative motion vectors", is_negative),
+        ("2.9.3/5 with motion vectors of half texels", is_half),
+        ("2.9.3/2 with negative motion vectors", is_negative),
+        ("2.9.4/1 with an order other than 0, 1, 2, …", is_reordered),
+        ("2.9.4/2 with a plane predicted from a later one", is_later),
         (
-            "2.9.4/1",
-            "with an order other than 0, 1, 2, …",
-            is_reordered,
-        ),
-        (
-            "2.9.4/2",
-            "with a plane predicted from a later one",
-            is_later,
-        ),
-        (
-            "2.9.4/2",
-            "with a plane predicted from a predicted one",
+            "2.9.4/2 with a plane predicted from a predicted one",
             is_chained,
         ),
-        ("2.9.8/4", "with side information", is_corrected),
-        ("2.9.8/7", "with side information of intra planes", of_intra),
+        ("2.9.8/4 with side information", is_corrected),
+        ("2.9.8/7 with side information of intra planes", of_intra),
         (
-            "2.9.8/7",
-            "with side information of predicted planes",
+            "2.9.8/7 with side information of predicted planes",
             of_predicted,
         ),
     ]
@@ -338,20 +270,15 @@ fn stream_properties(f: &File) -> [Property; 6] {
     let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
     let has_presets = has(|plan| plan.stream.presets.is_some());
     [
-        ("2.9.1/2", "with a compression parameter of 0", is_0),
-        ("2.9.8/3", "with restart markers", has_restarts),
+        ("2.9.1/2 with a compression parameter of 0", is_0),
+        ("2.9.8/3 with restart markers", has_restarts),
         (
-            "2.9.8/3",
-            "with several tables in one marker segment",
+            "2.9.8/3 with several tables in one marker segment",
             is_joint,
         ),
-        ("2.9.8/3", "with 16-bit quantization tables", is_wide),
-        (
-            "2.9.8/3",
-            "with sampling factors other than 1x1",
-            has_factors,
-        ),
-        ("2.9.8/3", "with preset parameters (LSE)", has_presets),
+        ("2.9.8/3 with 16-bit quantization tables", is_wide),
+        ("2.9.8/3 with sampling factors other than 1x1", has_factors),
+        ("2.9.8/3 with preset parameters (LSE)", has_presets),
     ]
 }
 

@@ -11,8 +11,8 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index, the clause about it, and its text.
-    Property(usize, &'static str, &'static str),
+    /// Files with the property at this index, and its clause and text, separated by a space.
+    Property(usize, &'static str),
     /// Files whose quantity at this index is at least or at most `nearest`. Other files reach `edge`.
     Beyond {
         quantity: usize,
@@ -30,7 +30,7 @@ impl FileScope {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
-            FileScope::Property(place, ..) => witness.facts().properties[*place].2,
+            FileScope::Property(place, ..) => witness.facts().properties[*place].1,
             FileScope::Beyond {
                 quantity,
                 nearest,
@@ -52,7 +52,7 @@ impl FileScope {
             FileScope::Beyond { what, .. } => Some(what.0),
             FileScope::Formats(formats) if formats.len() == 1 => Some(formats[0].layout_clause()),
             FileScope::Formats(_) => Some("2.2/1"),
-            FileScope::Property(_, clause, _) => Some(clause),
+            FileScope::Property(_, text) => text.split(' ').next(),
             FileScope::All => None,
         }
     }
@@ -65,7 +65,10 @@ impl FileScope {
                 let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
                 format!("of format {}", names.join(", "))
             }
-            FileScope::Property(.., words) => (*words).to_owned(),
+            FileScope::Property(_, text) => text
+                .split_once(' ')
+                .map_or(*text, |(_, words)| words)
+                .to_owned(),
             FileScope::Beyond {
                 what: (_, words),
                 nearest,
@@ -128,8 +131,7 @@ pub(super) fn shared_scope(
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let properties = &witnesses.first()?.facts().properties;
     let places = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
-    let property =
-        |place: usize| FileScope::Property(place, properties[place].0, properties[place].1);
+    let property = |place: usize| FileScope::Property(place, properties[place].0);
     let scopes: Vec<FileScope> = formats
         .into_iter()
         .chain(places.map(property))

@@ -46,8 +46,8 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// The clause about a property, text that completes "files …", and true if the file has the property.
-pub(super) type Property = (&'static str, &'static str, bool);
+/// The clause about a property and text that completes "files …", separated by a space; true if the file has the property.
+pub(super) type Property = (&'static str, bool);
 
 /// A numeric property of a file: the clause about it, text in which {} stands for "17 or more", and the value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
