@@ -253,7 +253,7 @@ impl fmt::Display for Kind {
             Kind::Stream { plane, what, .. } => write!(f, "plane {plane}: {what}"),
             Kind::PartialRecord { bytes } => write!(
                 f,
-                "{bytes} bytes of side information are no whole number of records of 5 bytes"
+                "{bytes} bytes of side information are not a whole number of 5-byte records"
             ),
             Kind::PositionOutOfRange { position, texels } => write!(
                 f,

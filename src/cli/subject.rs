@@ -142,7 +142,7 @@ fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let strangers = &outputs.strangers;
     if !strangers.is_empty() {
         super::output::print_error(&format!(
-            "ptm-conform: files in the outputs that belong to no request: {}: {}",
+            "ptm-conform: {} files belong to no request: {}",
             strangers.len(),
             strangers[..strangers.len().min(5)].join(", ")
         ));

@@ -142,7 +142,7 @@ struct TexelLayout<'a> {
 /// Returns the error for an address outside the data.
 fn outside_data_error(at: usize) -> Error {
     let kind = Kind::Short {
-        what: "the values that an edited formula addresses",
+        what: "the addressed values",
         needs: 1,
         remain: 0,
     };

@@ -153,7 +153,7 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
 
 /// Returns remarks on images that were compared with a tolerance larger than rounding requires.
 fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
-    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance: other inverse DCTs differ so little, and so do some mistakes";
+    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; another inverse DCT or a small mistake may be the reason";
     let lossy = format!(
         "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY_TOLERANCE}, so small mistakes are not found"
     );

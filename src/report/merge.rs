@@ -55,7 +55,9 @@ impl<C: Reported> RecordedAnswers<C> {
         let (first, mut whole) = ends.remove(0);
         if whole.corpus != C::digest(suite) {
             let first = first.display();
-            return Err(format!("{first}: its suite is not that of this program"));
+            return Err(format!(
+                "{first}: made with another suite than that of this program"
+            ));
         }
         for (_, part) in &ends {
             add_new(&mut whole.remarks.before, &part.remarks.before);

@@ -256,7 +256,7 @@ impl<'a> Dissection<'a> {
             "2.3/1" => (Role::Height, "height", ""),
             "2.4/3" => (Role::Scale(nth), "scale of a#", "scales of a0…a5"),
             "2.4/4" => (Role::Bias(nth), "bias of a#", "biases of a0…a5"),
-            "2.5/2" if is_word => (Role::CountWord, "word at the number of entries", ""),
+            "2.5/2" if is_word => (Role::CountWord, "keyword of the entry count", ""),
             "2.5/2" => (Role::Count, "number of entries", ""),
             "2.5/3" => (Role::Table, "lookup table", ""),
             "2.6/2" => (Role::Matrix(nth), "matrix element #", "color matrix"),

@@ -130,7 +130,9 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         }
         run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
-            let what = format!("a run of {run} samples and its end in a line with {left} to go");
+            let what = format!(
+                "a run of {run} samples does not fit in the {left} samples left in the line"
+            );
             return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)
@@ -161,6 +163,6 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
 
 #[cold]
 fn impossible_error<'a>(bits: &impl ReadGolomb<'a>, error: i32) -> StreamError {
-    let what = format!("no sample has prediction error {error}");
+    let what = format!("the prediction error {error} is out of range");
     malformed(bits.plain_bits().offset(), what)
 }

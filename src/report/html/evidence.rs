@@ -113,7 +113,7 @@ fn image_evidence(
     let texel = first / expected.channels;
     let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
     let ends = match view {
-        View::Rgb(_) => "; limited to 0…255 that is ",
+        View::Rgb(_) => "; clamped to 0…255: ",
         _ => " = ",
     };
     html! {

@@ -145,7 +145,7 @@ impl ImageComparison<'_> {
         let (least, most) = match self.expected.view {
             ViewKind::Raw => ("1", "128, around the circle of 256 values"),
             view if view.sample_type() == "u8" => ("1", "255"),
-            _ => ("a little", "all that the plane spans"),
+            _ => ("a little", "the range of the plane"),
         };
         html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
     }

@@ -93,8 +93,8 @@ fn describe_fault(scene: &LitScene) -> &'static str {
     }
     let mean = |image: &[u8]| image.iter().map(|&byte| f64::from(byte)).sum::<f64>();
     match mean(received) / mean(right) {
-        ..0.85 => "It is too dark, or darker where it is wrong.",
-        1.15.. => "It is too bright, or brighter where it is wrong.",
+        ..0.85 => "It is too dark, at least in part.",
+        1.15.. => "It is too bright, at least in part.",
         _ => "It is wrong.",
     }
 }

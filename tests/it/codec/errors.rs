@@ -246,7 +246,7 @@ SOI SOF SOS 00 EOI | byte 26: the entropy-coded segment ends too early
 SOI SOF SOS FF EOI | byte 25: the entropy-coded segment ends too early
 SOI SOF SOS F0 00 EOI | byte 26: the entropy-coded segment continues after the last sample
 SOI SOF SOS 00*5 EOI | byte 25: a code begins with more than 22 zeros
-SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: no sample has prediction error -129
+SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: the prediction error -129 is out of range
 ";
 
 #[test]

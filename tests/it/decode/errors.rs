@@ -114,7 +114,7 @@ sizes 0 9223372036854775807 ; sizes 1 9223372036854775807 ; sizes 2 922337203685
   | compressed data (§2.9.8), byte 256:
   the compressed planes and their side information need more bytes than can be counted, 252 remain
 side-sizes 3 4 ; side 3 00 00 00 00 | compressed data (§2.9.8), byte 317:
-  4 bytes of side information are no whole number of records of 5 bytes
+  4 bytes of side information are not a whole number of 5-byte records
 side-sizes 8 10 ; side 8 00 00 00 00 07 00 00 00 01 07 | compressed data (§2.9.8), byte 463:
   a record for texel 1, but the last texel is 0
 side-sizes 8 5 ; side 8 FF FF FF FF 07 | compressed data (§2.9.8), byte 457:
