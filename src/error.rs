@@ -104,7 +104,7 @@ pub enum Kind {
         texels: usize,
     },
     /// The file uses a legal feature that this decoder does not support.
-    NotRead {
+    NotSupported {
         /// Name of the feature.
         what: &'static str,
     },
@@ -156,7 +156,7 @@ impl Error {
     pub const fn class(&self) -> Class {
         match self.kind {
             Kind::TooLarge { .. } => Class::Limit,
-            Kind::NotRead { .. }
+            Kind::NotSupported { .. }
             | Kind::Stream {
                 unsupported: true, ..
             } => Class::Unsupported,
@@ -260,7 +260,7 @@ impl fmt::Display for Kind {
                 "a record for texel {position}, but the last texel is {}",
                 texels - 1
             ),
-            Kind::NotRead { what } => write!(f, "{what} are not read"),
+            Kind::NotSupported { what } => write!(f, "{what} are not read"),
         }
     }
 }

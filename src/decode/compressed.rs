@@ -197,7 +197,7 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
         return Err(Error::new(
             "2.9.2/5",
             transform.at,
-            Kind::NotRead {
+            Kind::NotSupported {
                 what: "transforms other than 0 to 3",
             },
         ));

@@ -72,7 +72,7 @@ mod tests {
             255 => Err(Error::new(
                 "2.9.8/3",
                 stream.at,
-                Kind::NotRead {
+                Kind::NotSupported {
                     what: "streams of 255",
                 },
             )),

@@ -209,7 +209,7 @@ fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
     (0..bytes.len()).filter(is_kept).map(|i| bytes[i]).collect()
 }
 
-/// Removes the bytes at the start of the payload that `skip` accepts as white space.
+/// Removes the bytes at the start of the payload that `skip` accepts as whitespace.
 fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
     let skipped = file.payload().iter().take_while(|&&byte| skip(byte));
     file.with_payload(&file.payload()[skipped.count()..])

@@ -195,7 +195,7 @@ fn hex(bytes: &[u8]) -> String {
     format!("{first} … {last} ({} bytes)", words.len())
 }
 
-/// Formats a header line with visible white space. Returns an empty string for binary data.
+/// Formats a header line with visible whitespace. Returns an empty string for binary data.
 fn as_text(bytes: &[u8]) -> String {
     let mut texts = bytes.iter();
     let is_text = texts.all(|byte| byte.is_ascii_graphic() || b" \r\n".contains(byte));

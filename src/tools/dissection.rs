@@ -41,7 +41,7 @@ pub struct FilePart {
     /// Length that the part should have, if the file ends before its end.
     #[serde(skip)]
     pub cut_from: Option<u64>,
-    /// White space before the next part, as visible symbols; set by `inspect`.
+    /// Whitespace before the next part, as visible symbols; set by `inspect`.
     #[serde(skip)]
     pub(super) gap: String,
 }
@@ -185,7 +185,7 @@ impl<'a> Dissection<'a> {
         ends.max().unwrap_or(0)
     }
 
-    /// Returns the white space between the part with index `i` and the next part.
+    /// Returns the whitespace between the part with index `i` and the next part.
     #[must_use]
     pub fn gap_after(&self, i: usize) -> &'a [u8] {
         let from = self.parts[i].range().end;

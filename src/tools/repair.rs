@@ -62,7 +62,7 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
 }
 
 impl<'a> LenientHeader<'a> {
-    /// Reads a header with arbitrary white space between its words.
+    /// Reads a header with arbitrary whitespace between its words.
     fn read(file: &'a [u8]) -> Result<LenientHeader<'a>, String> {
         let mut at = 0;
         let version = next_word(file, &mut at)?;
@@ -157,7 +157,7 @@ impl<'a> LenientHeader<'a> {
     }
 }
 
-/// Skips white space and returns the next word of a header. Advances `at` to the end of the word.
+/// Skips whitespace and returns the next word of a header. Advances `at` to the end of the word.
 fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
     let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
     *at += file[*at..].iter().take_while(is_blank).count();

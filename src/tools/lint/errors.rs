@@ -56,7 +56,7 @@ fn classify(dissection: &Dissection, error: &Error) -> Problem {
         (_, Kind::NotCausal { .. }) => Problem::NotCausal,
         (_, Kind::PartialRecord { .. }) => Problem::RecordCut,
         (_, Kind::PositionOutOfRange { .. }) => Problem::Position,
-        (_, Kind::NotRead { .. }) => Problem::Transform,
+        (_, Kind::NotSupported { .. }) => Problem::Transform,
         (_, Kind::Stream { .. }) => Problem::StreamDamaged,
         (_, Kind::Ended { .. }) => Problem::HeaderEnds,
         (clause, Kind::Expected { .. }) => {
@@ -85,7 +85,7 @@ fn classify_token(clause: &str, token: &[u8]) -> Problem {
     }
 }
 
-/// Classifies white space that the specification does not allow (ruling `header-blanks`).
+/// Classifies whitespace that the specification does not allow (ruling `header-blanks`).
 fn classify_white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;

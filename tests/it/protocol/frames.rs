@@ -170,7 +170,7 @@ fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec
 }
 
 /// Returns short files that announce far more texels than they have.
-fn huge() -> Vec<(&'static str, Vec<u8>)> {
+fn oversized_frames() -> Vec<(&'static str, Vec<u8>)> {
     let small = |format| small(ExtendedColorType::Rgb8, format);
     let side = 60_000_u32.to_le_bytes();
     let mut png = Vec::new();
@@ -205,7 +205,7 @@ fn huge() -> Vec<(&'static str, Vec<u8>)> {
 
 #[test]
 fn huge_images_are_refused_before_allocation() {
-    for (name, file) in huge() {
+    for (name, file) in oversized_frames() {
         let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("no answer");
         assert!(error.starts_with(name), "{error}");
         assert!(

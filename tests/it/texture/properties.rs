@@ -109,7 +109,7 @@ fn coefficients(width: u32, height: u32, values: Vec<f64>) -> Coefficients {
 }
 
 /// Generates RGB PTMs whose colors stay within 0…255 under every light.
-fn ptm() -> impl Strategy<Value = Coefficients> {
+fn ptm_strategy() -> impl Strategy<Value = Coefficients> {
     (1..=5_u32, 1..=5_u32).prop_flat_map(|(width, height)| {
         let texels = (width * height) as usize;
         let polynomial = [-16..16_i32, -16..16, -16..16, -16..16, -16..16, 90..160];
@@ -164,7 +164,7 @@ proptest! {
 
     #[test]
     fn bilinear_sampling_commutes_with_relighting(
-        ptm in ptm(), light in light(), t in [coordinate(), coordinate()],
+        ptm in ptm_strategy(), light in light(), t in [coordinate(), coordinate()],
         boundary in select(&[Boundary::Wrap, Boundary::Mirror, Boundary::ClampBorder]),
     ) {
         let t = [t[0], t[1], 0.0];
@@ -177,7 +177,7 @@ proptest! {
     }
 
     #[test]
-    fn box_filtered_levels_commute_with_relighting(ptm in ptm(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
+    fn box_filtered_levels_commute_with_relighting(ptm in ptm_strategy(), light in light(), t in [coordinate(), coordinate()], depth in 0.0..3.0) {
         let t = [t[0], t[1], 0.0];
         let entry = entry_with_boundary([Boundary::Wrap; 3], SampleMethod::WeightedBetweenMipmaps);
         let map = TextureMap::from_ptm(&ptm, light.0, light.1, Rounding::None, RULES).with_box_levels();

@@ -148,7 +148,7 @@ fn killed_lint_leaves_complete_rows() {
     println!("rows at the end: {seen:?}");
 }
 
-/// Hostile file names that could harm programs that print them.
+/// File names that could harm programs that print them.
 const HOSTILE_NAMES: [&[u8]; 9] = [
     b"line\nfeed.ptm",
     b"=HYPERLINK(\"x\").ptm",
