@@ -35,7 +35,7 @@ fn main() {
     let scratch = scratch();
     println!("# Uncompressed maps of {SIDE} x {SIDE} texels\n");
     println!(
-        "`reference raw FILE > OTHER`, divided by `cp` of as many bytes as it writes. Memory is divided by the size of the output.\n"
+        "The time of `reference raw FILE > OTHER`, divided by the time that `cp` takes for a file of the size of the output. Memory is divided by the size of the output.\n"
     );
     println!(
         "| format | file, MB | output, MB | time / cp | wall-clock / cp | time / memcpy | memory / output |"

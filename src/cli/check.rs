@@ -12,7 +12,7 @@ use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::save_files;
-use super::subject::{Answers, Subject, program};
+use super::subject::{Answers, Subject, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use ptm_conform::misreadings;
@@ -171,7 +171,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     reject_file_options(args)?;
     let suite = Suite::load_texture()?;
     let selected = args.select_cases(&suite, &vec![true; suite.cases.len()])?;
-    let (mut decoder, words) = program(&args.decoder)?;
+    let (mut decoder, words) = decoder_for_command(&args.decoder)?;
     args.run.calls.apply_limits(&mut decoder, stop)?;
     let guarded = ScratchGuard::new()?;
     let run = ProgramRun {

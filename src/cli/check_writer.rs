@@ -12,7 +12,7 @@ use super::calls::RunArgs;
 use super::driver::ProgramRun;
 use super::ending::OutputArgs;
 use super::guard::{ScratchGuard, stop_on_signals};
-use super::subject::{program, program_from_template};
+use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::processes;
@@ -125,9 +125,9 @@ impl CheckWriterArgs {
     /// Returns the writer with its limits applied, and its command line for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = if let Some(text) = &self.cmd {
-            program_from_template(text, Template::parse_for_writer(text, &VALUES))?
+            decoder_from_template(text, Template::parse_for_writer(text, &VALUES))?
         } else {
-            let (program, words) = program(&self.writer)?;
+            let (program, words) = decoder_for_command(&self.writer)?;
             (program.as_writer(verb), words)
         };
         self.run.calls.apply_limits(&mut writer, stop)?;

@@ -63,7 +63,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
             name: "case",
             view: &args.view,
             file,
-            largest_frame: 72 * (file.len() + (1 << 20)),
+            max_frame_bytes: 72 * (file.len() + (1 << 20)),
             timeout_factor: 1,
             needs_new_process: true,
         };

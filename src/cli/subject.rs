@@ -87,8 +87,8 @@ impl Subject {
             });
         }
         let (mut decoder, words) = match &args.cmd {
-            Some(text) => program_from_template(text, Template::parse(text))?,
-            None => program(&args.decoder)?,
+            Some(text) => decoder_from_template(text, Template::parse(text))?,
+            None => decoder_for_command(&args.decoder)?,
         };
         args.run.calls.apply_limits(&mut decoder, stop)?;
         let mut subject = subject(Answers::Program(decoder), words);
@@ -150,8 +150,8 @@ fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     Ok(outputs)
 }
 
-/// Creates a program that is called through a template. Also returns the words of the template for the report.
-pub fn program_from_template(
+/// Returns a decoder that is called through a template, and the words of the template for the report.
+pub fn decoder_from_template(
     text: &str,
     template: Result<Template, String>,
 ) -> Result<(Decoder, Vec<String>), String> {
@@ -160,9 +160,9 @@ pub fn program_from_template(
     Ok((decoder, shlex::split(text).unwrap_or_default()))
 }
 
-/// Creates the program for a command, or the built-in reference if the command is empty. Also returns the words of the
-/// command for the report.
-pub fn program(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
+/// Returns the decoder that `command` runs, or the built-in reference if the command is empty, and the words of its command line
+/// for the report.
+pub fn decoder_for_command(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
     let mut command = command.to_vec();
     if command.is_empty() {
         let program = std::env::current_exe();

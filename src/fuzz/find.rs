@@ -64,7 +64,7 @@ impl KnownDecoder<'_> {
             name: &question.case.id,
             view: &question.view,
             file: &question.built.file,
-            largest_frame: 72 * texels.unwrap_or(0) + question.built.file.len(),
+            max_frame_bytes: 72 * texels.unwrap_or(0) + question.built.file.len(),
             timeout_factor: 1,
             needs_new_process: false,
         };

@@ -255,7 +255,7 @@ impl<'a> Fields<'a> {
         self.fields_of_clause(clause).map(number).collect()
     }
 
-    /// Reads 2.9.1–2.9.5.
+    /// Copies the compression parameters (2.9.1–2.9.5) to `recipe`. Returns `None` if one of them cannot be read.
     fn read_plan(&self, recipe: &mut Recipe) -> Option<()> {
         let count = recipe.format.channels();
         let motion: Vec<i32> = self.numbers("2.9.3/1")?;

@@ -139,7 +139,7 @@ mod tests {
             name: "a",
             view: &view,
             file: b"PTM",
-            largest_frame: 30,
+            max_frame_bytes: 30,
             timeout_factor: 1,
             needs_new_process: false,
         });

@@ -60,7 +60,7 @@ pub struct Request<'a, V = View> {
     /// Contents of the file.
     pub file: &'a [u8],
     /// Maximum size of a frame of the file, in bytes.
-    pub largest_frame: usize,
+    pub max_frame_bytes: usize,
     /// Factor for the timeout. The first call may have to warm up.
     pub timeout_factor: u32,
     /// True to use a new process, even in serve mode.
@@ -70,7 +70,7 @@ pub struct Request<'a, V = View> {
 impl<V> Request<'_, V> {
     /// Returns the maximum number of bytes to read from an answer.
     pub(crate) fn max_answer_bytes(&self) -> usize {
-        4 * self.largest_frame + 65_536
+        4 * self.max_frame_bytes + 65_536
     }
 }
 

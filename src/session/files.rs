@@ -78,7 +78,7 @@ pub fn check_file(
             name,
             view,
             file,
-            largest_frame: texels * 72,
+            max_frame_bytes: texels * 72,
             timeout_factor: 3,
             needs_new_process: true,
         };

@@ -77,7 +77,7 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
             name: "lit-scene",
             view: &asked,
             file: &file,
-            largest_frame: (SIDE * SIDE) as usize * 18 * 4,
+            max_frame_bytes: (SIDE * SIDE) as usize * 18 * 4,
             timeout_factor: 1,
             needs_new_process: false,
         };

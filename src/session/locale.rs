@@ -67,7 +67,7 @@ pub fn difference(
             name: &case.id,
             view,
             file: &case.build(run.table).file,
-            largest_frame: frame.samples.bytes(),
+            max_frame_bytes: frame.samples.bytes(),
             timeout_factor: 1,
             needs_new_process: true,
         };

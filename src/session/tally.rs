@@ -27,7 +27,7 @@ pub(super) struct HangWatch {
 }
 
 impl HangWatch {
-    /// Watches the files at these indices, in ascending order.
+    /// Creates a watch for the legal files at these indices, which must be in ascending order.
     pub fn new(legal: Vec<usize>) -> HangWatch {
         HangWatch {
             hung: Mutex::new(vec![None; legal.len()]),

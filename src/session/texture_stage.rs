@@ -13,7 +13,7 @@ pub fn ask(
     request: &Request<'_, TextureView>,
     scratch: &Scratch,
 ) -> Reply<Value> {
-    let result = decoder.invoke(request, "case.json", request.largest_frame, scratch);
+    let result = decoder.invoke(request, "case.json", request.max_frame_bytes, scratch);
     result.into_reply(|bytes| match serde_json::from_slice::<Value>(bytes) {
         Ok(value) if value.is_object() => Ok(value),
         Ok(other) => Err(format!("expected a JSON object, found {other}")),

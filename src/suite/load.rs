@@ -67,8 +67,9 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Invalid cases without their first lines, and the errors; `MAKE` stands for the keys of an image.
-    const ERRORS: &str = r#"
+    /// Bodies of invalid cases, each with the start of its error. `MAKE` expands to the keys of a generated image, and `↵` to a line
+    /// feed.
+    const INVALID_CASES: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`
   expcet: decode => line 4: unknown field `expcet`
   expect: decode↵  first: yes => line 5: invalid type
@@ -84,7 +85,7 @@ MAKE  views: [coefs] => line 1: case a:
     #[test]
     fn meaningless_cases_are_refused_with_file_and_line() {
         const MAKE: &str = "  expect: decode↵  make:↵    format: RGB↵    size: 3x2↵";
-        for row in ERRORS.trim_matches('\n').lines() {
+        for row in INVALID_CASES.trim_matches('\n').lines() {
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = text.replace("MAKE", MAKE).replace('↵', "\n");
             let text = format!("- id: a\n  clauses: [2.1/1]\n  because: It is.\n{text}\n");

@@ -55,7 +55,7 @@ impl Calls<'_> {
             view,
             file,
             // All output is examined: an f64 for each byte of the file, and more.
-            largest_frame: file.len().max(1 << 12) * 18,
+            max_frame_bytes: file.len().max(1 << 12) * 18,
             timeout_factor: 1,
             needs_new_process: true,
         };

@@ -30,7 +30,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[(
     "a row of an example that continues",
 )];
 
-/// Returns the text of a comment, or a line of a document without code.
+/// Returns the text of a comment line, or a line of a document if it contains no code.
 fn prose(is_rust: bool, line: &str) -> Option<&str> {
     let line = line.trim_start();
     match is_rust {

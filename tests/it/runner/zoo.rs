@@ -1,5 +1,4 @@
-//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory
-//! may remain.
+//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may remain.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -130,8 +129,7 @@ fn faulty(table: &str) -> Vec<FaultyDecoder> {
 /// Number of runs so far, which distinguishes the processes of different runs.
 static RUN_COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Checks a faulty decoder: the verdict must be exact, and nothing may remain. Returns the peak memory of the
-/// harness in KiB.
+/// Checks a faulty decoder: the verdict must be exact, and nothing may remain. Returns the peak memory of the harness in KiB.
 #[track_caller]
 fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     let here = Workspace::new();
