@@ -49,7 +49,7 @@ impl Draft {
     /// Generates a legal file.
     ///
     /// # Errors
-    /// If `u` has no bytes left.
+    /// Returns an error if `u` has no bytes left.
     pub fn draw(u: &mut Unstructured) -> Result<Draft> {
         let format = *u.choose(&Format::ALL)?;
         let (width, height) = draw_size(format, u)?;
@@ -307,7 +307,7 @@ impl Draft {
     /// Returns the case. A damaged file has two cases: its twin `ID-whole`, and itself.
     ///
     /// # Errors
-    /// The reason why the file cannot be written.
+    /// Returns the reason why the file cannot be written.
     pub fn cases(&self, id: &str) -> std::result::Result<Vec<Case>, String> {
         let suite = Suite::from_files(&[(id, &self.to_yaml(id, "drawn at random"))])?;
         Ok(suite.cases)

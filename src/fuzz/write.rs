@@ -18,7 +18,7 @@ const MAX_SHOWN: usize = 24;
 /// (cause, difference, annotated bytes) into `directory`. Returns `NAME`.
 ///
 /// # Errors
-/// Errors of the file system.
+/// Returns an error if a file cannot be written.
 pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<String> {
     fs::create_dir_all(directory)?;
     let name: String = slug(&find.cause.name()).chars().take(60).collect();

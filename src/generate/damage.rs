@@ -99,7 +99,7 @@ impl Damage {
     /// Returns the edited file.
     ///
     /// # Errors
-    /// The reason, if the file lacks what the edit changes.
+    /// Returns the reason if the file lacks the places that the damage edits.
     pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = Named { written, model };

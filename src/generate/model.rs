@@ -59,7 +59,7 @@ impl Model {
     /// decoder returns.
     ///
     /// # Errors
-    /// If the map has more distinct texels than a table can have entries.
+    /// Returns an error if the map has more distinct texels than a table can have entries.
     pub fn new(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
         let mut model = Model::uncompressed(recipe, samples.to_vec());
         if recipe.format.coding().is_some() {

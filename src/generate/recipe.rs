@@ -113,7 +113,7 @@ impl Recipe {
     /// Checks that this recipe can be written.
     ///
     /// # Errors
-    /// The reason why it cannot be written.
+    /// Returns the reason why the recipe cannot be written.
     pub fn check(&self) -> Result<(), String> {
         if self.format.coding().is_some() {
             self.compression.check(self.size)?;

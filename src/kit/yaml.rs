@@ -27,7 +27,7 @@ const MAX_DEPTH: usize = 16;
 /// Reads a text file that the user named.
 ///
 /// # Errors
-/// Returns a sentence that names the file.
+/// Returns a message that names the file.
 #[expect(
     clippy::naive_bytecount,
     reason = "files are small where bytes are counted"
@@ -59,7 +59,7 @@ pub fn read_text(path: &Path) -> Result<String, String> {
 /// Parses a single value.
 ///
 /// # Errors
-/// Returns a sentence that names the line.
+/// Returns a message that names the offending line.
 pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(&parse(text)?).map_err(|error| error.to_string())
 }
@@ -67,7 +67,7 @@ pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
 /// Parses a list of records, each with its first line. An empty file is an empty list.
 ///
 /// # Errors
-/// Returns a sentence that names the line.
+/// Returns a message that names the offending line.
 pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, String> {
     let Node { line, value } = parse(text)?;
     let nodes = match value {

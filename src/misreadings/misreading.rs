@@ -82,7 +82,7 @@ struct MisreadingRecord {
 /// The texts are never freed, because each catalog is created only once.
 ///
 /// # Errors
-/// Returns a sentence that names the line.
+/// Returns a message that names the offending line.
 pub(crate) fn load_catalog<A>(
     yaml: &str,
     step_of: impl Fn(&str) -> Option<A>,

@@ -54,7 +54,7 @@ impl Capabilities {
     /// Parses the output of `DECODER capabilities`.
     ///
     /// # Errors
-    /// The reason why the output is not a valid declaration.
+    /// Returns the reason why the output is not a valid declaration.
     pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
         let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
         let record: CapabilitiesRecord =

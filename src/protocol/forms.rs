@@ -9,7 +9,7 @@ use crate::protocol::frame::{Frame, View};
 /// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `most` bytes.
 ///
 /// # Errors
-/// The reason why `bytes` is not a valid response.
+/// Returns the reason why `bytes` is not a valid response.
 pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))

@@ -351,7 +351,7 @@ impl Frame {
     /// Writes the PTM1 line and the samples.
     ///
     /// # Errors
-    /// Errors of `out`.
+    /// Returns an error if `out` cannot be written.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         self.write_line(self.height, out)?;
         self.write_samples(out)
@@ -385,7 +385,7 @@ impl Frame {
     /// Parses exactly one frame.
     ///
     /// # Errors
-    /// The reason why `bytes` is not a frame.
+    /// Returns the reason why `bytes` is not a frame.
     pub fn read(bytes: &[u8]) -> Result<Frame, String> {
         if bytes.is_empty() {
             return Err("standard output is empty".to_owned());
@@ -475,7 +475,7 @@ impl Frame {
 /// Writes the frame of a map in `view` in pieces, so that the whole frame is never in memory.
 ///
 /// # Errors
-/// Errors of `out`.
+/// Returns an error if `out` cannot be written.
 pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::render(&piece, view);
@@ -518,7 +518,7 @@ impl<T> Answer<T> {
     /// Returns the decoded value, or converts any other answer to another type.
     ///
     /// # Errors
-    /// Any answer other than [`Answer::Decoded`].
+    /// Returns any answer other than [`Answer::Decoded`].
     pub fn decoded<U>(self) -> Result<T, Answer<U>> {
         Err(match self {
             Answer::Decoded(decoded) => return Ok(decoded),

@@ -75,7 +75,7 @@ pub fn profiles() -> &'static [ReaderProfile] {
 /// Parses a file such as `readers.yaml`.
 ///
 /// # Errors
-/// A sentence that names the line or the reader at fault.
+/// Returns a message that names the offending line or reader.
 pub fn profiles_of(text: &str) -> Result<Vec<ReaderProfile>, String> {
     let records = yaml::records::<ReaderProfile>(text)?;
     let profiles: Vec<ReaderProfile> = records.into_iter().map(|(_, profile)| profile).collect();

@@ -11,7 +11,7 @@ impl Decoder {
     /// Queries the capabilities of the decoder. An error is not a failure of the decoder, because the command is optional.
     ///
     /// # Errors
-    /// Returns a sentence that describes the response if it is not a list of capabilities.
+    /// Returns a message that describes the response if it is not a list of capabilities.
     pub fn capabilities(&self, scratch: &Scratch) -> Result<Capabilities, String> {
         Capabilities::read(&self.run_with_argument("capabilities", MAX_ANSWER_BYTES, scratch)?)
     }

@@ -59,7 +59,7 @@ pub(crate) fn is_file_size_limited_by_environment() -> bool {
 /// Starts a process and registers it, so that it does not count as an orphan.
 ///
 /// # Errors
-/// Returns an error of the system.
+/// Returns an error if the system cannot start the process.
 pub fn start(command: &mut Command) -> io::Result<Child> {
     let _starting = START_LOCK.read().unwrap_or_else(PoisonError::into_inner);
     let child = command.spawn()?;

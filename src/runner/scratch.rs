@@ -40,7 +40,7 @@ impl Scratch {
     /// on other file systems, for files that do not fit.
     ///
     /// # Errors
-    /// Returns an error of the file system if no directory can be created.
+    /// Returns an error if no directory can be created.
     pub fn new() -> io::Result<Scratch> {
         let usual = std::env::temp_dir();
         let others = ["/var/tmp", "/tmp"].map(PathBuf::from);

@@ -42,7 +42,7 @@ impl Template {
     /// Parses a template. Words that name existing files become absolute paths, because each call runs in a separate directory.
     ///
     /// # Errors
-    /// Returns a sentence that describes the error in the template.
+    /// Returns a message that describes the error in the template.
     pub fn parse(text: &str) -> Result<Template, String> {
         let template = Template::split(text, &[])?;
         if !template.pieces().any(|piece| *piece == TemplatePiece::In) {
@@ -57,7 +57,7 @@ impl Template {
     /// Parses a template for a program that writes `{out}`. The other placeholders are `{in}` and `names`.
     ///
     /// # Errors
-    /// Returns a sentence that describes the error in the template.
+    /// Returns a message that describes the error in the template.
     pub fn parse_for_writer(text: &str, names: &[&str]) -> Result<Template, String> {
         let template = Template::split(text, names)?;
         if template.outputs().count() != 1 {

@@ -65,7 +65,7 @@ const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 /// the number of requests.
 ///
 /// # Errors
-/// Errors of the file system, with the path.
+/// Returns an error with the path of a file that cannot be written.
 pub fn export(
     suite: &Suite,
     view: &str,
@@ -118,7 +118,7 @@ impl Outputs {
     /// Reads a directory that [`export`] has made. `matches` is true if a pattern matches an id.
     ///
     /// # Errors
-    /// A sentence that names the file, and the line at fault if there is one.
+    /// Returns a message that names the file and, if there is one, the offending line.
     pub fn open(
         directory: &Path,
         suite: &Suite,

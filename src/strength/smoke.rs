@@ -15,7 +15,7 @@ const SMOKE_LIST: &str = include_str!("../../spec-cases/smoke.yaml");
 /// Returns the ids of the cases in the subset.
 ///
 /// # Errors
-/// Returns a sentence that names the faulty line.
+/// Returns a message that names the offending line.
 pub fn ids() -> Result<Vec<String>, String> {
     from_yaml(SMOKE_LIST).map_err(|error| format!("smoke.yaml: {error}"))
 }

@@ -93,7 +93,7 @@ pub fn section_of(clause: &str) -> &str {
 /// Returns all clauses, in the order of the text.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// Returns a message that names the offending line.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     let files = embedded!["spec-cases", "clauses.yaml", "clauses-2.9.yaml"];
     let read = |(name, text): &(&str, &str)| {
@@ -106,7 +106,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// Returns all rulings.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// Returns a message that names the offending line.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
     from_yaml(include_str!("../../spec-cases/rulings.yaml"))
         .map_err(|error| format!("rulings.yaml: {error}"))

@@ -85,7 +85,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
 /// The output does not depend on `jobs`.
 ///
 /// # Errors
-/// Errors of the file system, with the path.
+/// Returns an error with the path of a file that cannot be written.
 pub fn write(
     suite: &Suite,
     directory: &Path,

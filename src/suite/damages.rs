@@ -27,7 +27,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
 /// Returns all damages, in the order of the file.
 ///
 /// # Errors
-/// A sentence that names the line at fault.
+/// Returns a message that names the offending line.
 pub fn damages() -> Result<&'static [Damage], String> {
     DAMAGES.as_deref().map_err(Clone::clone)
 }
@@ -35,7 +35,7 @@ pub fn damages() -> Result<&'static [Damage], String> {
 /// Returns the damage with the given name.
 ///
 /// # Errors
-/// If no damage has that name.
+/// Returns an error if no damage has that name.
 pub fn find(name: &str) -> Result<&'static Damage, String> {
     let found = damages()?.iter().find(|damage| damage.name == name);
     found.ok_or_else(|| format!("unknown damage {name:?}"))

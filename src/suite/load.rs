@@ -30,7 +30,7 @@ impl Suite {
     /// Loads the suite that is embedded in the program.
     ///
     /// # Errors
-    /// A sentence that names the file and the line or case at fault.
+    /// Returns a message that names the file and the offending line or case.
     pub fn load() -> Result<Suite, String> {
         Suite::from_files(FILES)
     }
@@ -38,7 +38,7 @@ impl Suite {
     /// Builds a suite from case files, given as names and texts.
     ///
     /// # Errors
-    /// A sentence that names the file and the line or case at fault.
+    /// Returns a message that names the file and the offending line or case.
     pub fn from_files(files: &[(&str, &str)]) -> Result<Suite, String> {
         let mut cases: Vec<Case> = Vec::new();
         let mut places: HashMap<String, usize> = HashMap::new();

@@ -96,7 +96,7 @@ impl Suite<TextureCase> {
     /// Loads the embedded suite of texture questions.
     ///
     /// # Errors
-    /// A sentence that names the file and the error.
+    /// Returns a message that names the file and the error.
     pub fn load_texture() -> Result<Suite<TextureCase>, String> {
         let read = |(name, text): &(&str, &str)| {
             cases_of(text).map_err(|error| format!("{name}: {error}"))
@@ -111,7 +111,7 @@ impl Suite<TextureCase> {
 /// Parses a case file: a list, or a document whose `cases` are a list.
 ///
 /// # Errors
-/// The error and its location.
+/// Returns the error and its location.
 pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
     let file: Value = from_yaml(text)?;
     let cases = match file {
@@ -144,7 +144,7 @@ impl TextureCase {
     /// Returns the parsed question.
     ///
     /// # Errors
-    /// If the case is not a question.
+    /// Returns an error if the case is not a question.
     pub fn read(&self) -> Result<&Question, Refusal> {
         let read = || Question::from_value(&self.question());
         self.read.get_or_init(read).as_ref().map_err(Refusal::clone)
@@ -154,7 +154,7 @@ impl TextureCase {
 /// Returns the requirements of the chapter.
 ///
 /// # Errors
-/// A sentence that names the error in the file.
+/// Returns a message that names the error in the file.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     from_yaml(include_str!("../../../spec-cases/texture/clauses.yaml"))
         .map_err(|error| format!("texture/clauses.yaml: {error}"))
@@ -163,7 +163,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// Returns the rulings.
 ///
 /// # Errors
-/// A sentence that names the error in the file.
+/// Returns a message that names the error in the file.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
     from_yaml(include_str!("../../../spec-cases/texture/rulings.yaml"))
         .map_err(|error| format!("texture/rulings.yaml: {error}"))

@@ -71,7 +71,7 @@ impl Question {
     /// Parses a question from the bytes of a file.
     ///
     /// # Errors
-    /// [`Refusal::Unsupported`] for an unknown op, else [`Refusal::Malformed`]; both name the place.
+    /// Returns [`Refusal::Unsupported`] for an unknown op, otherwise [`Refusal::Malformed`]. Both name the position.
     pub fn read(file: &[u8]) -> Result<Question, Refusal> {
         let value: Value =
             serde_json::from_slice(file).map_err(|error| Refusal::Malformed(error.to_string()))?;
@@ -81,7 +81,7 @@ impl Question {
     /// Parses a question from its JSON value.
     ///
     /// # Errors
-    /// The errors of [`Question::read`].
+    /// Returns the errors of [`Question::read`].
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
         let op = value["op"]
             .as_str()
@@ -100,7 +100,7 @@ impl Question {
     /// Computes the answer under `rules`, a JSON object.
     ///
     /// # Errors
-    /// If the question is malformed or not supported.
+    /// Returns an error if the question is malformed or not supported.
     pub fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
         self.0.answer(rules).or_else(|reason| match reason {
             Unanswered::Refused(refusal) => Err(refusal),
