@@ -209,7 +209,9 @@ mod tests {
     ];
 
     fn reading(alternative: Option<Alternative>) -> Reading {
-        alternative.map_or(Reading::SPEC, |alternative| Reading::SPEC.with(alternative))
+        alternative.map_or(Reading::SPEC, |alternative| {
+            Reading::SPEC.with_alternative(alternative)
+        })
     }
 
     #[test]

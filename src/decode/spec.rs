@@ -70,7 +70,7 @@ impl Reading {
 
     /// Returns this reading with one decision replaced.
     #[must_use]
-    pub const fn with(mut self, alternative: Alternative) -> Reading {
+    pub const fn with_alternative(mut self, alternative: Alternative) -> Reading {
         self.set(alternative);
         self
     }

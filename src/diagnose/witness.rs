@@ -382,7 +382,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     });
     let reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
     let reading = match run.table.newline {
-        true => reading.with(Alternative::NewlineAfterTable),
+        true => reading.with_alternative(Alternative::NewlineAfterTable),
         false => reading,
     };
     Reading {

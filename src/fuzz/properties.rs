@@ -51,7 +51,11 @@ pub fn file(bytes: &[u8]) {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
         CHOICES.apply(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
     });
-    for reading in [first, second.with(Alternative::NewlineAfterTable), third] {
+    for reading in [
+        first,
+        second.with_alternative(Alternative::NewlineAfterTable),
+        third,
+    ] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
                 assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");

@@ -19,7 +19,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::decode::Stored;
 use crate::formula::{self, Edits};
-use crate::ptm::Ptm;
+use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
 
 /// Exit status of a decoder for a malformed file (`EX_DATAERR`).
@@ -353,7 +353,8 @@ impl Frame {
     /// # Errors
     /// Returns an error if `out` cannot be written.
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        self.write_line(self.height, out)?;
+        let (width, height) = (self.width, self.height);
+        self.write_line(Size { width, height }, out)?;
         self.write_samples(out)
     }
 
@@ -366,9 +367,9 @@ impl Frame {
         bytes
     }
 
-    /// Writes the PTM1 line of a frame of the given height.
-    fn write_line(&self, height: u32, out: &mut impl Write) -> io::Result<()> {
-        let (view, width, channels) = (self.view, self.width, self.channels);
+    /// Writes the PTM1 line of a frame of the given size, of which this frame may be a piece.
+    fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
+        let (view, channels, Size { width, height }) = (self.view, self.channels, size);
         let kind = self.samples.sample_type();
         writeln!(out, "PTM1 {view} {width} {height} {channels} {kind}")
     }
@@ -480,7 +481,7 @@ pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Re
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::render(&piece, view);
         if i == 0 {
-            frame.write_line(map.header.size.height, out)?;
+            frame.write_line(map.header.size, out)?;
         }
         frame.write_samples(out)?;
     }

@@ -82,7 +82,7 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
         None => "the number alone",
     };
     findings.add(Problem::ChoiceLutCount, Role::Count, spelled);
-    let with_newline = Reading::SPEC.with(Alternative::NewlineAfterTable);
+    let with_newline = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let found = format!("for a reader that expects a line feed, {difference}");
         findings.add(Problem::ChoiceLutNewline, Role::Indices, found);

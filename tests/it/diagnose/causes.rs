@@ -305,7 +305,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
 /// Checks misreadings of a decoder whose choice for an open question differs from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite().prepared();
-    let reading = Reading::SPEC.with(Alternative::NewlineAfterTable);
+    let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     let run = |mistake| {
         run_all(&suite, |request| {
             misreadings::answer(&[mistake], reading, request.file, request.view)

@@ -153,7 +153,7 @@ fn eight_merged_shards_equal_the_whole_run() {
     // Mixes two dialects.
     assert_same_report(&suite, &|request| {
         let reading = match is_drawn(request, 2) {
-            true => Reading::SPEC.with(Alternative::MotionMinus),
+            true => Reading::SPEC.with_alternative(Alternative::MotionMinus),
             false => Reading::SPEC,
         };
         answer(&[], reading, request.file, request.view)
