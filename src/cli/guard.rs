@@ -39,10 +39,8 @@ impl ScratchGuard {
                 .process_group(0);
             processes::start(&mut command)
         });
-        Ok(ScratchGuard {
-            scratch,
-            watcher: watcher.ok(),
-        })
+        let watcher = watcher.ok();
+        Ok(ScratchGuard { scratch, watcher })
     }
 }
 
