@@ -56,9 +56,8 @@ impl LimitArgs {
             false => "not limited, because this system has no /proc".to_owned(),
         };
         let time = format!("{seconds} s per call, three times as much for the first");
-        [("wall-clock time", time), ("memory", memory)]
-            .map(|(of, says)| format!("{of}: {says}"))
-            .into()
+        let limits = [("wall-clock time", time), ("memory", memory)];
+        Vec::from(limits.map(|(of, says)| format!("{of}: {says}")))
     }
 }
 

@@ -75,7 +75,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         most => format!("stored values differ by at most {most}"),
     };
     if let Some(entries) = converted.entries {
-        losses += &format!(", {entries} table entries");
+        losses = format!("{losses}, {entries} table entries");
     }
     output::print_note(&format!(
         "{output}: {source} -> {format}, {before} -> {after} bytes, {losses}\n"

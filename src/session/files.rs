@@ -275,12 +275,9 @@ impl FilesReport {
             }
             text.extend(result.says.iter().map(|says| format!("; {says}")));
             text.push('\n');
-            text.extend(
-                result
-                    .relations
-                    .iter()
-                    .map(|relation| format!("  {relation}\n")),
-            );
+            for relation in &result.relations {
+                let _ = writeln!(text, "  {relation}");
+            }
         }
         let _ = writeln!(text, "{}: {} files", self.verdict, self.files.len());
         text

@@ -32,12 +32,8 @@ pub struct Judgement<C: TestCase = Case> {
 impl<C: TestCase> Judgement<C> {
     /// Returns the indices of the cases with this outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
-        let is_so = move |place: &usize| {
-            self.cases[*place]
-                .as_ref()
-                .is_some_and(|of| of.outcome == outcome)
-        };
-        (0..self.cases.len()).filter(is_so)
+        let judged = self.cases.iter().enumerate();
+        judged.filter_map(move |(i, of)| (of.as_ref()?.outcome == outcome).then_some(i))
     }
 }
 

@@ -61,11 +61,8 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     };
     let asked: View = asked.parse().expect("a view");
     // lut-count: a decoder may support only one spelling of the count.
-    let spellings = if format.has_table() {
-        Count::ALL.len()
-    } else {
-        1
-    };
+    let all = Count::ALL.len();
+    let spellings = if format.has_table() { all } else { 1 };
     Count::ALL[..spellings].iter().find_map(|&count| {
         let file = file(format, count);
         let largest_frame = (SIDE * SIDE) as usize * 18 * 4;
@@ -101,11 +98,11 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
             planes.samples.clone_from(bytes);
             Some(render_scene(&Ptm { header, planes }.coefficients()))
         }
-        Samples::F32(values) => Some(render_scene(&Coefficients {
-            size: planes.size,
-            shape: planes.shape,
-            values: values.iter().map(|&value| f64::from(value)).collect(),
-        })),
+        Samples::F32(values) => {
+            let mut scene = Ptm { header, planes }.coefficients();
+            scene.values = values.iter().map(|&value| value.into()).collect();
+            Some(render_scene(&scene))
+        }
     }
 }
 

@@ -274,16 +274,11 @@ impl<C: TestCase> Run<C> {
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
         let count = |outcome: Outcome| self.judgement.with_outcome(outcome).count();
-        let judged = suite.cases.iter().zip(&self.judgement.cases);
-        let judged = judged.filter(|(_, judged)| judged.is_some());
-        let features = |case: &C| {
-            case.views()
-                .iter()
-                .flat_map(|view| case.features(view))
-                .collect()
-        };
-        let features: Vec<Vec<C::Feature>> = judged.map(|(case, _)| features(case)).collect();
-        let features: BTreeSet<C::Feature> = features.concat().into_iter().collect();
+        let mut features: BTreeSet<C::Feature> = BTreeSet::new();
+        for (case, _) in (suite.cases.iter().zip(&self.judgement.cases)).filter(|of| of.1.is_some())
+        {
+            features.extend(case.views().iter().flat_map(|view| case.features(view)));
+        }
         let passed = count(Outcome::Pass);
         let decoded = self.judgement.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };

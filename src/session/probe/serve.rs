@@ -197,12 +197,8 @@ impl<'a> Dialog<'a> {
         let end = output.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
-        let wrong = |name| {
-            Some(Served::Wrong(fault(
-                name,
-                &[("line", &format!("{line:?}"))],
-            )))
-        };
+        let shown = format!("{line:?}");
+        let wrong = |name| Some(Served::Wrong(fault(name, &[("line", &shown)])));
         let size = match words[..] {
             [_, "ok", size] => match size.parse() {
                 Ok(size @ 0..=MAX_ANSWER) => size,

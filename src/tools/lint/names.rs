@@ -43,7 +43,7 @@ pub fn as_uri(name: &OsStr) -> String {
                 out.push(byte.into());
             }
             b'\\' if cfg!(windows) => out.push('/'),
-            _ => out += &format!("%{byte:02X}"),
+            _ => out.extend(format!("%{byte:02X}").chars()),
         }
     }
     out

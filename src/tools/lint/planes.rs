@@ -57,7 +57,7 @@ pub(super) fn diagnose_errors(findings: &mut Findings) {
         {
             let problem = match error.fault {
                 StreamFault::Unsupported => Problem::StreamKind,
-                _ => stream_problem(coding, stream, size),
+                StreamFault::Malformed => stream_problem(coding, stream, size),
             };
             let at = dissection.start(Role::Stream(plane)) + error.offset;
             findings.add_at(problem, at, format!("plane {plane}: {}", error.what));
