@@ -6,21 +6,18 @@ use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
-    Duration::try_from_secs_f64(seconds)
-        .ok()
-        .filter(|time| !time.is_zero())
-        .ok_or_else(|| "expected a positive number of seconds".to_owned())
+    match Duration::try_from_secs_f64(seconds) {
+        Ok(time) if !time.is_zero() => Ok(time),
+        _ => Err("expected a positive number of seconds".to_owned()),
+    }
 }
 
 /// Parses an exit status that may mean a refusal. Rejects 0 and 69, which have other meanings.
 pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = text.parse().ok();
     let status = status.filter(|n| (1..=255).contains(n) && *n != EXIT_UNSUPPORTED);
-    status.ok_or_else(|| {
-        format!(
-            "expected an exit status from 1 to 255 other than {EXIT_UNSUPPORTED}, found {text:?}"
-        )
-    })
+    let expected = "expected an exit status from 1 to 255 other than";
+    status.ok_or_else(|| format!("{expected} {EXIT_UNSUPPORTED}, found {text:?}"))
 }
 
 /// Parses a number of bytes with an optional suffix K, M or G.

@@ -11,6 +11,9 @@ use super::arguments::{parse_refusal, parse_size, positive_seconds};
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 
+/// Flag that is set when the user ends a run.
+pub type Stop = Arc<AtomicBool>;
+
 /// Options for running a suite.
 #[derive(Args)]
 #[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit of a call; the first call gets three times as much")))]
@@ -38,11 +41,7 @@ pub struct LimitArgs {
 
 impl LimitArgs {
     /// Applies the limits to a program, and makes it stop when `stop` is set.
-    pub fn apply_limits(
-        &self,
-        program: &mut Decoder,
-        stop: &Arc<AtomicBool>,
-    ) -> Result<(), String> {
+    pub fn apply_limits(&self, program: &mut Decoder, stop: &Stop) -> Result<(), String> {
         program.timeout = positive_seconds(self.timeout)?;
         program.memory = self.memory;
         program.stop = Arc::clone(stop);
@@ -53,16 +52,12 @@ impl LimitArgs {
     pub fn describe_limits(&self) -> Vec<String> {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_inspect_processes() {
-            true => {
-                format!(
-                    "memory: {size} MiB for the resident sets of all processes of a call, sampled"
-                )
-            }
-            false => "memory: not limited, because this system has no /proc".to_owned(),
+            true => format!("{size} MiB for the resident sets of all processes of a call, sampled"),
+            false => "not limited, because this system has no /proc".to_owned(),
         };
-        let time =
-            format!("wall-clock time: {seconds} s per call, three times as much for the first");
-        vec![time, memory]
+        let time = format!("{seconds} s per call, three times as much for the first");
+        let limits = [("wall-clock time", time), ("memory", memory)];
+        Vec::from(limits.map(|(of, says)| format!("{of}: {says}")))
     }
 }
 
@@ -78,7 +73,7 @@ pub struct CallArgs {
 
 impl CallArgs {
     /// Creates the decoder for `command`. Its calls end when `stop` is set.
-    pub fn decoder(&self, command: &[OsString], stop: &Arc<AtomicBool>) -> Result<Decoder, String> {
+    pub fn decoder(&self, command: &[OsString], stop: &Stop) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
         self.limits.apply_limits(&mut decoder, stop)?;

@@ -27,10 +27,10 @@ use ptm_conform::session::contact::Contact;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::probe::{ProbeStep, wrapper_faults};
 use ptm_conform::session::remark::Remark;
-use ptm_conform::session::run::Run;
 use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
 use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::texture::test_case::TextureView;
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -38,10 +38,8 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     let stop = stop_on_signals()?;
     processes::prepare();
     args.written.check(&args.run.report)?;
-    let is_reference = args.decoder.is_empty()
-        && args.cmd.is_none()
-        && args.outputs.is_none()
-        && args.caller.is_none();
+    let has_decoder = !args.decoder.is_empty() || args.cmd.is_some();
+    let is_reference = !has_decoder && args.outputs.is_none() && args.caller.is_none();
     if is_reference {
         print("No decoder is given: checking the built-in reference.\n");
     }
@@ -50,9 +48,8 @@ pub fn run(args: &CheckArgs) -> CommandResult {
         _ => check_decoder(args, &stop),
     }?;
     if is_reference {
-        print(
-            "This was the built-in reference. To check a decoder: ptm-conform check ./my-decoder\n",
-        );
+        print("This was the built-in reference. ");
+        print("To check a decoder: ptm-conform check ./my-decoder\n");
     }
     Ok(status)
 }
@@ -67,8 +64,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let selected = args.select_cases(&suite, &among)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
-        find_misreadings(std::slice::from_ref(slug))
-            .map_err(|error| error + &did_you_mean(slug, slugs))?;
+        let known = find_misreadings(std::slice::from_ref(slug));
+        known.map_err(|error| error + &did_you_mean(slug, slugs))?;
     }
     let mut subject = Subject::new(args, &suite, stop)?;
     let guarded = ScratchGuard::new()?;
@@ -78,10 +75,23 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         return own_files::check(directory, &args.views, &args.run.report, decoder, scratch);
     }
     let serves = args.serve || capabilities.serves && !args.one_shot;
-    let plan = plan(args, &suite, selected, stop, &subject, serves)?.declared_by(&capabilities);
-    let servers = (subject.program())
-        .filter(|_| serves)
-        .map(|decoder| Servers::new(decoder, scratch, plan.jobs));
+    let precomputed = matches!(subject.answers, Answers::Precomputed(_));
+    let plan = RunPlan {
+        selected,
+        soonest: smoke::selection(&suite)?,
+        views: subject.views.clone(),
+        withheld: subject.withheld.clone(),
+        precomputed,
+        repeat: match (precomputed, serves) {
+            (true, _) => Repeat::Nothing,
+            (false, true) => Repeat::FailuresAndSample,
+            (false, false) => Repeat::Failures,
+        },
+        stop: Arc::clone(stop),
+        ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?).declared_by(&capabilities)
+    };
+    let served = subject.program().filter(|_| serves);
+    let servers = served.map(|decoder| Servers::new(decoder, scratch, plan.jobs));
     let ask = |request: &Request<'_>, job: usize| {
         let reply = match (&subject.answers, &servers) {
             (Answers::Precomputed(outputs), _) => outputs.ask(request),
@@ -100,7 +110,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     };
 
     let ending = ReportWriter::new(&suite, &args.run.report, &args.written)?;
-    let mut check = Check::new(&suite, &plan, circumstances, ending, args.shard)?;
+    let mut check = Check::new(&plan, circumstances, ending, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.faster = SERVE_MODE_IS_FASTER;
     }
@@ -124,12 +134,15 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let given_up = servers.filter(Servers::is_serve_mode_disabled);
     let notes = capabilities.remarks.iter();
     let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
-    let locale = locale_remark(&suite, &run, &subject, scratch);
+    // The answers may differ in a locale with a decimal comma, if the system has one.
+    let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
+    let locale = subject.program().filter(|_| whole).and_then(|decoder| {
+        let locale = locale::comma_locale()?;
+        locale::difference(&suite, &run, decoder, &locale, scratch).map(Remark::failure)
+    });
+    let given_up = given_up.map(|_| Remark::failure(SERVE_MODE_FAILED.to_owned()));
     let others = OtherRemarks {
-        before: given_up
-            .map(|_| Remark::failure(SERVE_MODE_FAILED.to_owned()))
-            .into_iter()
-            .collect(),
+        before: given_up.into_iter().collect(),
         after: notes.chain(locale).collect(),
     };
     let status = check.conclude(run, others)?;
@@ -174,6 +187,9 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let (mut decoder, words) = decoder_for_command(&args.decoder)?;
     args.run.calls.apply_limits(&mut decoder, stop)?;
     let guarded = ScratchGuard::new()?;
+    let ask = |request: &Request<'_, TextureView>, _: usize| {
+        texture_stage::ask(&decoder, request, &guarded.scratch)
+    };
     let run = ProgramRun {
         program: &decoder,
         words: &words,
@@ -182,29 +198,22 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         written: &args.written,
         shard: args.shard,
     };
-    run.check(
-        &suite,
-        selected,
-        &|request, _| texture_stage::ask(&decoder, request, &guarded.scratch),
-        &|_| (),
-    )
+    run.check(&suite, selected, &ask, &|_| ())
 }
 
 /// Returns an error if an option is given that does not apply to texture questions.
 fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
-    let options = [
-        ("--smoke", args.smoke),
-        ("--view", !args.views.is_empty()),
-        ("--serve", args.serve),
-        ("--assume", !args.assumed.is_empty()),
-        ("--cmd", args.cmd.is_some()),
-        ("--outputs", args.outputs.is_some()),
-        ("--files", args.files.is_some()),
-    ];
-    match options.into_iter().find(|&(_, given)| given) {
-        Some((option, _)) => Err(format!("{option} works only with the suite of PTM files")),
-        None => Ok(()),
-    }
+    let option = match args {
+        _ if args.smoke => "--smoke",
+        _ if !args.views.is_empty() => "--view",
+        _ if args.serve => "--serve",
+        _ if !args.assumed.is_empty() => "--assume",
+        _ if args.cmd.is_some() => "--cmd",
+        _ if args.outputs.is_some() => "--outputs",
+        _ if args.files.is_some() => "--files",
+        _ => return Ok(()),
+    };
+    Err(format!("{option} works only with the suite of PTM files"))
 }
 
 /// Requests the capabilities of a program. Most programs do not declare any.
@@ -215,39 +224,6 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
     let capabilities = decoder.capabilities(scratch).unwrap_or_default();
     decoder.reject_exit = args.reject_exit.or(capabilities.reject_exit);
     capabilities
-}
-
-fn plan(
-    args: &CheckArgs,
-    suite: &Suite,
-    selected: Vec<bool>,
-    stop: &Arc<AtomicBool>,
-    subject: &Subject,
-    serves: bool,
-) -> Result<RunPlan, String> {
-    let precomputed = matches!(subject.answers, Answers::Precomputed(_));
-    Ok(RunPlan {
-        selected,
-        soonest: smoke::selection(suite)?,
-        views: subject.views.clone(),
-        withheld: subject.withheld.clone(),
-        precomputed,
-        repeat: match (precomputed, serves) {
-            (true, _) => Repeat::Nothing,
-            (false, true) => Repeat::FailuresAndSample,
-            (false, false) => Repeat::Failures,
-        },
-        stop: Arc::clone(stop),
-        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
-    })
-}
-
-/// Returns a remark if the answers differ in a locale with a decimal comma. Returns `None` if the system has no such locale.
-fn locale_remark(suite: &Suite, run: &Run, subject: &Subject, scratch: &Scratch) -> Option<Remark> {
-    let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
-    let locale = locale::comma_locale().filter(|_| whole)?;
-    let differs = locale::difference(suite, run, subject.program()?, &locale, scratch);
-    differs.map(Remark::failure)
 }
 
 /// Reason why no case is requested from a decoder with a faulty wrapper.

@@ -129,16 +129,14 @@ impl CheckArgs {
     ) -> Result<Vec<bool>, CommandError> {
         let is_named = id_filter(&self.cases)?;
         let is_about = |clause: &String| {
-            self.clauses
-                .iter()
-                .any(|asked| is_at_or_below(clause, asked))
+            let mut asked = self.clauses.iter();
+            asked.any(|asked| is_at_or_below(clause, asked))
         };
+        let is_in_shard = |id: &str| self.shard.is_none_or(|shard| shard.contains_case(id));
         let matches = |case: &C| {
             is_named(case.id())
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
-                && self
-                    .shard
-                    .is_none_or(|shard| shard.contains_case(case.id()))
+                && is_in_shard(case.id())
         };
         let cases = suite.cases.iter().zip(also);
         let selected: Vec<bool> = cases.map(|(case, &also)| also && matches(case)).collect();

@@ -124,11 +124,10 @@ fn check<V: RequestValues>(
 impl CheckWriterArgs {
     /// Returns the writer with its limits applied, and its command line for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
-        let (mut writer, words) = if let Some(text) = &self.cmd {
-            decoder_from_template(text, Template::parse_for_writer(text, &VALUES))?
-        } else {
-            let (program, words) = decoder_for_command(&self.writer)?;
-            (program.as_writer(verb), words)
+        let (mut writer, words) = match &self.cmd {
+            Some(text) => decoder_from_template(text, Template::parse_for_writer(text, &VALUES))?,
+            None => decoder_for_command(&self.writer)
+                .map(|(program, words)| (program.as_writer(verb), words))?,
         };
         self.run.calls.apply_limits(&mut writer, stop)?;
         Ok((writer, words))
@@ -136,15 +135,13 @@ impl CheckWriterArgs {
 
     /// Describes the limits in force.
     fn limits(&self) -> Vec<String> {
+        let mut limits = self.run.calls.describe_limits();
         let others = [
             "the file: twice the bytes of its planes and 64 KiB; larger ones are not read",
             &format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
             "input: the request and its files are compared with their original bytes after the call",
         ];
-        [
-            self.run.calls.describe_limits(),
-            others.map(str::to_owned).into(),
-        ]
-        .concat()
+        limits.extend(others.map(str::to_owned));
+        limits
     }
 }

@@ -25,6 +25,9 @@ const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to the height.
 const SIZE_HEADER_LINES: usize = 4;
 
+/// Reason for skipping links in folders.
+const A_LINK: &str = "a symbolic link, which is not followed";
+
 /// Reason for skipping devices, sockets and pipes.
 const NOT_A_FILE: &str = "neither a file nor a folder";
 
@@ -41,18 +44,18 @@ pub enum WalkItem {
 /// Path of a file or folder. True if it is from a list; a path from the command line is read even if it is a pipe.
 pub type NamedPath = (PathBuf, bool);
 
-/// Iterator over the entries of a folder.
-type Entries = Box<dyn Iterator<Item = io::Result<(OsString, FileType)>> + Send>;
-
 /// Step of a walk: an item, or (as the error) a folder to enter.
 type WalkStep = Result<WalkItem, PathBuf>;
+
+/// Entry of a folder.
+type Entry = io::Result<(OsString, FileType)>;
 
 /// Returns the named files and the files in the named folders. Subfolders are included if `recursive` is true.
 pub fn walk(
     mut named: impl Iterator<Item = NamedPath> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = WalkItem> + Send {
-    let mut folders: Vec<(PathBuf, Entries)> = Vec::new();
+    let mut folders: Vec<(PathBuf, Box<dyn Iterator<Item = Entry> + Send>)> = Vec::new();
     std::iter::from_fn(move || {
         loop {
             let step = match folders.last_mut() {
@@ -90,28 +93,23 @@ fn classify_named_path((path, is_listed): NamedPath) -> WalkStep {
 }
 
 /// Classifies an entry of a folder.
-fn classify_entry(folder: &Path, entry: io::Result<(OsString, FileType)>) -> WalkStep {
-    match entry {
-        Ok((name, kind)) if kind.is_symlink() => {
-            let why = "a symbolic link, which is not followed";
-            Ok(WalkItem::Skipped(folder.join(name), why))
-        }
-        Ok((name, kind)) if kind.is_file() => Ok(WalkItem::File(folder.join(name))),
-        Ok((name, kind)) if kind.is_dir() => Err(folder.join(name)),
-        Ok((name, _)) => Ok(WalkItem::Skipped(folder.join(name), NOT_A_FILE)),
-        Err(error) => Ok(WalkItem::Unreadable(folder.to_owned(), error)),
+fn classify_entry(folder: &Path, entry: Entry) -> WalkStep {
+    let (path, kind) = match entry {
+        Ok((name, kind)) => (folder.join(name), kind),
+        Err(error) => return Ok(WalkItem::Unreadable(folder.to_owned(), error)),
+    };
+    match kind {
+        kind if kind.is_symlink() => Ok(WalkItem::Skipped(path, A_LINK)),
+        kind if kind.is_file() => Ok(WalkItem::File(path)),
+        kind if kind.is_dir() => Err(path),
+        _ => Ok(WalkItem::Skipped(path, NOT_A_FILE)),
     }
 }
 
 /// Returns the entries of a folder, sorted by name within chunks. The folder is closed as soon as all names are read, so a
 /// deep walk keeps few folders open.
-fn sorted_entries(
-    folder: ReadDir,
-) -> impl Iterator<Item = io::Result<(OsString, FileType)>> + Send {
-    let (mut folder, mut chunk) = (
-        Some(folder),
-        VecDeque::<io::Result<(OsString, FileType)>>::new(),
-    );
+fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = Entry> + Send {
+    let (mut folder, mut chunk) = (Some(folder), VecDeque::<Entry>::new());
     std::iter::from_fn(move || {
         if chunk.is_empty()
             && let Some(open) = &mut folder
@@ -139,10 +137,8 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     std::iter::from_fn(move || {
         loop {
             let mut line = Vec::new();
-            let read = list
-                .by_ref()
-                .take(MAX_PATH_BYTES)
-                .read_until(end, &mut line);
+            let mut most = list.by_ref().take(MAX_PATH_BYTES);
+            let read = most.read_until(end, &mut line);
             if !matches!(read, Ok(1..)) {
                 return None;
             }
@@ -164,10 +160,8 @@ pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
         return length.saturating_mul(2);
     }
     let head = &beginning[..beginning.len().min(SIZE_HEADER_BYTES)];
-    let mut line_ends = (1..).zip(head).filter(|&(_, &byte)| byte == b'\n');
-    let end = line_ends
-        .nth(SIZE_HEADER_LINES - 1)
-        .map_or(head.len(), |(end, _)| end);
+    let lines = head.split_inclusive(|&byte| byte == b'\n');
+    let end = lines.take(SIZE_HEADER_LINES).map(<[u8]>::len).sum();
     let head = Dissection::parse(&head[..end]);
     let texels = head.size.map_or(0, |size| size.texels() as u64);
     let planes = texels.saturating_mul(head.format.map_or(0, Format::channels) as u64);
@@ -185,11 +179,8 @@ pub struct MemoryPool {
 impl MemoryPool {
     /// Creates a pool of `all` bytes.
     pub fn new(all: u64) -> MemoryPool {
-        MemoryPool {
-            all,
-            left: Mutex::new(all),
-            freed: Condvar::new(),
-        }
+        let (left, freed) = (Mutex::new(all), Condvar::new());
+        MemoryPool { all, left, freed }
     }
 
     /// Runs `work` as soon as `bytes` are free. A request for more than the whole pool waits until all of it is free.

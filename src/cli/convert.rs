@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::{CommandError, CommandResult, files, output, readers};
 use ptm_conform::ptm::Format;
-use ptm_conform::tools::convert::{Converted, Target, convert};
+use ptm_conform::tools::convert::{Target, convert};
 use ptm_conform::tools::convert_for::convert_for;
 use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::repair::repair;
@@ -55,28 +55,28 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         quality: args.quality,
         loss: args.loss,
     });
-    target
-        .map_or(Ok(()), Target::check)
-        .map_err(|why| format!("--{why}"))?;
+    let checked = target.map_or(Ok(()), Target::check);
+    checked.map_err(|why| format!("--{why}"))?;
     let profiles = readers::load_profiles(None)?;
     let readers = readers::select_profiles(&profiles, &args.readers)?;
     let file = files::read(&args.file)?;
     let dissection = Dissection::parse(&file);
     let ptm = files::map(&args.file, &dissection)?;
     let converted = match target {
-        Some(target) => {
-            convert(&dissection, ptm, target).map(|converted| (target.format, converted))
-        }
+        Some(target) => convert(&dissection, ptm, target).map(|made| (target.format, made)),
         None => convert_for(&dissection, ptm, &readers),
     };
     let (format, converted) = converted.map_err(|why| CommandError::new(1, &why))?;
     files::write_atomically(&args.output, &converted.bytes)?;
     let (output, source) = (args.output.display(), ptm.header.format);
-    let (before, after, losses) = (
-        file.len(),
-        converted.bytes.len(),
-        describe_losses(&converted),
-    );
+    let (before, after) = (file.len(), converted.bytes.len());
+    let mut losses = match converted.largest {
+        0 => "without loss".to_owned(),
+        most => format!("stored values differ by at most {most}"),
+    };
+    if let Some(entries) = converted.entries {
+        losses = format!("{losses}, {entries} table entries");
+    }
     output::print_note(&format!(
         "{output}: {source} -> {format}, {before} -> {after} bytes, {losses}\n"
     ));
@@ -96,16 +96,6 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
         output::print_note(&format!("{output}: {change}\n"));
     }
     Ok(0)
-}
-
-fn describe_losses(converted: &Converted) -> String {
-    let loss = match converted.largest {
-        0 => "without loss".to_owned(),
-        most => format!("stored values differ by at most {most}"),
-    };
-    let entries = converted.entries;
-    let entries = entries.map(|entries| format!(", {entries} table entries"));
-    loss + &entries.unwrap_or_default()
 }
 
 fn parse_format(text: &str) -> Result<Format, String> {

@@ -36,10 +36,9 @@ pub fn run(args: &CoverageArgs) -> CommandResult {
     let jobs = jobs(args.jobs)?;
     let rows = with_progress(|progress| matrix(&suite, jobs, progress));
     let coverage = Coverage::new(&suite, &rows)?;
-    print(&if args.yaml {
-        to_yaml(&coverage)?
-    } else {
-        coverage.to_text(&suite)
+    print(&match args.yaml {
+        true => to_yaml(&coverage)?,
+        false => coverage.to_text(&suite),
     });
     if let Some(path) = &args.write_smoke {
         let chosen = smoke::choose_cases(&suite, &rows);

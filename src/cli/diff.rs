@@ -32,10 +32,8 @@ pub struct DiffArgs {
 pub fn run(args: &DiffArgs) -> CommandResult {
     let (a_file, b_file) = (files::read(&args.a)?, files::read(&args.b)?);
     let (a_anatomy, b_anatomy) = (Dissection::parse(&a_file), Dissection::parse(&b_file));
-    let maps = [
-        files::map(&args.a, &a_anatomy),
-        files::map(&args.b, &b_anatomy),
-    ];
+    let maps =
+        [(&args.a, &a_anatomy), (&args.b, &b_anatomy)].map(|(path, of)| files::map(path, of));
     let [Ok(a), Ok(b)] = maps else {
         for failed in maps.into_iter().filter_map(Result::err) {
             output::print_error(&failed.says);

@@ -1,7 +1,7 @@
 //! Driver of a run, shared by all suites: first contact, cases, verdicts, report, causes.
 
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -41,10 +41,9 @@ const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.
 pub struct Check<'a, C: Reported> {
-    suite: &'a Suite<C>,
     plan: &'a RunPlan,
     circumstances: Circumstances,
-    ending: ReportWriter<'a>,
+    ending: ReportWriter<'a, C>,
     /// File next to the report with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
@@ -57,22 +56,19 @@ pub struct Check<'a, C: Reported> {
 impl<'a, C: Reported> Check<'a, C> {
     /// Creates a run and the files that it writes.
     pub fn new(
-        suite: &'a Suite<C>,
         plan: &'a RunPlan,
         circumstances: Circumstances,
-        ending: ReportWriter<'a>,
+        ending: ReportWriter<'a, C>,
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
         let path = answers_path(ending.path);
-        let recorder =
-            shard.map(|shard| AnswerRecorder::new(&path).map(|recorder| (shard, recorder)));
+        let recorder = shard.map(|shard| Ok::<_, io::Error>((shard, AnswerRecorder::new(&path)?)));
         let recorder = recorder.transpose().map_err(with_path(&path))?;
         let mut partial = ending.path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
         let file = fs::File::create(&partial).map_err(with_path(&partial))?;
         Ok(Check {
-            suite,
             plan,
             circumstances,
             partial: (partial, file),
@@ -85,24 +81,22 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// Runs first contact and all cases, and returns the judged run. `look` may inspect and change the result of first contact.
     pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
-        let recorder = self.recorder.as_ref().map(|(_, recorder)| recorder);
         let recording = |request: &Request<'_, C::View>, job: usize| {
             let reply = ask(request, job);
-            if let Some(recorder) = recorder {
+            if let Some((_, recorder)) = &self.recorder {
                 recorder.record_answer(request, &reply);
             }
             reply
         };
         let began = Instant::now();
-        let mut session = Session::new(self.suite, self.plan, &recording);
+        let mut session = Session::new(self.ending.suite, self.plan, &recording);
         let mut contact = session.first_contact();
-        let pace = began
-            .elapsed()
-            .div_f64(session.requests_sent().max(1) as f64);
+        let (time, requests) = (began.elapsed(), session.requests_sent());
+        let pace = time.div_f64(requests.max(1) as f64);
         look(&mut contact);
         // Assumed misreadings have already been reported.
         if contact.is_ready() && self.circumstances.assumed.is_empty() {
-            C::undo_common_transforms(self.suite, &mut session, &mut contact);
+            C::undo_common_transforms(self.ending.suite, &mut session, &mut contact);
         }
         let observations = self.run_smoke_subset_first(&session, &contact, pace);
         self.progress.begin("asking again");
@@ -120,7 +114,6 @@ impl<'a, C: Reported> Check<'a, C> {
         contact: &Contact<C>,
         pace: Duration,
     ) -> Vec<Option<Observation<C>>> {
-        let recorder = self.recorder.as_ref().map(|(_, recorder)| recorder);
         let (soonest, others) = session.agenda(contact);
         let all = soonest.len() + others.len();
         let done = AtomicUsize::new(0);
@@ -130,78 +123,69 @@ impl<'a, C: Reported> Check<'a, C> {
             // One write per line. Results that cannot be written here are still in the report.
             let _ = (&self.partial.1).write_all(line.as_bytes());
             // If transforms are undone before comparison, the answer as received must stay recorded.
-            if let Some(recorder) = recorder.filter(|_| session.undo.is_empty()) {
+            if let (Some((_, recorder)), true) = (&self.recorder, session.undo.is_empty()) {
                 recorder.record_observation(case, observation);
             }
             if observation.is_wrong_for(case) {
                 self.progress.count_wrong_answer();
             }
-            self.progress
-                .update(done.fetch_add(1, Ordering::Relaxed) + 1, all);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.update(done, all);
         };
-        let mut observations = vec![None; self.suite.cases.len()];
+        let mut observations = vec![None; self.ending.suite.cases.len()];
         // A short run would end before the user has read the first causes.
-        let is_short = soonest.is_empty() || others.len() < MIN_OTHER_CASES;
-        let others = if is_short {
-            [soonest, others].concat()
-        } else {
-            self.announce_duration(pace, soonest.len(), all);
-            self.progress.begin("asking the smoke subset:");
-            session.ask_some(contact, &soonest, &mut observations, &progress);
-            if !session.is_over() {
-                let run = session.so_far(contact, &soonest, &observations);
-                let time_limit = pace.mul_f64(all as f64 / 10.0).max(MIN_SEARCH_TIME);
-                self.report_first_causes(run, time_limit);
-            }
-            others
-        };
+        if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
+            self.progress.begin("asking");
+            let all = [soonest, others].concat();
+            session.ask_some(contact, &all, &mut observations, &progress);
+            return observations;
+        }
+        let times = [all, soonest.len()].map(|count| pace.mul_f64(count as f64));
+        if times[0] >= MIN_ANNOUNCED_TIME {
+            let ([long, short], faster) = (times.map(progress::format_duration), self.faster);
+            let soonest = soonest.len();
+            self.progress.print_message(&format!(
+                "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
+            ));
+        }
+        self.progress.begin("asking the smoke subset:");
+        session.ask_some(contact, &soonest, &mut observations, &progress);
+        if !session.is_over() {
+            let run = session.so_far(contact, &soonest, &observations);
+            self.report_first_causes(run, (times[0] / 10).max(MIN_SEARCH_TIME));
+        }
         self.progress.begin("asking");
         session.ask_some(contact, &others, &mut observations, &progress);
         observations
     }
 
-    /// Announces the estimated duration of a long run.
-    fn announce_duration(&self, pace: Duration, soonest: usize, all: usize) {
-        if pace.mul_f64(all as f64) < MIN_ANNOUNCED_TIME {
-            return;
-        }
-        let [long, short] =
-            [all, soonest].map(|count| progress::format_duration(pace.mul_f64(count as f64)));
-        let faster = self.faster;
-        self.progress.print_message(&format!(
-            "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
-        ));
-    }
-
     /// Reports the causes of failures in the smoke subset. Reports nothing if the search does not finish in time, because
     /// an incomplete search may name causes that other cases refute.
     fn report_first_causes(&self, mut run: Run<C>, time_limit: Duration) {
-        let assumed = &self.circumstances.assumed;
+        let (suite, assumed) = (self.ending.suite, &self.circumstances.assumed);
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let what = "searching for first causes";
         self.progress.begin_counted(what, &run.searched, MAX_WORK);
+        let diagnose = |run: &Run<C>| C::diagnose(suite, run, assumed, self.plan.jobs);
         let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
-            first_causes(self.suite, &run, |run| {
-                C::diagnose(self.suite, run, assumed, self.plan.jobs)
-            })
+            first_causes(suite, &run, diagnose)
         });
-        if stop.load(Ordering::Relaxed) {
-            return;
-        }
-        if let Some(text) = first_causes_to_text(&run, &causes) {
+        if !stop.load(Ordering::Relaxed)
+            && let Some(text) = first_causes_to_text(&run, &causes)
+        {
             self.progress.print_message(&text);
         }
     }
 
     /// Writes the report with all verdicts, then searches for causes and writes it again.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let (suite, plan) = (self.suite, self.plan);
+        let (suite, plan) = (self.ending.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();
         self.progress.begin("writing the report");
         let mut report = verdicts(suite, plan, &mut run, &self.circumstances, &others)?;
         // Write the verdicts before the search for causes, which may take long or fail.
-        self.ending.write(suite, &run, &mut report)?;
+        self.ending.write(&run, &mut report)?;
         if let Some((part, recorder)) = self.recorder {
             let end = End {
                 version: report.tool.version.clone(),
@@ -215,8 +199,8 @@ impl<'a, C: Reported> Check<'a, C> {
             let path = answers_path(self.ending.path);
             recorder.finish(&end).map_err(with_path(&path))?;
         }
-        self.progress
-            .begin_counted("searching for causes", &run.searched, MAX_WORK);
+        let what = "searching for causes";
+        self.progress.begin_counted(what, &run.searched, MAX_WORK);
         let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
@@ -230,7 +214,7 @@ impl<'a, C: Reported> Check<'a, C> {
             found
         });
         drop(self.progress);
-        let status = self.ending.finish(suite, &run, report)?;
+        let status = self.ending.finish(&run, report)?;
         let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }
@@ -273,7 +257,7 @@ impl ProgramRun<'_> {
             limits: self.limits,
             ..Circumstances::default()
         };
-        let check = Check::new(suite, &plan, circumstances, ending, self.shard)?;
+        let check = Check::new(&plan, circumstances, ending, self.shard)?;
         let mut run = check.ask(ask, &|_| ());
         check_trouble(self.program)?;
         reword(&mut run);

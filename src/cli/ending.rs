@@ -11,14 +11,11 @@ use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
 use ptm_conform::report::Report;
-use ptm_conform::report::baseline::{Baseline, BaselineComparison};
-use ptm_conform::report::github;
-use ptm_conform::report::html;
-use ptm_conform::report::junit;
+use ptm_conform::report::baseline::Baseline;
 use ptm_conform::report::reported::Reported;
+use ptm_conform::report::{github, html, junit};
 use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::test_case::TestCase;
 
 /// Options for other output formats and for lists of known failures.
 #[derive(Args)]
@@ -67,45 +64,45 @@ impl OutputArgs {
         for (i, path) in outputs.iter().enumerate() {
             check_writable(path)?;
             if outputs[..i].contains(path) {
-                return Err(format!(
-                    "{} is the output file of two options",
-                    path.display()
-                ));
+                let path = path.display();
+                return Err(format!("{path} is the output file of two options"));
             }
         }
         Ok(())
     }
 }
 
-/// Writes a report to its destinations.
-pub struct ReportWriter<'a> {
+/// Writes a report on a suite to its destinations.
+pub struct ReportWriter<'a, C: Reported> {
+    /// The suite of the report.
+    pub suite: &'a Suite<C>,
     /// Path of the YAML report.
     pub path: &'a Path,
     args: &'a OutputArgs,
     known: Option<Baseline>,
 }
 
-impl<'a> ReportWriter<'a> {
+impl<'a, C: Reported> ReportWriter<'a, C> {
     /// Creates a writer and reads the baseline, if one is given.
-    pub fn new<C: TestCase>(
-        suite: &Suite<C>,
+    pub fn new(
+        suite: &'a Suite<C>,
         path: &'a Path,
         args: &'a OutputArgs,
-    ) -> Result<ReportWriter<'a>, String> {
+    ) -> Result<ReportWriter<'a, C>, String> {
         let known = args.baseline.as_ref();
         let known = known.map(|path| Baseline::read(path, suite)).transpose()?;
-        Ok(ReportWriter { path, args, known })
+        Ok(ReportWriter {
+            suite,
+            path,
+            args,
+            known,
+        })
     }
 
     /// Compares the report with the baseline and writes it atomically as YAML.
-    pub fn write<C: Reported>(
-        &self,
-        suite: &Suite<C>,
-        run: &Run<C>,
-        report: &mut Report,
-    ) -> Result<(), String> {
+    pub fn write(&self, run: &Run<C>, report: &mut Report) -> Result<(), String> {
         let known = self.known.as_ref();
-        report.baseline = known.map(|known| known.compare(suite, &run.judgement.cases));
+        report.baseline = known.map(|known| known.compare(self.suite, &run.judgement.cases));
         let text = match self.args.short {
             true => report.clone().without_passing_cases()?.to_yaml(),
             false => report.to_yaml(),
@@ -114,41 +111,41 @@ impl<'a> ReportWriter<'a> {
     }
 
     /// Writes and prints the report in all requested formats. Returns the exit status.
-    pub fn finish<C: Reported>(
-        &self,
-        suite: &Suite<C>,
-        run: &Run<C>,
-        mut report: Report,
-    ) -> Result<u8, String> {
-        self.write(suite, run, &mut report)?;
+    pub fn finish(&self, run: &Run<C>, mut report: Report) -> Result<u8, String> {
+        self.write(run, &mut report)?;
         if let Some(why) = run.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
-        let text = report.to_text(suite, self.args.show);
+        let text = report.to_text(self.suite, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
         print_styled(&match self.args.github {
             true => github::quote_commands(&text),
             false => text,
         });
         print(&format!("report: {}\n", self.path.display()));
-        self.write_other_formats(suite, run, &report)?;
-        self.write_baseline(suite, run)?;
+        self.write_other_formats(run, &report)?;
+        self.write_baseline(run)?;
         let Some(comparison) = report.baseline else {
             return Ok(run.exit_status());
         };
-        print(&comparison_text(&comparison));
+        // The new failures, and the listed cases that pass.
+        let list = |what: &str, ids: &[String]| match ids.len() {
+            0 => String::new(),
+            count => format!("{what}: {count}\n  {}\n", ids.join("\n  ")),
+        };
+        let new = list("new failures, not in the list", &comparison.new);
+        let stale = list("stale, listed but passing", &comparison.stale);
+        print(&format!(
+            "known failures: {}\n{new}{stale}",
+            comparison.known.len()
+        ));
         Ok(comparison.exit_status(run))
     }
 
     /// Writes the other requested formats of the report.
-    fn write_other_formats<C: Reported>(
-        &self,
-        suite: &Suite<C>,
-        run: &Run<C>,
-        report: &Report,
-    ) -> Result<(), String> {
+    fn write_other_formats(&self, run: &Run<C>, report: &Report) -> Result<(), String> {
         if let Some(path) = &self.args.html {
-            write_atomically(path, html::page(suite, report, Some(run))?)?;
+            write_atomically(path, html::page(self.suite, report, Some(run))?)?;
             print(&format!("page: {}\n", path.display()));
         }
         if let Some(path) = &self.args.junit {
@@ -164,7 +161,7 @@ impl<'a> ReportWriter<'a> {
             if let Some(path) = summary.as_deref().map(Path::new) {
                 // All steps of a job append to the same file.
                 let file = fs::OpenOptions::new().append(true).create(true).open(path);
-                let text = github::summary(report, suite.cases.len());
+                let text = github::summary(report, self.suite.cases.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
                     .map_err(with_path(path))?;
             }
@@ -173,30 +170,18 @@ impl<'a> ReportWriter<'a> {
     }
 
     /// Writes an updated baseline if requested.
-    fn write_baseline<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> Result<(), String> {
+    fn write_baseline(&self, run: &Run<C>) -> Result<(), String> {
         let Some(path) = &self.args.write_baseline else {
             return Ok(());
         };
         if run.ended_early.is_some() || run.not_a_decoder.is_some() {
-            let path = path.display();
-            let says = format!("ptm-conform: the run is incomplete, so {path} is not written");
-            print_error(&says);
+            let says = "ptm-conform: the run is incomplete, so";
+            print_error(&format!("{says} {} is not written", path.display()));
             return Ok(());
         }
         let list = self.known.clone().unwrap_or_default();
-        write_atomically(path, list.to_updated_yaml(suite, &run.judgement.cases))?;
+        write_atomically(path, list.to_updated_yaml(self.suite, &run.judgement.cases))?;
         print(&format!("known failures: {}\n", path.display()));
         Ok(())
     }
-}
-
-/// Lists the new failures and the listed cases that pass.
-fn comparison_text(comparison: &BaselineComparison) -> String {
-    let list = |what: &str, ids: &[String]| match ids.len() {
-        0 => String::new(),
-        count => format!("{what}: {count}\n  {}\n", ids.join("\n  ")),
-    };
-    let new = list("new failures, not in the list", &comparison.new);
-    let stale = list("stale, listed but passing", &comparison.stale);
-    format!("known failures: {}\n{new}{stale}", comparison.known.len())
 }

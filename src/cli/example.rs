@@ -31,11 +31,7 @@ const DECODERS: [(&str, &str); 5] = [
 ];
 
 pub fn run(args: &ExampleArgs) -> u8 {
-    for (_, text) in DECODERS
-        .iter()
-        .filter(|(language, _)| args.language == *language)
-    {
-        output::print(text);
-    }
+    let is_asked = |(language, _): &&(&str, &str)| args.language == *language;
+    output::print(DECODERS.iter().find(is_asked).map_or("", |(_, text)| text));
     0
 }

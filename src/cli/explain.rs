@@ -78,10 +78,8 @@ fn explain_request(id: &str) -> Result<String, String> {
 /// Lists all ids except case ids.
 fn list_ids(suite: &Suite) -> Result<String, String> {
     let clauses = clauses::clauses()?;
-    let mut sections: Vec<&str> = clauses
-        .iter()
-        .map(|clause| section_of(&clause.id))
-        .collect();
+    let sections = clauses.iter().map(|clause| section_of(&clause.id));
+    let mut sections: Vec<&str> = sections.collect();
     sections.dedup();
     let mut text = format!(
         "{} cases: a section below lists those about it\n\n{} clauses, in sections:\n",
@@ -90,12 +88,9 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     );
     for of in &sections {
         let is_about = |id: &String| section_of(id) == *of;
-        let clauses = clauses.iter().filter(|clause| is_about(&clause.id));
-        let cases = suite
-            .cases
-            .iter()
-            .filter(|case| case.clauses.iter().any(is_about));
-        let (clauses, cases) = (clauses.count(), cases.count());
+        let clauses = clauses.iter().filter(|clause| is_about(&clause.id)).count();
+        let is_case = |case: &&Case| case.clauses.iter().any(is_about);
+        let cases = suite.cases.iter().filter(is_case).count();
         let _ = writeln!(text, "  {of:<7} {clauses:>3} clauses, {cases:>4} cases");
     }
     let rulings = clauses::rulings()?;
@@ -130,19 +125,14 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     if let Some(misreading) = misreadings::find(id) {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
-        if let Some(clause) = clause {
-            let _ = writeln!(text, "  The clause says: {}", clause.rule);
-        }
+        text.extend(clause.map(|clause| format!("  The clause says: {}\n", clause.rule)));
         let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
         if !readers.is_empty() {
             let _ = writeln!(text, "  Seen in: {}.", readers.join(", "));
         }
         if let Some(mistake) = writing::find(id) {
-            let (effect, fix) = (mistake.effect, mistake.fix);
-            let _ = writeln!(
-                text,
-                "  A writer with this mistake {effect}.\n  Fix: {fix}."
-            );
+            let _ = writeln!(text, "  A writer with this mistake {}.", mistake.effect);
+            let _ = writeln!(text, "  Fix: {}.", mistake.fix);
         }
         #[cfg(unix)]
         text.push_str(&describe_failing_cases(misreading, &suite)?);
@@ -192,13 +182,14 @@ fn explain_format(suite: &Suite, format: Format) -> String {
         let first = case.clauses.first().map_or("none", |id| section_of(id));
         *sections.entry(first).or_default() += 1;
     }
-    let lines = sections
-        .iter()
-        .map(|(section, count)| format!("  {section:<7} {count:>3} cases\n"));
-    let (name, lines) = (format.name(), lines.collect::<String>());
-    format!(
-        "format {name} (clause 2.2/1): its cases by section\n{lines}  More: ptm-conform explain SECTION\n"
-    )
+    let mut text = format!(
+        "format {} (clause 2.2/1): its cases by section\n",
+        format.name()
+    );
+    for (section, count) in sections {
+        let _ = writeln!(text, "  {section:<7} {count:>3} cases");
+    }
+    text + "  More: ptm-conform explain SECTION\n"
 }
 
 /// Describes the clauses that equal `id` or are contained in it, and the ruling with this id.
@@ -215,17 +206,13 @@ fn explain_rules<C: TestCase>(
         false => ["requirement", "", "reading"],
     };
     let mut text = String::new();
-    for clause in clauses
-        .iter()
-        .filter(|clause| is_at_or_below(&clause.id, id))
-    {
+    let is_named = |clause: &&Clause| is_at_or_below(&clause.id, id);
+    for clause in clauses.iter().filter(is_named) {
         let _ = write!(text, "{rule} {}: {}", clause.id, clause.rule);
         if let Some(ruling) = &clause.ruling {
             let _ = write!(text, " Ruling: {ruling}.");
         }
-        if let Some(why) = &clause.why {
-            let _ = write!(text, " Not tested: {why}.");
-        }
+        text.extend(clause.why.iter().map(|why| format!(" Not tested: {why}.")));
         let about = suite.cases.iter();
         let about = about.filter(|case| case.clauses().contains(&clause.id));
         let ids: Vec<&str> = about.map(TestCase::id).collect();
@@ -240,12 +227,13 @@ fn explain_rules<C: TestCase>(
             true => format!("{:?}", ruling.kind),
             false => ruling.kind.name().to_owned(),
         };
-        let clauses = ruling.clauses.join(", ");
-        let (question, reading) = (ruling.question.trim(), ruling.reading.trim());
-        let _ = write!(
+        let _ = writeln!(
             text,
-            "ruling {id} ({kind}), {rule}s {clauses}\n  {open}{question}\n  {reference}: {reading}\n"
+            "ruling {id} ({kind}), {rule}s {}",
+            ruling.clauses.join(", ")
         );
+        let _ = writeln!(text, "  {open}{}", ruling.question.trim());
+        let _ = writeln!(text, "  {reference}: {}", ruling.reading.trim());
         for also in &ruling.also {
             let _ = writeln!(text, "  also right: {also}");
         }
@@ -269,67 +257,55 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = run_with_mistakes(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();
-    let failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
-    let size = |place: usize| {
-        suite.cases[place]
-            .build(TableSpelling::default())
-            .file
-            .len()
-    };
-    let smallest = failing.iter().map(|&place| (size(place), place)).min();
-    let Some((bytes, place)) = smallest else {
+    let (mut ids, mut sizes) = (Vec::new(), Vec::new());
+    for place in run.judgement.with_outcome(Outcome::Fail) {
+        let case = &suite.cases[place];
+        ids.push(&*case.id);
+        sizes.push((case.build(TableSpelling::default()).file.len(), place));
+    }
+    let Some((bytes, place)) = sizes.into_iter().min() else {
         return Ok(String::new());
     };
-    let case = &suite.cases[place];
-    let ids = failing.iter().map(|&place| &*suite.cases[place].id);
-    let ids: Vec<&str> = ids.collect();
-    let judged = run.judgement.cases[place].as_ref();
-    let view = run.observations[place].as_ref();
+    let (ids, Case { id, because, .. }) = (abbreviate_ids(&ids, "cases"), &suite.cases[place]);
+    let (judged, seen) = (&run.judgement.cases[place], &run.observations[place]);
+    let says = judged.as_ref().map_or("", |judged| &judged.says);
+    let view = seen.as_ref().map(|seen| seen.view.to_string());
+    let view = view.unwrap_or_default();
     Ok(format!(
-        "  It fails {}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {}\n    {}: {}\n    {}\n",
-        abbreviate_ids(&ids, "cases"),
-        case.id,
-        view.map_or_else(String::new, |observation| observation.view.to_string()),
-        judged.map_or("", |judged| &judged.says),
-        case.because
+        "  It fails {ids}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {id}\n    {view}: {says}\n    {because}\n"
     ))
 }
 
 fn explain_case(case: &Case) -> String {
     let (id, clauses, because) = (&case.id, case.clauses.join(", "), &case.because);
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
-    let views = views.join(", ");
-    let built = case.build(TableSpelling::default());
-    let mut lines = vec![
-        format!("case {id} (clauses {clauses}): {because}"),
-        format!("  expected: {}", case.expect.name()),
-    ];
+    let (views, built) = (views.join(", "), case.build(TableSpelling::default()));
+    let mut text = format!("case {id} (clauses {clauses}): {because}\n");
+    let _ = writeln!(text, "  expected: {}", case.expect.name());
     if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
-        lines.push(format!("  it is {twin}, in which {}", damage.effect));
+        let _ = writeln!(text, "  it is {twin}, in which {}", damage.effect);
     }
-    lines.push(format!(
-        "  requested in the first of these views that the decoder offers: {views}"
-    ));
-    lines.extend(
-        case.ruling
-            .iter()
-            .map(|ruling| format!("  ruling: {ruling}")),
-    );
+    let requested = "requested in the first of these views that the decoder offers";
+    let _ = writeln!(text, "  {requested}: {views}");
+    if let Some(ruling) = &case.ruling {
+        let _ = writeln!(text, "  ruling: {ruling}");
+    }
     let (size, digest) = (built.file.len(), sha256(&built.file));
-    lines.push(format!("  file: {size} bytes, sha-256 {digest}"));
+    let _ = writeln!(text, "  file: {size} bytes, sha-256 {digest}");
     for (is, bytes) in case.pieces() {
-        lines.push(format!("    {is:<40} {}", bytes.escape_ascii()));
+        let _ = writeln!(text, "    {is:<40} {}", bytes.escape_ascii());
     }
     for field in &built.fields {
         let (start, name, clause) = (field.range.start, &field.name, &field.clause);
         let bytes = &built.file[field.range.clone()];
         let shown = bytes[..bytes.len().min(24)].escape_ascii();
         let more = if bytes.len() > 24 { "…" } else { "" };
-        lines.push(format!(
+        let _ = writeln!(
+            text,
             "    byte {start:>5}  {name:<22} {clause:<8} {shown}{more}"
-        ));
+        );
     }
-    lines.join("\n") + "\n"
+    text
 }
 
 /// Returns the error message for an unknown id, with suggestions.
@@ -342,11 +318,12 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
         .chain(misreadings::all().map(|misreading| misreading.slug))
         .chain(codes::ALL.iter().map(|code| code.id));
     let near = nearest_names(id, known);
-    let hint = match near.is_empty() {
-        true => "ptm-conform explain lists all sections, misreadings, rulings and codes".to_owned(),
-        false => format!("did you mean {}?", near.join(" or ")),
-    };
-    Ok(format!("unknown id {id:?}; {hint}"))
+    Ok(match near.is_empty() {
+        true => format!(
+            "unknown id {id:?}; ptm-conform explain lists all sections, misreadings, rulings and codes"
+        ),
+        false => format!("unknown id {id:?}; did you mean {}?", near.join(" or ")),
+    })
 }
 
 /// Describes a lint code and lists the cases that provoke it.
@@ -358,13 +335,17 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     let cases = suite.cases.iter().filter(provokes);
     let cases: Vec<&str> = cases.map(|case| &*case.id).collect();
     let cases = abbreviate_ids(&cases, "cases provoke it");
-    let fix = match code.fix {
-        "" => String::new(),
-        fix => format!("  Fix: {fix}\n"),
-    };
-    let (id, severity, clause) = (code.id, code.severity.name(), code.clause);
-    let says = code.says;
-    format!("code {id} ({severity}, clause {clause}): {says}\n{fix}  {cases}\n")
+    let Code {
+        id, clause, says, ..
+    } = code;
+    let mut text = format!(
+        "code {id} ({}, clause {clause}): {says}\n",
+        code.severity.name()
+    );
+    if !code.fix.is_empty() {
+        let _ = writeln!(text, "  Fix: {}", code.fix);
+    }
+    text + "  " + &cases + "\n"
 }
 
 /// Returns the number of ids and the first six of them.

@@ -46,25 +46,24 @@ pub fn run(args: &ExportArgs) -> CommandResult {
     let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
     let channels = ptm.planes.shape.channels();
     let (bytes, what) = match (&*suffix, args.final_values) {
-        ("exr", _) => (
-            export::exr(&ptm)?,
-            format!("final coefficients in {channels} float channels"),
-        ),
-        ("npy", true) => (
-            export::npy_floats(&ptm.coefficients().values, size, channels),
-            "final coefficients, 32-bit floats".to_owned(),
-        ),
-        ("npy", false) => (
-            export::npy_bytes(samples, size, channels),
-            "stored bytes".to_owned(),
-        ),
-        _ => (
-            encode_image(
-                export::stacked_planes(samples, size, channels),
-                ImageFormat::Png,
-            )?,
-            format!("{channels} stored planes below each other"),
-        ),
+        ("exr", _) => {
+            let what = format!("final coefficients in {channels} float channels");
+            (export::exr(&ptm)?, what)
+        }
+        ("npy", true) => {
+            let what = "final coefficients, 32-bit floats".to_owned();
+            let values = ptm.coefficients().values;
+            (export::npy_floats(&values, size, channels), what)
+        }
+        ("npy", false) => {
+            let bytes = export::npy_bytes(samples, size, channels);
+            (bytes, "stored bytes".to_owned())
+        }
+        _ => {
+            let planes = export::stacked_planes(samples, size, channels);
+            let what = format!("{channels} stored planes below each other");
+            (encode_image(planes, ImageFormat::Png)?, what)
+        }
     };
     files::write_atomically(&args.output, bytes)?;
     let (output, size) = (args.output.display(), ptm.header.size);

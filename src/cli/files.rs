@@ -80,9 +80,8 @@ pub fn is_named_pipe(path: &Path) -> bool {
 
 /// Returns the directory that contains a file.
 fn parent_directory(path: &Path) -> &Path {
-    path.parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-        .unwrap_or(Path::new("."))
+    let parent = path.parent().filter(|parent| *parent != Path::new(""));
+    parent.unwrap_or(Path::new("."))
 }
 
 /// Returns the decoded map of a file, or an error with suggestions for what to do next.

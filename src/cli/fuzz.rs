@@ -137,8 +137,8 @@ impl FuzzArgs {
 fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.finds.len());
     let plural = if count == 1 { "" } else { "s" };
-    let mut text =
-        format!("{files} files generated, {calls} calls, {count} mistake{plural} found{end}\n");
+    let found = format!("{count} mistake{plural} found{end}");
+    let mut text = format!("{files} files generated, {calls} calls, {found}\n");
     for find in &result.finds {
         let _ = writeln!(text, "  {:>6}  {}", find.seen, find.cause.name());
     }

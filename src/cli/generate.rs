@@ -71,7 +71,15 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     }
     let out = args.out.as_deref().unwrap_or(Path::new("corpus"));
     if let Some(profile) = args.profile {
-        return write_profile(&suite, profile, out, jobs(args.jobs)?);
+        let jobs = jobs(args.jobs)?;
+        let made = with_progress(|bar| profiles::write(&suite, out, profile, jobs, &bar));
+        let cases = made.map_err(|error| error.to_string())?.cases;
+        let answers: usize = cases.iter().map(|case| case.expected.len()).sum();
+        let (files, out) = (cases.len(), out.display());
+        print_note(&format!(
+            "{files} files and {answers} correct answers in {out}; README.md explains how to use them\n"
+        ));
+        return Ok(0);
     }
     let (largest, hint) = match args.all {
         true => (usize::MAX, ""),
@@ -120,16 +128,5 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
             "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
         ));
     }
-    Ok(0)
-}
-
-fn write_profile(suite: &Suite, profile: Profile, out: &Path, jobs: usize) -> CommandResult {
-    let manifest = with_progress(|progress| profiles::write(suite, out, profile, jobs, &progress))
-        .map_err(|error| error.to_string())?;
-    let answers: usize = manifest.cases.iter().map(|case| case.expected.len()).sum();
-    let (files, out) = (manifest.cases.len(), out.display());
-    print_note(&format!(
-        "{files} files and {answers} correct answers in {out}; README.md explains how to use them\n"
-    ));
     Ok(0)
 }

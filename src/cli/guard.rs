@@ -39,10 +39,8 @@ impl ScratchGuard {
                 .process_group(0);
             processes::start(&mut command)
         });
-        Ok(ScratchGuard {
-            scratch,
-            watcher: watcher.ok(),
-        })
+        let watcher = watcher.ok();
+        Ok(ScratchGuard { scratch, watcher })
     }
 }
 
@@ -109,8 +107,8 @@ pub fn reset_signals() {
 pub fn stop_on_signals() -> Result<Arc<AtomicBool>, String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|error| format!("no signals: {error}"))?;
+        let registered = signal_hook::flag::register(signal, Arc::clone(&stop));
+        registered.map_err(|error| format!("no signals: {error}"))?;
     }
     Ok(stop)
 }

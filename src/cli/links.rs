@@ -25,11 +25,14 @@ pub fn add_links(text: &str) -> String {
         && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
         && supports_hyperlinks::supports_hyperlinks();
     match wanted {
-        true => insert_links(text, &|word| {
-            PAGES.get(word).map(|page| published_url(page))
-        }),
+        true => insert_links(text, &page_of),
         false => text.to_owned(),
     }
+}
+
+/// Returns the URL of the page of an id.
+fn page_of(word: &str) -> Option<String> {
+    PAGES.get(word).map(|page| published_url(page))
 }
 
 /// Pages of cases, clauses, misreadings and codes whose ids cannot be confused with ordinary words.
@@ -67,10 +70,9 @@ fn insert_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String 
     let mut out = String::new();
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
+        let is_last = |c: char| c.is_ascii_alphabetic();
         let length = match first {
-            '\x1b' => rest
-                .find(|c: char| c.is_ascii_alphabetic())
-                .map(|end| end + 1),
+            '\x1b' => rest.find(is_last).map(|end| end + 1),
             _ if is_part(first) => rest.find(|c: char| !is_part(c)),
             _ => Some(first.len_utf8()),
         };
@@ -98,9 +100,8 @@ mod tests {
 
     #[test]
     fn only_words_with_a_page_become_links() {
-        let page = |word: &str| PAGES.get(word).map(|page| published_url(page));
         let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
-        let linked = insert_links(text, &page);
+        let linked = insert_links(text, &page_of);
         assert_eq!(linked.matches("\x1b]8;;https://").count(), 4, "{linked:?}");
         for (name, place) in [
             ("2.4/8", "format/2.4.html#c-2.4-8"),
@@ -111,19 +112,15 @@ mod tests {
             let link = format!("\x1b]8;;{}{place}\x1b\\{name}\x1b]8;;\x1b\\", address::SITE);
             assert!(linked.contains(&link), "{name}: {linked:?}");
         }
-        assert_eq!(
-            anstream::adapter::strip_str(&linked).to_string(),
-            anstream::adapter::strip_str(text).to_string()
-        );
+        let plain = |text: &str| anstream::adapter::strip_str(text).to_string();
+        assert_eq!(plain(&linked), plain(text));
     }
 
     #[test]
     fn page_addresses_become_links() {
         let line = page_line(SuiteName::Ptm.clause_page("2.9.8/2"));
-        assert_eq!(
-            line,
-            format!("  page: {}format/2.9.8.html#c-2.9.8-2\n", address::SITE)
-        );
+        let expected = format!("{}format/2.9.8.html#c-2.9.8-2", address::SITE);
+        assert_eq!(line, format!("  page: {expected}\n"));
         let linked = insert_links(&line, &|_| None);
         assert_eq!(linked.matches("2.9.8.html").count(), 2, "{linked:?}");
     }

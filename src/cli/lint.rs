@@ -95,17 +95,18 @@ pub struct LintArgs {
 /// Number of bytes that are initially read from every file.
 const HEAD_BYTES: u64 = 4096;
 
-/// Result of a worker for a file.
-struct Row {
-    path: PathBuf,
-    lint: Lint,
-    /// True if the file could not be read.
-    failed: bool,
-}
+/// Result of a worker for a file. The flag is true if the file could not be read.
+type Row = (PathBuf, Lint, bool);
 
 pub fn run(args: &LintArgs) -> CommandResult {
     if args.codes {
-        return list_codes(args);
+        if !args.machine.print(&*ALL)? {
+            for code in ALL.iter() {
+                let (id, clause, says) = (code.id, code.clause, code.says);
+                output::print(&format!("{id}  {clause:<8} {says}\n"));
+            }
+        }
+        return Ok(0);
     }
     let settings = settings(args)?;
     let jobs = output::jobs(args.jobs)?;
@@ -129,16 +130,26 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut worst = 0;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
-    process_in_order(walk, jobs, &|met| judge.lint_item(met), |row| {
-        let status = status(&row, &settings);
-        worst = std::cmp::min_by_key(worst, status, |status| {
-            STATUSES_WORST_FIRST.iter().position(|one| one == status)
-        });
-        let shown = bar.suspend(|| rows.show(&row.path, row.lint, row.failed));
-        // Stop if standard output was closed.
-        closed.fetch_or(shown.is_err(), Relaxed);
-        bar.inc(1);
-    });
+    let rank = |status: &u8| STATUSES_WORST_FIRST.iter().position(|one| one == status);
+    process_in_order(
+        walk,
+        jobs,
+        &|met| judge.lint_item(met),
+        |(path, lint, failed)| {
+            let fails = lint.errors > 0 || (settings.deny_warnings && lint.warnings > 0);
+            let status = match lint.status {
+                _ if failed => 2,
+                Status::NotAPtm if fails => 3,
+                Status::NotJudged if fails || lint.reason.is_some() => 4,
+                _ => u8::from(fails),
+            };
+            worst = std::cmp::min_by_key(worst, status, rank);
+            let shown = bar.suspend(|| rows.show(&path, lint, failed));
+            // Stop if standard output was closed.
+            closed.fetch_or(shown.is_err(), Relaxed);
+            bar.inc(1);
+        },
+    );
     let count = bar.position();
     bar.finish_and_clear();
     let _ = rows.end();
@@ -155,17 +166,6 @@ pub fn run(args: &LintArgs) -> CommandResult {
 
 /// Exit statuses from worst to best: cannot be read, errors, not a PTM, not judged, sound.
 const STATUSES_WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
-
-fn status(row: &Row, settings: &Settings) -> u8 {
-    let fails = row.lint.errors > 0 || (settings.deny_warnings && row.lint.warnings > 0);
-    match row.lint.status {
-        _ if row.failed => 2,
-        Status::NotAPtm if fails => 3,
-        Status::NotJudged if fails || row.lint.reason.is_some() => 4,
-        _ if fails => 1,
-        _ => 0,
-    }
-}
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {
     let file = match &args.config {
@@ -227,11 +227,8 @@ impl Judge<'_> {
     /// Reads and checks a file. A panic affects only the result for this file.
     fn lint_item(&self, met: WalkItem) -> Row {
         let unread = |path: &Path, reason: &str| {
-            Lint::unread(
-                &escape_name(path.as_os_str()),
-                None,
-                Some(reason.to_owned()),
-            )
+            let name = escape_name(path.as_os_str());
+            Lint::unread(&name, None, Some(reason.to_owned()))
         };
         let (path, judged) = match met {
             WalkItem::File(path) => {
@@ -245,8 +242,7 @@ impl Judge<'_> {
         };
         let failed = judged.is_err();
         let lint = judged.unwrap_or_else(|error| unread(&path, &strip_os_error_code(&error)));
-        let lint = self.settings.apply(lint);
-        Row { path, lint, failed }
+        (path, self.settings.apply(lint), failed)
     }
 
     /// Checks a file. Waits until there is enough memory for a PTM and its planes.
@@ -271,31 +267,21 @@ impl Judge<'_> {
         if length > limit {
             return Ok(too_long(Some(length)));
         }
-        self.room
-            .run_when_free(estimate_memory(&bytes, length), || {
-                // A shorter file has already been read completely.
-                if bytes.len() as u64 == HEAD_BYTES {
-                    let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
-                    file.take(rest).read_to_end(&mut bytes)?;
-                }
-                if bytes.len() as u64 > limit {
-                    return Ok(too_long(None));
-                }
-                let mut lint = Lint::new(&name, &bytes);
-                lint.readers = readers::predict_readers(&bytes, self.readers);
-                Ok(lint)
-            })
+        let needed = estimate_memory(&bytes, length);
+        self.room.run_when_free(needed, || {
+            // A shorter file has already been read completely.
+            if bytes.len() as u64 == HEAD_BYTES {
+                let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
+                file.take(rest).read_to_end(&mut bytes)?;
+            }
+            if bytes.len() as u64 > limit {
+                return Ok(too_long(None));
+            }
+            let mut lint = Lint::new(&name, &bytes);
+            lint.readers = readers::predict_readers(&bytes, self.readers);
+            Ok(lint)
+        })
     }
-}
-
-fn list_codes(args: &LintArgs) -> CommandResult {
-    if !args.machine.print(&*ALL)? {
-        for code in ALL.iter() {
-            let (id, clause, says) = (code.id, code.clause, code.says);
-            output::print(&format!("{id}  {clause:<8} {says}\n"));
-        }
-    }
-    Ok(0)
 }
 
 /// Parses `PTM-W301=error`.

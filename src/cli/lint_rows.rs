@@ -85,9 +85,7 @@ impl Rows {
             }
             RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
             RowFormat::Csv => emit(&csv::row(&lint, self.readers)),
-            RowFormat::Sarif => {
-                self.print_list_items(&sarif::results(path.as_os_str(), &lint, failed))
-            }
+            RowFormat::Sarif => self.print_list_items(&sarif::results(path, &lint, failed)),
         }
     }
 

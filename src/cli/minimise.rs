@@ -59,14 +59,8 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
     let ask = |file: &[u8]| {
-        let request = Request {
-            name: "case",
-            view: &args.view,
-            file,
-            max_frame_bytes: 72 * (file.len() + (1 << 20)),
-            timeout_factor: 1,
-            needs_new_process: true,
-        };
+        let max_frame_bytes = 72 * (file.len() + (1 << 20));
+        let request = Request::new("case", &args.view, file, max_frame_bytes);
         decoder.ask(&request, scratch).answer
     };
     let first = ask(&file);
@@ -83,9 +77,9 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     bar.finish_and_clear();
     check_trouble(&decoder)?;
     let Some(small) = small else {
-        print(
-            "the failure depends on the spelling of the header: the file cannot be made smaller\n",
-        );
+        let says =
+            "the failure depends on the spelling of the header: the file cannot be made smaller";
+        print(&(says.to_owned() + "\n"));
         return Ok(2);
     };
     let out = args.out.clone().unwrap_or_else(|| {
@@ -106,19 +100,16 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     let explains = |misreading: &&Misreading| {
         answers.iter().all(|(file, answer)| {
             let made = misreadings::answer(&[*misreading], Reading::SPEC, file, view);
-            match (made, answer) {
+            match (&made, answer) {
                 (Answer::Decoded(made), Answer::Decoded(shown)) => {
-                    equal_up_to_rounding(&made, shown)
+                    equal_up_to_rounding(made, shown)
                 }
                 (made, answer) => made.is_of_kind(answer),
             }
         })
     };
     let causes: Vec<&Misreading> = misreadings::all().filter(explains).collect();
-    if causes.len() > MAX_CAUSES {
-        return;
-    }
-    for cause in causes {
+    for cause in causes.iter().filter(|_| causes.len() <= MAX_CAUSES) {
         let (slug, effect, clause) = (cause.slug, cause.effect, cause.clause);
         print(&format!(
             "a decoder that {effect} (clause {clause}) gives both responses; more: ptm-conform explain {slug}\n"

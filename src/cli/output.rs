@@ -16,14 +16,8 @@ use ptm_conform::kit::yaml::to_yaml;
 #[derive(Args)]
 pub struct GlobalArgs {
     /// Color: auto (on a terminal, unless NO_COLOR is set), always or never.
-    #[arg(
-        long,
-        global = true,
-        value_name = "WHEN",
-        default_value = "auto",
-        hide_possible_values = true,
-        help_heading = "Global options"
-    )]
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    #[arg(hide_possible_values = true, help_heading = "Global options")]
     color: ColorChoice,
     /// Print results and errors only: no progress, no notes, no summaries.
     #[arg(short, long, global = true, help_heading = "Global options")]
@@ -110,8 +104,7 @@ pub fn bar(length: Option<u64>, template: &str) -> ProgressBar {
         (false, Some(length)) => ProgressBar::new(length),
         (false, None) => ProgressBar::no_length(),
     };
-    let style = ProgressStyle::with_template(template).expect("the template is well-formed");
-    bar.with_style(style)
+    bar.with_style(ProgressStyle::with_template(template).expect("the template is well-formed"))
 }
 
 /// Runs `work` with a progress bar. `work` reports the number of finished items and the total.

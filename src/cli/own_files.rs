@@ -1,8 +1,8 @@
 //! `ptm-conform check --files`: checks the user's own files.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::protocol::frame::View;
@@ -23,7 +23,12 @@ pub fn check(
     decoder: &Decoder,
     scratch: &Scratch,
 ) -> CommandResult {
-    let paths = list_ptm_files(directory)?;
+    let entries = fs::read_dir(directory).map_err(with_path(directory))?;
+    let paths: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+    let mut paths = paths.map_err(with_path(directory))?;
+    let is_ptm = |suffix: &OsStr| suffix.eq_ignore_ascii_case("ptm");
+    paths.retain(|path| path.extension().is_some_and(is_ptm));
+    paths.sort();
     if paths.is_empty() {
         let says = format!("no .ptm file in {}", directory.display());
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, &says));
@@ -50,17 +55,4 @@ pub fn check(
     print(&results.to_text());
     print(&format!("report: {}\n", report.display()));
     Ok(results.exit_status())
-}
-
-/// Returns the paths of the PTM files in a directory, sorted by name.
-fn list_ptm_files(directory: &Path) -> Result<Vec<PathBuf>, String> {
-    let entries = fs::read_dir(directory).map_err(with_path(directory))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
-    let mut paths: Vec<PathBuf> = paths
-        .collect::<Result<_, _>>()
-        .map_err(with_path(directory))?;
-    let is_ptm = |suffix: &OsStr| suffix.eq_ignore_ascii_case("ptm");
-    paths.retain(|path| path.extension().is_some_and(is_ptm));
-    paths.sort();
-    Ok(paths)
 }

@@ -34,10 +34,8 @@ pub fn select_profiles<'a>(
         if these.is_empty() {
             let names: Vec<&str> = known.iter().map(|profile| &*profile.name).collect();
             let meant = did_you_mean(name, names.iter().copied());
-            return Err(format!(
-                "--for {name}: readers are {}, all{meant}",
-                names.join(", ")
-            ));
+            let names = names.join(", ");
+            return Err(format!("--for {name}: readers are {names}, all{meant}"));
         }
         for profile in these {
             if !found.iter().any(|one| one.name == profile.name) {
@@ -58,18 +56,13 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
         let mut prediction = subject.predict(profile);
         if prediction.shows != Shown::Right {
             let (dissection, name) = (Dissection::parse(file), &profile.name);
-            let converted = match &dissection.outcome {
-                Ok(ptm) => convert_for(&dissection, ptm, &[profile]),
-                Err(_) => {
-                    Err("write the file again from its source; `lint` lists its errors".to_owned())
-                }
-            };
-            prediction.fix = Some(match converted {
-                Ok((format, _)) => {
-                    format!("`ptm-conform convert --for {name}` writes the same map as {format}")
-                }
-                Err(why) => why,
+            let says = "write the file again from its source; `lint` lists its errors";
+            let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());
+            let converted = ptm.and_then(|ptm| convert_for(&dissection, ptm, &[profile]));
+            let fix = converted.map(|(format, _)| {
+                format!("`ptm-conform convert --for {name}` writes the same map as {format}")
             });
+            prediction.fix = Some(fix.unwrap_or_else(|why| why));
         }
         prediction
     };

@@ -54,10 +54,10 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     })?;
     let ptm = files::read_map(&args.file)?;
     let (image, what) = match (args.sheet, args.normals, args.light) {
-        (Some(side), ..) => (
-            sheet(&ptm, side.into(), args.cell.into())?,
-            format!("{side} x {side} lights"),
-        ),
+        (Some(side), ..) => {
+            let image = sheet(&ptm, side.into(), args.cell.into())?;
+            (image, format!("{side} x {side} lights"))
+        }
         (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
         (None, false, (lu, lv)) => {
             let image = render_lit(&ptm.coefficients(), lu, lv);

@@ -7,13 +7,9 @@ use clap::{Args, Subcommand};
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use ptm_conform::report::Report;
-use ptm_conform::report::badge;
-use ptm_conform::report::github;
-use ptm_conform::report::html;
-use ptm_conform::report::junit;
 use ptm_conform::report::merge::RecordedAnswers;
 use ptm_conform::report::reported::Reported;
+use ptm_conform::report::{Report, badge, github, html, junit};
 use ptm_conform::suite::cases::Case;
 use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases::TextureCase;
@@ -126,10 +122,55 @@ impl OutputFormatArgs {
 }
 
 pub fn run(args: &ReportArgs) -> CommandResult {
-    match &args.command {
-        ReportCommand::Show { file, cases, show } => {
-            let report = Report::read(file)?;
-            let text = (suite_functions(report.suite).text)(&report, cases, *show)?;
+    let reports = match &args.command {
+        ReportCommand::Html { files, .. } => &files[..],
+        ReportCommand::Show { file, .. } => std::slice::from_ref(file),
+        ReportCommand::Junit(made) | ReportCommand::Badge(made) | ReportCommand::Markdown(made) => {
+            std::slice::from_ref(&made.file)
+        }
+        ReportCommand::Merge(args) => {
+            // All parts of a run have the same suite, so the first part determines it.
+            return match Report::read(&args.parts[0]).map(|report| report.suite) {
+                Ok(SuiteName::Texture) => merge::<TextureCase>(args),
+                _ => merge::<Case>(args),
+            };
+        }
+        ReportCommand::Diff { old, new, cases } => {
+            let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
+            super::terminal::print_styled(&escape_control_characters(&changes));
+            return Ok(u8::from(!changes.is_empty()));
+        }
+    };
+    let reports = reports.iter().map(|file| Report::read(file));
+    let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
+    match reports[0].suite {
+        SuiteName::Ptm => convert::<Case>(&args.command, &reports),
+        SuiteName::Texture => convert::<TextureCase>(&args.command, &reports),
+        SuiteName::Writers => convert::<WriterCase>(&args.command, &reports),
+        SuiteName::Fitters => convert::<FitCase>(&args.command, &reports),
+    }
+}
+
+/// Prints or writes reports on a suite in another form.
+fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
+    let (suite, report) = (C::suite()?, &reports[0]);
+    match command {
+        ReportCommand::Junit(made) => made.write(&junit::junit(report)),
+        ReportCommand::Badge(made) => made.write(&badge::badge(report)),
+        ReportCommand::Markdown(made) => made.write(&github::summary(report, suite.cases.len())),
+        ReportCommand::Html { output, .. } => {
+            let page = match reports {
+                [report] => html::page(&suite, report, None),
+                reports => html::matrix(reports, &(C::CLAUSES)()?, suite.cases.len()),
+            };
+            super::files::write_atomically(output, page?)?;
+            Ok(0)
+        }
+        ReportCommand::Show { cases, show, .. } => {
+            let text = match &cases[..] {
+                [] => report.to_text(&suite, *show),
+                cases => report.cases_to_text(&suite, id_filter(cases)?),
+            };
             if text.is_empty() {
                 let says = "no case of the report matches";
                 return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
@@ -137,65 +178,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
             super::terminal::print_styled(&escape_control_characters(&text));
             Ok(0)
         }
-        ReportCommand::Merge(args) => {
-            // All parts of a run have the same suite, so the first part determines it.
-            match Report::read(&args.parts[0]).map(|report| report.suite) {
-                Ok(SuiteName::Texture) => merge::<TextureCase>(args),
-                _ => merge::<Case>(args),
-            }
-        }
-        ReportCommand::Html { files, output } => {
-            let reports = files.iter().map(|file| Report::read(file));
-            let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-            let page = (suite_functions(reports[0].suite).page)(&reports)?;
-            super::files::write_atomically(output, page)?;
-            Ok(0)
-        }
-        ReportCommand::Junit(made) => made.write(&junit::junit(&Report::read(&made.file)?)),
-        ReportCommand::Badge(made) => made.write(&badge::badge(&Report::read(&made.file)?)),
-        ReportCommand::Markdown(made) => {
-            let report = Report::read(&made.file)?;
-            let all = (suite_functions(report.suite).count)()?;
-            made.write(&github::summary(&report, all))
-        }
-        ReportCommand::Diff { old, new, cases } => {
-            let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
-            super::terminal::print_styled(&escape_control_characters(&changes));
-            Ok(u8::from(!changes.is_empty()))
-        }
-    }
-}
-
-/// Functions that depend on the suite of a report.
-struct SuiteFunctions {
-    /// Formats the report, or the cases that match, as text.
-    text: fn(&Report, &[String], usize) -> Result<String, String>,
-    /// Renders an HTML page of one or more reports.
-    page: fn(&[Report]) -> Result<String, String>,
-    /// Returns the number of cases in the suite.
-    count: fn() -> Result<usize, String>,
-}
-
-fn suite_functions(suite: SuiteName) -> SuiteFunctions {
-    match suite {
-        SuiteName::Ptm => suite_functions_for::<Case>(),
-        SuiteName::Texture => suite_functions_for::<TextureCase>(),
-        SuiteName::Writers => suite_functions_for::<WriterCase>(),
-        SuiteName::Fitters => suite_functions_for::<FitCase>(),
-    }
-}
-
-fn suite_functions_for<C: Reported>() -> SuiteFunctions {
-    SuiteFunctions {
-        text: |report, cases, show| match cases {
-            [] => Ok(report.to_text(&C::suite()?, show)),
-            cases => Ok(report.cases_to_text(&C::suite()?, id_filter(cases)?)),
-        },
-        page: |reports| match reports {
-            [report] => html::page(&C::suite()?, report, None),
-            reports => html::matrix(reports, &(C::CLAUSES)()?, C::suite()?.cases.len()),
-        },
-        count: || Ok(C::suite()?.cases.len()),
+        ReportCommand::Merge(_) | ReportCommand::Diff { .. } => Ok(0),
     }
 }
 
@@ -207,7 +190,7 @@ fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let (run, report) = super::output::with_progress(|progress| {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
     })?;
-    Ok(ending.finish(&suite, &run, report)?)
+    Ok(ending.finish(&run, report)?)
 }
 
 /// Escapes control characters other than line feeds and tabs, so that text from untrusted reports is safe to print.

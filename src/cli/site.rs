@@ -31,7 +31,10 @@ pub struct SiteArgs {
 
 /// Builds and writes the site.
 pub fn run(args: &SiteArgs) -> CommandResult {
-    let module = args.module.clone().or_else(find_released_module);
+    let released = std::env::current_exe().ok();
+    let released = released.map(|path| path.with_file_name("ptm_conform_wasm.wasm"));
+    let released = released.filter(|path| path.is_file());
+    let module = args.module.clone().or(released);
     let module = module.as_deref().map(read).transpose()?;
     let files = build(None, module.as_deref(), jobs(args.jobs)?)?;
     let mut bytes = 0;
@@ -50,11 +53,4 @@ pub fn run(args: &SiteArgs) -> CommandResult {
         print_note("drop.html says how to add the page on which files can be dropped\n");
     }
     Ok(0)
-}
-
-/// Returns the path of the WebAssembly module next to this program, if there is one.
-fn find_released_module() -> Option<PathBuf> {
-    let path = std::env::current_exe().ok()?;
-    let path = path.with_file_name("ptm_conform_wasm.wasm");
-    path.is_file().then_some(path)
 }

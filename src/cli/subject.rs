@@ -63,12 +63,11 @@ impl Subject {
     /// Creates the subject and applies the limits that the command line specifies.
     pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
         let is_requested = |view: &String| args.views.contains(view);
+        let views = ViewKind::NAMES.map(str::to_owned).into_iter();
         let subject = |answers: Answers, words: Vec<String>| Subject {
             answers,
             words,
-            views: (ViewKind::NAMES.map(str::to_owned).into_iter())
-                .filter(is_requested)
-                .collect(),
+            views: views.clone().filter(is_requested).collect(),
             withheld: Vec::new(),
         };
         if let Some(socket) = &args.caller {
@@ -93,28 +92,22 @@ impl Subject {
         args.run.calls.apply_limits(&mut decoder, stop)?;
         let mut subject = subject(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
-            subject.restrict_to(&Template::parse(text)?, args, suite)?;
+            subject.restrict_to(text, args, suite)?;
         }
         Ok(subject)
     }
 
     /// Restricts a program called through a template to requests that the template can express and answers that can be
     /// recognized.
-    fn restrict_to(
-        &mut self,
-        template: &Template,
-        args: &CheckArgs,
-        suite: &Suite,
-    ) -> Result<(), String> {
+    fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
+        let template = Template::parse(text)?;
         if !template.has_view() {
             if self.views.is_empty() {
                 self.views.push("rgb".to_owned());
             }
             if self.views.len() > 1 {
-                return Err(
-                    "--cmd: without {view} a template serves one view; select it with --view"
-                        .to_owned(),
-                );
+                let says = "without {view} a template serves one view; select it with --view";
+                return Err("--cmd: ".to_owned() + says);
             }
             if self.views == ["rgb"] && !template.has_light() {
                 return Err("--cmd: view rgb needs the light: {lu} and {lv}, or {view}".to_owned());
@@ -141,10 +134,10 @@ fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let outputs = Outputs::open(directory, suite, matches)?;
     let strangers = &outputs.strangers;
     if !strangers.is_empty() {
+        let (count, first) = (strangers.len(), &strangers[..strangers.len().min(5)]);
+        let first = first.join(", ");
         super::output::print_error(&format!(
-            "ptm-conform: {} files belong to no request: {}",
-            strangers.len(),
-            strangers[..strangers.len().min(5)].join(", ")
+            "ptm-conform: {count} files belong to no request: {first}"
         ));
     }
     Ok(outputs)
@@ -169,9 +162,7 @@ pub fn decoder_for_command(command: &[OsString]) -> Result<(Decoder, Vec<String>
         let program = program.map_err(|error| format!("cannot find this program: {error}"))?;
         command = vec![program.into(), "reference".into()];
     }
-    let words = command
-        .iter()
-        .map(|word| word.to_string_lossy().into_owned());
+    let text = |word: &OsString| word.to_string_lossy().into_owned();
     let decoder = Decoder::new(&command).map_err(|error| error.to_string())?;
-    Ok((decoder, words.collect()))
+    Ok((decoder, command.iter().map(text).collect()))
 }

@@ -67,7 +67,21 @@ pub struct Request<'a, V = View> {
     pub needs_new_process: bool,
 }
 
-impl<V> Request<'_, V> {
+impl<'a, V> Request<'a, V> {
+    /// Creates a request to a new process, with the usual timeout.
+    #[must_use]
+    pub const fn new(name: &'a str, view: &'a V, file: &'a [u8], max_frame_bytes: usize) -> Self {
+        let (timeout_factor, needs_new_process) = (1, true);
+        Request {
+            name,
+            view,
+            file,
+            max_frame_bytes,
+            timeout_factor,
+            needs_new_process,
+        }
+    }
+
     /// Returns the maximum number of bytes to read from an answer.
     pub(crate) fn max_answer_bytes(&self) -> usize {
         4 * self.max_frame_bytes + 65_536

@@ -44,10 +44,9 @@ impl<C: TestCase> Session<'_, C> {
             let cases = &self.suite.cases;
             let is_first_unsupported = || {
                 let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
-                unsupported.find(|&place| {
-                    cases[place].kind() == cases[i].kind()
-                        && cases[place].expect() == Expect::Decode
-                }) == Some(i)
+                let key = |place: usize| (cases[place].kind(), cases[place].expect());
+                let first = (cases[i].kind(), Expect::Decode);
+                unsupported.find(|&place| key(place) == first) == Some(i)
             };
             let sampled = self.plan.repeat == Repeat::FailuresAndSample
                 && (i % SAMPLE == SAMPLE / 2 || is_first_unsupported());

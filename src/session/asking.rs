@@ -15,7 +15,7 @@ use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::dialect::Right;
-use crate::suite::test_case::{Comparison, TestCase};
+use crate::suite::test_case::TestCase;
 
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
@@ -132,16 +132,12 @@ impl<'a, C: TestCase> Session<'a, C> {
                 let output = undo.map_or(Cow::Borrowed(output), |undo| {
                     Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
                 });
-                let Comparison {
-                    right,
-                    difference,
-                    allowance,
-                } = case.compare(&built, view, &output);
-                let differs = right != Right::InAll(true) && difference.is_some();
+                let of = case.compare(&built, view, &output);
+                let differs = of.right != Right::InAll(true) && of.difference.is_some();
                 Response::Image {
-                    right,
-                    difference,
-                    allowance,
+                    right: of.right,
+                    difference: of.difference,
+                    allowance: of.allowance,
                     frame: differs.then(|| output.into_owned()),
                 }
             }
@@ -184,18 +180,13 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.served.as_ref()?;
-    let (after, alone) = (
-        previous_request_text(reply.previous_request.as_ref()),
-        &reply.answer,
-    );
-    let says = || {
-        let (trouble, alone) = (served.describe(), alone.name());
-        format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})")
-    };
-    (!served.is_of_kind(alone)).then(|| Nondeterminism {
-        served: true,
-        says: says(),
-    })
+    if served.is_of_kind(&reply.answer) {
+        return None;
+    }
+    let after = previous_request_text(reply.previous_request.as_ref());
+    let (trouble, alone) = (served.describe(), reply.answer.name());
+    let says = format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})");
+    Some(Nondeterminism { served: true, says })
 }
 
 /// Describes the request that the process answered previously.

@@ -135,12 +135,12 @@ impl<C: TestCase> Session<'_, C> {
         // A decoder of tables only may refuse all first files because it expects another spelling of the count.
         let is_answer =
             |first: &First<C>| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected);
-        let spelling = match contact.first.is_empty() || contact.first.iter().any(is_answer) {
-            true => (self.table_spelling(&contact.offer))
-                .or_else(|| self.likely_spelling(&contact.offer)),
-            false => None,
-        };
-        match spelling {
+        let (offer, first) = (&contact.offer, &contact.first);
+        let spelling = (first.is_empty() || first.iter().any(is_answer)).then(|| {
+            self.table_spelling(offer)
+                .or_else(|| self.likely_spelling(offer))
+        });
+        match spelling.flatten() {
             Some(table) => contact.table = table,
             None => contact.not_a_decoder = non_decoder_reason(&contact.first),
         }
@@ -154,9 +154,8 @@ impl<C: TestCase> Session<'_, C> {
         let cases = suite.cases.iter().enumerate();
         let first = cases.filter(|&(i, case)| case.is_first() && plan.asks(i) && !plan.precomputed);
         let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
-        let work: Vec<(usize, &C::View)> = in_views
-            .filter(|(_, view)| plan.may_ask(C::view_name(view)))
-            .collect();
+        let mut work: Vec<(usize, &C::View)> = in_views.collect();
+        work.retain(|(_, view)| plan.may_ask(C::view_name(view)));
         let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
         cases.dedup();
         let watch = HangWatch::new(cases);
@@ -206,10 +205,17 @@ impl<C: TestCase> Session<'_, C> {
             ..Offer::default()
         };
         let is_decoded = first.iter().any(First::is_decoded);
+        // Returns true if a first file in this view, and of this kind if one is given, was answered with anything but 69.
+        let answered = |view: &str, kind: Option<&C::Feature>| {
+            first.iter().any(|first| {
+                C::view_name(&first.view) == view
+                    && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
+                    && !first.is_unsupported()
+            })
+        };
         for &view in C::VIEWS {
-            let mut in_view = first
-                .iter()
-                .filter(|first| C::view_name(&first.view) == view);
+            let in_view = |one: &&First<C>| C::view_name(&one.view) == view;
+            let mut in_view = first.iter().filter(in_view);
             // A refusal offers nothing. If no view decodes any first file, every view that is not answered 69 is offered, so that the
             // run can report the errors.
             let is_offered = match is_decoded {
@@ -218,7 +224,7 @@ impl<C: TestCase> Session<'_, C> {
             };
             if is_offered {
                 offer.views.push(view);
-            } else if answered(suite, first, view, None) {
+            } else if answered(view, None) {
                 remarks.push(Remark::failure(format!(
                     "it decodes none of the first files in view {view}, but decodes them in another view, so {view} is not requested"
                 )));
@@ -234,11 +240,10 @@ impl<C: TestCase> Session<'_, C> {
         let kinds = suite.cases.iter().filter(|case| case.is_first());
         let kinds: BTreeSet<C::Feature> = kinds.map(C::kind).collect();
         for kind in kinds {
-            let has = |view: &&str| answered(suite, first, view, Some(&kind));
+            let has = |view: &&str| answered(view, Some(&kind));
             if !offer.views.iter().any(has) {
-                let is_of_kind = |one: &&First<C>| suite.cases[one.case].kind() == kind;
-                let mut of_kind = first.iter().filter(is_of_kind).peekable();
-                if of_kind.peek().is_some() && of_kind.all(First::is_unsupported) {
+                let is_of_kind = |one: &First<C>| suite.cases[one.case].kind() == kind;
+                if !C::VIEWS.iter().any(has) && first.iter().any(is_of_kind) {
                     offer.unsupported.push(kind);
                 }
                 continue;
@@ -293,9 +298,8 @@ impl<C: TestCase> Session<'_, C> {
             return None;
         }
         let cases = self.suite.cases.iter();
-        let mut probes: Vec<&C> = cases
-            .filter(|case| case.expect() == Expect::Decode && case.has_table())
-            .collect();
+        let is_table = |case: &&C| case.expect() == Expect::Decode && case.has_table();
+        let mut probes: Vec<&C> = cases.filter(is_table).collect();
         // Each file is generated once.
         probes.sort_by_cached_key(|case| C::file(&case.make(TableSpelling::default())).len());
         probes.truncate(PROBES);
@@ -303,9 +307,8 @@ impl<C: TestCase> Session<'_, C> {
         for table in TableSpelling::all() {
             let (mut score, mut silent) = (0.0, 0);
             for case in &probes {
-                let Some(view) = offer.chosen_view(case) else {
-                    continue;
-                };
+                let view = offer.chosen_view(case);
+                let Some(view) = view else { continue };
                 let (observation, _) = self.observe(case, view, table, 0);
                 if self.is_over() {
                     return None;
@@ -314,8 +317,7 @@ impl<C: TestCase> Session<'_, C> {
                     Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
                     // A wrong image is better evidence than none: its values may be wrong for another reason.
                     Response::Image { difference, .. } => {
-                        score +=
-                            1.0 + difference.map_or(1.0, |difference| C::likeness(&difference));
+                        score += 1.0 + difference.map_or(1.0, |of| C::likeness(&of));
                     }
                     _ => {}
                 }
@@ -359,19 +361,5 @@ fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
     Some(match reply.stderr.as_str() {
         "" => why,
         stderr => format!("{why}\nits standard error begins:\n{stderr}"),
-    })
-}
-
-/// Returns true if a first file in this view, and of this kind if one is given, was answered with anything but 69.
-fn answered<C: TestCase>(
-    suite: &Suite<C>,
-    first: &[First<C>],
-    view: &str,
-    kind: Option<&C::Feature>,
-) -> bool {
-    first.iter().any(|first| {
-        C::view_name(&first.view) == view
-            && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
-            && !first.is_unsupported()
     })
 }

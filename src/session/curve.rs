@@ -15,36 +15,30 @@ pub(super) struct Curve {
 /// A curve with a description of its effect and the suggested fix.
 type Candidate = ((String, String), Curve);
 
-/// Curves by name, as functions from 0 … 1.
-const CURVES: [(&str, fn(f64) -> f64); 8] = [
-    ("the sRGB curve is applied to all values", |v| {
-        match v <= 0.003_130_8 {
-            true => 12.92 * v,
-            false => 1.055 * v.powf(1.0 / 2.4) - 0.055,
-        }
-    }),
-    ("the sRGB curve is removed from all values", |v| {
-        match v <= 0.040_45 {
-            true => v / 12.92,
-            false => ((v + 0.055) / 1.055).powf(2.4),
-        }
-    }),
-    ("a gamma of 1/2.2 is applied to all values", |v| {
-        v.powf(1.0 / 2.2)
-    }),
-    ("a gamma of 2.2 is applied to all values", |v| v.powf(2.2)),
-    ("a gamma of 1/1.8 is applied to all values", |v| {
-        v.powf(1.0 / 1.8)
-    }),
-    ("values run from 16 to 235, as in video", |v| {
-        (16.0 + 219.0 * v) / 255.0
-    }),
-    (
-        "values from 16 to 235 are stretched to 0 to 255, as in video",
-        |v| (255.0 * v - 16.0) / 219.0,
-    ),
-    ("each value is 255 minus the correct one", |v| 1.0 - v),
-];
+/// Returns the names of all curves, and their results for a value from 0 … 1.
+fn curves(v: f64) -> [(&'static str, f64); 8] {
+    let srgb = match v <= 0.003_130_8 {
+        true => 12.92 * v,
+        false => 1.055 * v.powf(1.0 / 2.4) - 0.055,
+    };
+    let linear = match v <= 0.040_45 {
+        true => v / 12.92,
+        false => ((v + 0.055) / 1.055).powf(2.4),
+    };
+    let [dark, light, lighter] = [2.2, 1.0 / 2.2, 1.0 / 1.8].map(|gamma| v.powf(gamma));
+    let (limited, full) = ((16.0 + 219.0 * v) / 255.0, (255.0 * v - 16.0) / 219.0);
+    let stretched = "values from 16 to 235 are stretched to 0 to 255, as in video";
+    [
+        ("the sRGB curve is applied to all values", srgb),
+        ("the sRGB curve is removed from all values", linear),
+        ("a gamma of 1/2.2 is applied to all values", light),
+        ("a gamma of 2.2 is applied to all values", dark),
+        ("a gamma of 1/1.8 is applied to all values", lighter),
+        ("values run from 16 to 235, as in video", limited),
+        (stretched, full),
+        ("each value is 255 minus the correct one", 1.0 - v),
+    ]
+}
 
 const NO_CURVE: &str = "write colors as linear numbers from 0 to 255, without gamma, color management or auto-contrast";
 
@@ -62,15 +56,16 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
             points.extend(expected.values.iter().copied().zip(received));
         }
     }
-    let mut curves: Vec<Candidate> = factor(view, &points).into_iter().collect();
+    let mut list: Vec<Candidate> = factor(view, &points).into_iter().collect();
     if view == ViewKind::Rgb {
-        let named = |(says, curve): (&str, fn(f64) -> f64)| {
-            candidate(says, NO_CURVE, 1, |v| 255.0 * curve(v / 255.0))
-        };
-        curves.extend(CURVES.map(named));
-        curves.extend(fit_monotonic_curve(points));
+        for (i, (says, _)) in curves(0.0).into_iter().enumerate() {
+            list.push(candidate(says, NO_CURVE, 1, |v| {
+                255.0 * curves(v / 255.0)[i].1
+            }));
+        }
+        list.extend(fit_monotonic_curve(points));
     }
-    curves
+    list
 }
 
 impl Curve {
@@ -79,13 +74,16 @@ impl Curve {
         let samples = match &frame.samples {
             Samples::F32(values) => {
                 // Real values are only multiplied, so the factor is the result for 1.
-                let divided = values
-                    .iter()
-                    .map(|&v| (f64::from(v) / self.table[1]) as f32);
-                Samples::F32(divided.collect())
+                let divided = |&v: &f32| (f64::from(v) / self.table[1]) as f32;
+                Samples::F32(values.iter().map(divided).collect())
             }
             Samples::U8(bytes) => {
-                let nearest: Vec<u8> = (0..=255).map(|byte| self.source_value(byte)).collect();
+                let source = |received: u8| {
+                    let off = |v: &u8| (self.table[usize::from(*v)] - f64::from(received)).abs();
+                    let nearest = (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)));
+                    nearest.expect("there are 256 values")
+                };
+                let nearest: Vec<u8> = (0..=255).map(source).collect();
                 let right = match right.map(|right| &right.samples) {
                     Some(Samples::U8(right)) if right.len() == bytes.len() => &right[..],
                     _ => &[],
@@ -109,13 +107,6 @@ impl Curve {
         let values = near.map(|v| self.table[usize::from(v)].clamp(0.0, 255.0));
         let apart: Vec<f64> = values.map(|value| f64::from(received) - value).collect();
         apart.iter().any(|apart| *apart >= -1.0) && apart.iter().any(|apart| *apart <= 1.0)
-    }
-
-    /// Returns the value that the curve maps closest to the received one.
-    fn source_value(&self, received: u8) -> u8 {
-        let off = |v: &u8| (self.table[usize::from(*v)] - f64::from(received)).abs();
-        let nearest = (0..=255).min_by(|a, b| off(a).total_cmp(&off(b)));
-        nearest.expect("there are 256 values")
     }
 }
 

@@ -74,14 +74,8 @@ pub fn check_file(
 ) -> FileResult {
     let answer = |view: &View, file: &[u8]| {
         let texels = crate::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
-        let request = Request {
-            name,
-            view,
-            file,
-            max_frame_bytes: texels * 72,
-            timeout_factor: 3,
-            needs_new_process: true,
-        };
+        let mut request = Request::new(name, view, file, texels * 72);
+        request.timeout_factor = 3;
         ask(&request).answer
     };
     let mut result = FileResult::not_run(name, None);
@@ -120,37 +114,30 @@ pub fn check_file(
 /// Encodes the same values in other formats and header spellings, each with a description. A correct decoder outputs the same
 /// image for all of them, so no expected output is needed.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
-    type Spell = fn(&mut Spelling);
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| {
         let is_exact = format.coding() != Some(Coding::Jpeg);
         is_exact && format.channels() == ptm.planes.shape.channels()
     });
-    let spellings: [(&str, Spell); 4] = [
-        (", with width and height on one line", |s| {
-            s.size_on_two_lines = false;
-        }),
-        (", with scales and biases on one line", |s| {
-            s.scale_bias_on_two_lines = false;
-        }),
-        (", with a space before each line feed of the header", |s| {
-            s.space_before_newline = Line::ALL.to_vec();
-        }),
-        (", with two spaces between numbers", |s| s.gap = 2),
-    ];
-    let in_formats = formats
-        .iter()
-        .map(|&format| (format, ("", (|_| ()) as Spell)));
-    let spelled = spellings.map(|spelling| (formats[0], spelling));
-    let encodings = in_formats
-        .chain(spelled)
-        .filter_map(|(format, (how, spell))| {
-            let mut spelling = Spelling::default();
-            spell(&mut spelling);
-            let file = encode(ptm, format, spelling)?;
-            Some((format!("as {}{how}", format.short_name()), file))
-        });
-    encodings.collect()
+    let mut encodings = Vec::new();
+    let mut add = |format: Format, how: &str, spelling: Spelling| {
+        let how = format!("as {}{how}", format.short_name());
+        encodings.extend(encode(ptm, format, spelling).map(|file| (how, file)));
+    };
+    for &format in &formats {
+        add(format, "", Spelling::default());
+    }
+    let [mut size, mut lists, mut blanks, mut gap] = [(); 4].map(|()| Spelling::default());
+    size.size_on_two_lines = false;
+    add(formats[0], ", with width and height on one line", size);
+    lists.scale_bias_on_two_lines = false;
+    add(formats[0], ", with scales and biases on one line", lists);
+    blanks.space_before_newline = Line::ALL.to_vec();
+    let how = ", with a space before each line feed of the header";
+    add(formats[0], how, blanks);
+    gap.gap = 2;
+    add(formats[0], ", with two spaces between numbers", gap);
+    encodings
 }
 
 /// Returns the values of `ptm` in another format of the same shape, or `None` if they do not fit into it.
@@ -210,12 +197,10 @@ fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
     };
     let fields = fields.iter().filter(|field| field.clause == "2.9.5/1");
     let references: Vec<Option<usize>> = fields.map(reference_of).collect();
-    let count = |plane: usize| {
-        let reference = |&plane: &usize| references.get(plane).copied().flatten();
-        let row = std::iter::successors(Some(plane), reference);
-        row.take(references.len()).count() as u8
-    };
-    (0..references.len()).map(count).collect()
+    let reference = |&plane: &usize| references.get(plane).copied().flatten();
+    let chain = |plane| std::iter::successors(Some(plane), reference).take(references.len());
+    let planes = 0..references.len();
+    planes.map(|plane| chain(plane).count() as u8).collect()
 }
 
 /// Compares an answer with the reference: returns the fault as an error, or a remark on a correct answer.
@@ -237,16 +222,14 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
                 let right = right(&CHOICES.apply(dialect, Reading::SPEC));
                 right.is_some_and(|right| right.compare(shown).is_none())
             };
-            match CHOICES.combinations(&open).iter().skip(1).find(fits) {
-                Some(dialect) => {
-                    let readings = CHOICES.iter().zip(&dialect.0);
-                    let others = readings.filter(|&(_, &taken)| taken > 0);
-                    let names = others.map(|(choice, &taken)| choice.readings[taken].0);
-                    let names = names.collect::<Vec<_>>().join("; ");
-                    Ok(format!("correct in its own reading: {names}"))
-                }
-                None => Err(difference.to_string()),
-            }
+            let dialects = CHOICES.combinations(&open);
+            let dialect = dialects.iter().skip(1).find(fits);
+            let dialect = dialect.ok_or(difference.to_string())?;
+            let readings = CHOICES.iter().zip(&dialect.0);
+            let others = readings.filter(|&(_, &taken)| taken > 0);
+            let names = others.map(|(choice, &taken)| choice.readings[taken].0);
+            let names: Vec<&str> = names.collect();
+            Ok(format!("correct in its own reading: {}", names.join("; ")))
         }
         (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
             "shows an image of a file that the reference refuses: {error}"
@@ -285,17 +268,13 @@ impl FilesReport {
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         for result in &self.files {
-            let view = result.view.as_deref().unwrap_or("in no view");
-            let says = result.says.as_ref().map(|says| format!("; {says}"));
-            let (says, count) = (says.unwrap_or_default(), result.encodings);
-            let (outcome, file) = (result.outcome, &result.file);
-            let _ = match outcome {
-                Outcome::NotRun => writeln!(text, "{outcome} {file}{says}"),
-                _ => writeln!(
-                    text,
-                    "{outcome} {file} {view}: {count} other encodings{says}"
-                ),
-            };
+            let _ = write!(text, "{} {}", result.outcome, result.file);
+            if result.outcome != Outcome::NotRun {
+                let view = result.view.as_deref().unwrap_or("in no view");
+                let _ = write!(text, " {view}: {} other encodings", result.encodings);
+            }
+            text.extend(result.says.iter().map(|says| format!("; {says}")));
+            text.push('\n');
             for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");
             }

@@ -33,9 +33,7 @@ impl<C: TestCase> Judgement<C> {
     /// Returns the indices of the cases with this outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
         let judged = self.cases.iter().enumerate();
-        judged
-            .filter(move |(_, judged)| judged.as_ref().is_some_and(|j| j.outcome == outcome))
-            .map(|(place, _)| place)
+        judged.filter_map(move |(i, of)| (of.as_ref()?.outcome == outcome).then_some(i))
     }
 }
 
@@ -56,26 +54,24 @@ pub fn judge<C: TestCase>(
         case.expect() == Expect::Spelling && observation.as_ref().is_some_and(is_right)
     });
     let judged = |i: usize| {
-        let case = &suite.cases[i];
+        let Some(observation) = &observations[i] else {
+            return verdict(Outcome::NotJudged, "the decoder offers none of its views");
+        };
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
-        match &observations[i] {
-            None => verdict(Outcome::NotJudged, "the decoder offers none of its views"),
-            Some(observation) => CaseFacts {
-                case,
-                observation,
-                twins: twins.collect(),
-                dialect: &dialect,
-                unsupported: &unsupported,
-                spelling_known,
-            }
-            .verdict(offer),
-        }
+        let facts = CaseFacts {
+            case: &suite.cases[i],
+            observation,
+            twins: twins.collect(),
+            dialect: &dialect,
+            unsupported: &unsupported,
+            spelling_known,
+        };
+        facts.verdict(offer)
     };
+    let cases = (0..suite.cases.len()).map(|i| selected[i].then(|| judged(i)));
     Judgement {
-        cases: (0..suite.cases.len())
-            .map(|i| selected[i].then(|| judged(i)))
-            .collect(),
+        cases: cases.collect(),
         dialect,
         certain,
         unsupported,
@@ -118,7 +114,11 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 "its capabilities declare {kind}, but it decodes no such file and exits with 69 (unsupported)"
             ));
         }
-        let outcome = outcome(expect, self.is_supported(offer), self.response_kind());
+        // The decoder supports every feature that the case needs, in this view of such files.
+        let view = &observation.view;
+        let is_supported = case.features(view).is_disjoint(self.unsupported);
+        let is_supported = is_supported && !offer.lacks(view, &case.kind());
+        let outcome = outcome(expect, is_supported, self.response_kind());
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
@@ -128,7 +128,15 @@ impl<C: TestCase> CaseFacts<'_, C> {
         match &observation.response {
             _ if outcome == Outcome::Pass => verdict(outcome, ""),
             Response::Violation(answer) => fail(answer.describe()),
-            Response::Rejected => verdict(outcome, self.refusal_text()),
+            Response::Rejected => match (expect, case.expected_text()) {
+                (Expect::ImplementationDefined, expected) => {
+                    let expected = expected.unwrap_or_default();
+                    let says = format!("the reference answers {expected}; received a refusal");
+                    verdict(outcome, says)
+                }
+                (_, Some(expected)) => fail(format!("expected {expected}, received a refusal")),
+                (_, None) => fail("refused a legal file"),
+            },
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
@@ -147,18 +155,9 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns true if the decoder supports every feature that the case needs, in this view of such files.
-    fn is_supported(&self, offer: &Offer<C>) -> bool {
-        let view = &self.observation.view;
-        let features = self.case.features(view);
-        features.is_disjoint(self.unsupported) && !offer.lacks(view, &self.case.kind())
-    }
-
     fn response_kind(&self) -> ResponseKind {
         match &self.observation.response {
-            Response::Image { .. } if is_right(self.observation, self.dialect) => {
-                ResponseKind::Expected
-            }
+            _ if is_right(self.observation, self.dialect) => ResponseKind::Expected,
             Response::Image { .. } => ResponseKind::Different,
             Response::Rejected => ResponseKind::Rejected,
             Response::Unsupported => ResponseKind::Unsupported,
@@ -192,18 +191,6 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Describes the expected result of a case that was refused.
-    fn refusal_text(&self) -> String {
-        match (self.case.expect(), self.case.expected_text()) {
-            (Expect::ImplementationDefined, expected) => format!(
-                "the reference answers {}; received a refusal",
-                expected.unwrap_or_default()
-            ),
-            (_, Some(expected)) => format!("expected {expected}, received a refusal"),
-            (_, None) => "refused a legal file".to_owned(),
-        }
-    }
-
     /// Returns the verdict on a wrong image, or any image of a file that must be refused.
     fn wrong_image_verdict(&self, right: &Right, differs: String) -> Judged {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
@@ -226,10 +213,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             (_, Right::In { axes, combinations }) => {
                 let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
                 match dialects.find(|(_, right)| **right) {
-                    Some((other, _)) => fail(format!(
-                        "{}: {differs}",
-                        self.mixed_readings_text(axes, &other)
-                    )),
+                    Some((other, _)) => fail(self.mixed_readings_text(axes, &other) + &differs),
                     None => fail(differs),
                 }
             }
@@ -247,7 +231,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
         });
         let readings: Vec<String> = readings.collect();
-        format!("mixes readings ({})", readings.join("; "))
+        format!("mixes readings ({}): ", readings.join("; "))
     }
 }
 
@@ -268,16 +252,17 @@ fn features<C: TestCase>(
     // For each, the number of files and the number that were answered 69.
     let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
-    for (case, observation) in suite.cases.iter().zip(observations) {
-        let Some(observation) = observation else {
-            continue;
-        };
-        let (kind, expect) = (case.kind(), case.expect());
+    for (case, seen) in suite.cases.iter().zip(observations) {
+        let Some(observation) = seen else { continue };
+        let kind = case.kind();
         // A first file of its kind was answered 69, whether or not it is selected.
         if offer.unsupported.contains(&kind) {
             asked.entry(kind.clone()).or_insert((1, 1));
         }
-        if !matches!(expect, Expect::Decode | Expect::ImplementationDefined) {
+        if !matches!(
+            case.expect(),
+            Expect::Decode | Expect::ImplementationDefined
+        ) {
             continue;
         }
         let unsupported = matches!(observation.response, Response::Unsupported);

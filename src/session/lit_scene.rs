@@ -50,14 +50,8 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     // The simplest first, then those without loss, then those whose scene is lossy or has other colors.
     let format = formats.into_iter().min_by_key(|&format| {
         let (is_lum, is_lossy) = (format == Format::Lum, format.coding() == Some(Coding::Jpeg));
-        let (has_table, is_compressed) = (format.has_table(), format.coding().is_some());
-        (
-            is_lum,
-            is_lossy,
-            has_table,
-            is_compressed,
-            format.channels(),
-        )
+        let is_stored_otherwise = (format.has_table(), format.coding().is_some());
+        (is_lum, is_lossy, is_stored_otherwise, format.channels())
     })?;
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
@@ -67,20 +61,13 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
     };
     let asked: View = asked.parse().expect("a view");
     // lut-count: a decoder may support only one spelling of the count.
-    let spellings = match format.has_table() {
-        true => &Count::ALL[..],
-        false => &Count::ALL[..1],
-    };
-    spellings.iter().find_map(|&count| {
+    let all = Count::ALL.len();
+    let spellings = if format.has_table() { all } else { 1 };
+    Count::ALL[..spellings].iter().find_map(|&count| {
         let file = file(format, count);
-        let request = Request {
-            name: "lit-scene",
-            view: &asked,
-            file: &file,
-            max_frame_bytes: (SIDE * SIDE) as usize * 18 * 4,
-            timeout_factor: 1,
-            needs_new_process: false,
-        };
+        let max_frame_bytes = (SIDE * SIDE) as usize * 18 * 4;
+        let mut request = Request::new("lit-scene", &asked, &file, max_frame_bytes);
+        request.needs_new_process = false;
         let Answer::Decoded(frame) = ask(&request, 0).answer else {
             return None;
         };
@@ -111,11 +98,11 @@ pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
             planes.samples.clone_from(bytes);
             Some(render_scene(&Ptm { header, planes }.coefficients()))
         }
-        Samples::F32(values) => Some(render_scene(&Coefficients {
-            size: planes.size,
-            shape: planes.shape,
-            values: values.iter().map(|&value| f64::from(value)).collect(),
-        })),
+        Samples::F32(values) => {
+            let mut scene = Ptm { header, planes }.coefficients();
+            scene.values = values.iter().map(|&value| value.into()).collect();
+            Some(render_scene(&scene))
+        }
     }
 }
 
@@ -133,32 +120,28 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     }
     recipe.matrix = "1 1 1 0 1 0 0 0 0 0 1 0 0 0 0 1".parse().expect("numbers");
     let stored = |coefficient: f64| (coefficient / 2.0 + 128.0).round() as u8;
-    let texels = map.values.chunks_exact(9).flat_map(|texel| {
+    let mut samples: Vec<u8> = Vec::new();
+    for texel in map.values.chunks_exact(9) {
         let (coefficients, color) = texel.split_first_chunk::<6>().expect("nine values");
         let by_channel = |color: &f64| coefficients.map(|a| stored(a * color / 255.0));
         match format.channels() {
-            18 => color.iter().flat_map(by_channel).collect::<Vec<u8>>(),
-            8 => luminance_and_tints(coefficients, color).to_vec(),
+            18 => samples.extend(color.iter().flat_map(by_channel)),
+            8 => {
+                // The luminance of LUM is the green under the light of the scene, Cr and Cb are the excess of red and blue. It has
+                // fewer colors than other formats, because these differences cannot be negative.
+                let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
+                let tint = |more: f64| (more.max(0.0) * light).round() as u8;
+                samples.extend(by_channel(&color[1]));
+                samples.extend([color[0], color[2]].map(|tinted| tint(tinted - color[1])));
+            }
             _ => {
-                let color = color.iter().map(|&color| color as u8);
-                coefficients.map(stored).into_iter().chain(color).collect()
+                samples.extend(coefficients.map(stored));
+                samples.extend(color.iter().map(|&color| color as u8));
             }
         }
-    });
-    let samples: Vec<u8> = texels.collect();
+    }
     let model = Model::new(&recipe, &samples).expect("no table is needed");
     write(&recipe, &model).bytes
-}
-
-/// Returns a texel of LUM: its luminance is the green under the light of the scene, Cr and Cb are the excess of red and blue.
-/// It has fewer colors than other formats, because these differences cannot be negative.
-fn luminance_and_tints(coefficients: &[f64; 6], color: &[f64]) -> [u8; 8] {
-    let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
-    let tint = |more: f64| (more.max(0.0) * light).round() as u8;
-    let [a0, a1, a2, a3, a4, a5] =
-        coefficients.map(|a| (a * color[1] / 255.0 / 2.0 + 128.0).round() as u8);
-    let (cr, cb) = (tint(color[0] - color[1]), tint(color[2] - color[1]));
-    [a0, a1, a2, a3, a4, a5, cr, cb]
 }
 
 /// Paints a striped ball whose luminance is that of a matte surface, the normal times the light; and four corners.
@@ -166,13 +149,12 @@ fn luminance_and_tints(coefficients: &[f64; 6], color: &[f64]) -> [u8; 8] {
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;
     let texels = (0..side * side).flat_map(|i| texel(place(i % side), -place(i / side)));
+    let (width, height) = (side, side);
+    let (size, values) = (Size { width, height }, texels.collect());
     Coefficients {
-        size: Size {
-            width: side,
-            height: side,
-        },
+        size,
         shape: Shape::Lrgb,
-        values: texels.collect(),
+        values,
     }
 }
 
@@ -239,16 +221,8 @@ mod tests {
     fn refusals_and_wrong_shapes_give_no_scene() {
         let refusing = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
         assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &refusing), None);
-        let small = |_: &Request<'_>, _: usize| {
-            Reply::from(Answer::Decoded(Frame {
-                view: ViewKind::Raw,
-                width: 1,
-                height: 1,
-                channels: 9,
-                samples: Samples::U8(vec![0; 9]),
-                lossy: false,
-            }))
-        };
+        let frame: Frame = Frame::read(b"PTM1 raw 1 1 9 u8\n123456789").expect("a frame");
+        let small = move |_: &Request<'_>, _: usize| Answer::Decoded(frame.clone()).into();
         assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &small), None);
         assert_eq!(ask(&Offer::default(), &BTreeSet::new(), &small), None);
     }

@@ -27,12 +27,10 @@ pub fn comma_locale() -> Option<String> {
 }
 
 fn choose(list: &str) -> Option<String> {
-    let language_of = |name: &str| name.split(['.', '@']).next().unwrap_or_default().to_owned();
     COMMA_LANGUAGES.iter().find_map(|language| {
+        let is_of_language = |name: &&str| name.split(['.', '@']).next() == Some(language);
         let mut names = list.lines().map(str::trim);
-        names
-            .find(|name| language_of(name) == *language)
-            .map(str::to_owned)
+        names.find(is_of_language).map(str::to_owned)
     })
 }
 
@@ -48,12 +46,7 @@ pub fn difference(
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
     // Stored values depend on no numbers except the size, so other views are preferred.
-    let preference = |view: &View| {
-        (
-            view.kind() == ViewKind::Raw,
-            view.kind().sample_type() != "f32",
-        )
-    };
+    let preference = |view: &View| (view.kind() == ViewKind::Raw, view.kind() != ViewKind::Coef);
     let mut first: Vec<&First> = run.first.iter().collect();
     first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
     first.sort_by_key(|first| (first.case, preference(&first.view)));
@@ -63,23 +56,15 @@ pub fn difference(
             return None;
         };
         let case = &suite.cases[*case];
-        let request = Request {
-            name: &case.id,
-            view,
-            file: &case.build(run.table).file,
-            max_frame_bytes: frame.samples.bytes(),
-            timeout_factor: 1,
-            needs_new_process: true,
-        };
+        let built = case.build(run.table);
+        let request = Request::new(&case.id, view, &built.file, frame.samples.bytes());
         let answer = decoder.ask(&request, scratch).answer;
         let got = match &answer {
             answer if answer.is_equivalent(&reply.answer) => return None,
-            Answer::Decoded(other)
-                if (other.width, other.height) != (frame.width, frame.height) =>
-            {
-                format!("an image of {}x{}", other.width, other.height)
-            }
-            Answer::Decoded(_) => "another image".to_owned(),
+            Answer::Decoded(other) => match (other.width, other.height) {
+                size if size == (frame.width, frame.height) => "another image".to_owned(),
+                (width, height) => format!("an image of {width}x{height}"),
+            },
             other => other.describe(),
         };
         Some(format!(

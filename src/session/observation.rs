@@ -23,11 +23,6 @@ pub struct Observation<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Observation<C> {
-    /// Returns true if the call ended in neither a frame nor a refusal, or a serving process did not answer.
-    pub(super) fn is_violation(&self) -> bool {
-        matches!(self.response, Response::Violation(_)) || self.nondeterminism.is_some()
-    }
-
     /// Returns true if the case fails regardless of other observations. Nondeterminism is not considered.
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
@@ -100,11 +95,10 @@ impl<C: TestCase> Response<C> {
     #[must_use]
     pub fn describe(&self) -> String {
         match self {
-            Response::Image {
-                difference: Some(difference),
-                ..
-            } => format!("a wrong image ({difference})"),
-            Response::Image { .. } => "an image".to_owned(),
+            Response::Image { difference, .. } => match difference {
+                Some(difference) => format!("a wrong image ({difference})"),
+                None => "an image".to_owned(),
+            },
             Response::Rejected => "a refusal".to_owned(),
             Response::Unsupported => "\"unsupported\"".to_owned(),
             Response::Violation(answer) => answer.describe(),

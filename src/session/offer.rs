@@ -34,10 +34,8 @@ impl<C: TestCase> Offer<C> {
     /// Returns true if the decoder decodes this kind of case only in other views.
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
-        let view = C::view_name(view);
-        self.lacking
-            .iter()
-            .any(|(lacking, of)| *lacking == view && of == kind)
+        let mut lacking = self.lacking.iter();
+        lacking.any(|(lacking, of)| *lacking == C::view_name(view) && of == kind)
     }
 
     /// Returns the first offered view of the case, preferably one that is offered for its kind.
@@ -45,10 +43,8 @@ impl<C: TestCase> Offer<C> {
     pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
         let mut views = case.views().iter().filter(offered);
-        views
-            .clone()
-            .find(|view| !self.lacks(view, &case.kind()))
-            .or_else(|| views.next())
+        let first = views.clone().next();
+        views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
     /// Returns true if the decoder declares this kind of case, supports none of it, and always answered 69 to this legal one.

@@ -99,10 +99,7 @@ pub enum ResponseKind {
 ///
 /// `is_supported` is true if the decoder supports every feature that the case needs.
 #[must_use]
-#[expect(
-    clippy::match_same_arms,
-    reason = "the arms are the rows of the table, in its order"
-)]
+#[expect(clippy::match_same_arms, reason = "the arms are the rows of the table")]
 pub const fn outcome(expect: Expect, is_supported: bool, response: ResponseKind) -> Outcome {
     use Expect::{Decode, ImplementationDefined, Lenient, Refuse, Reject, Robust, Spelling};
     use ResponseKind::{Different, Expected, Rejected, Unsupported, Violation};

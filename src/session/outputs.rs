@@ -129,8 +129,8 @@ impl Outputs {
         let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(named)?;
         let view = view_of(&list, suite).map_err(named)?;
         let directory = directory.join(ANSWERS_DIR);
-        let (mut given, strangers) = answers(&directory, &list)
-            .map_err(|error| format!("{}: {error}", directory.display()))?;
+        let failed = |error| format!("{}: {error}", directory.display());
+        let (mut given, strangers) = answers(&directory, &list).map_err(failed)?;
         for (name, _, refusal) in REFUSALS {
             for id in listed_ids(&directory.join(name), &list, &matches)? {
                 given.entry(id).or_insert_with(|| Err(refusal.clone()));
@@ -150,10 +150,9 @@ impl Outputs {
     /// Returns the reasons why cases cannot be requested, one slot per case of `suite`.
     #[must_use]
     pub fn withheld(&self, suite: &Suite) -> Vec<Option<String>> {
-        let missing = |case: &Case| {
-            (!self.given.contains_key(&case.id)).then(|| "no answer was given".to_owned())
-        };
-        suite.cases.iter().map(missing).collect()
+        let is_missing = |case: &Case| !self.given.contains_key(&case.id);
+        let why = |case| is_missing(case).then(|| "no answer was given".to_owned());
+        suite.cases.iter().map(why).collect()
     }
 
     /// Answers a request like a decoder.
@@ -164,9 +163,9 @@ impl Outputs {
             Some(Err(refusal)) => refusal.clone(),
             Some(Ok(path)) => {
                 let most = request.max_answer_bytes();
-                read(path, most)
-                    .and_then(|bytes| forms::read(&bytes, request.view, most))
-                    .map_or_else(Answer::ProtocolError, Answer::Decoded)
+                let bytes = read(path, most);
+                let frame = bytes.and_then(|bytes| forms::read(&bytes, request.view, most));
+                frame.map_or_else(Answer::ProtocolError, Answer::Decoded)
             }
         };
         Reply::from(answer)

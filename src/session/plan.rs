@@ -110,10 +110,8 @@ impl RunPlan {
         let formats = capabilities.formats.iter().flatten();
         let views = capabilities.views.iter().flatten();
         RunPlan {
-            declared_views: views.map(|&view| view.to_owned()).collect(),
-            declared_kinds: formats
-                .map(|format| format.short_name().to_owned())
-                .collect(),
+            declared_views: views.map(|view| (*view).to_owned()).collect(),
+            declared_kinds: formats.map(|of| of.short_name().to_owned()).collect(),
             ..self
         }
     }

@@ -50,6 +50,9 @@ pub struct Run<C: TestCase = Case> {
     pub searched: Arc<AtomicUsize>,
 }
 
+/// Observations, one slot per case of the suite; `None` for cases that were not requested.
+pub type Observations<C> = Vec<Option<Observation<C>>>;
+
 /// A callback for each finished case: its observation, the number of finished cases and of all cases.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
 
@@ -81,15 +84,14 @@ impl<C: TestCase> Session<'_, C> {
                 soonest[twin] |= soonest[i];
             }
         }
-        let is_asked = |&i: &usize| {
-            contact.is_ready()
-                && wanted[i]
-                && withheld[i].is_none()
-                && contact.offer.chosen_view(&suite.cases[i]).is_some()
+        let is_offered = |i: usize| contact.offer.chosen_view(&suite.cases[i]).is_some();
+        let is_asked = |&i: &usize| wanted[i] && withheld[i].is_none() && is_offered(i);
+        let cases = if contact.is_ready() {
+            suite.cases.len()
+        } else {
+            0
         };
-        (0..suite.cases.len())
-            .filter(is_asked)
-            .partition(|&i| soonest[i])
+        (0..cases).filter(is_asked).partition(|&i| soonest[i])
     }
 
     /// Requests some cases once, each in the first of its views that is offered.
@@ -133,7 +135,9 @@ impl<C: TestCase> Session<'_, C> {
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                let is_violation = observation.is_violation();
+                // The call ended in neither a frame nor a refusal, or a serving process did not answer.
+                let is_violation = matches!(observation.response, Response::Violation(_))
+                    || observation.nondeterminism.is_some();
                 self.tally.calls.fetch_sub(1, Ordering::Relaxed);
                 (self.tally.violation).fetch_sub(is_violation.into(), Ordering::Relaxed);
             }
@@ -142,11 +146,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests every case on the agenda.
     #[must_use]
-    pub fn ask_cases(
-        &self,
-        contact: &Contact<C>,
-        progress: &Progress<C>,
-    ) -> Vec<Option<Observation<C>>> {
+    pub fn ask_cases(&self, contact: &Contact<C>, progress: &Progress<C>) -> Observations<C> {
         let mut observations = vec![None; self.suite.cases.len()];
         let (soonest, others) = self.agenda(contact);
         let all = [soonest, others].concat();
@@ -191,10 +191,11 @@ impl<C: TestCase> Session<'_, C> {
         }
         let nothing_decoded = || nothing_decoded(suite, &observations);
         let not_a_decoder = contact.not_a_decoder.clone().or_else(nothing_decoded);
+        let run = self.run(contact, observations, judgement);
         let mut run = Run {
             ended_early,
             not_a_decoder,
-            ..self.run(contact, observations, judgement)
+            ..run
         };
         run.explain_what_was_not_run(suite, &self.plan.withheld_in(suite, table));
         run.state_why_it_ended_early();
@@ -263,24 +264,21 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let (not_run, asked) = (
-            self.judgement.with_outcome(Outcome::NotRun).count(),
-            self.asked,
-        );
-        self.remarks.push(Remark::failure(format!(
-            "{why}; {not_run} cases were not run; {asked} requests were sent"
-        )));
+        let (not_run, asked) = (self.judgement.with_outcome(Outcome::NotRun), self.asked);
+        let not_run = format!("{} cases were not run", not_run.count());
+        let says = format!("{why}; {not_run}; {asked} requests were sent");
+        self.remarks.push(Remark::failure(says));
     }
 
     /// Returns the scores of this run.
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
         let count = |outcome: Outcome| self.judgement.with_outcome(outcome).count();
-        let judged = suite.cases.iter().zip(&self.judgement.cases);
-        let judged = judged.filter(|(_, judged)| judged.is_some());
-        let features: BTreeSet<C::Feature> = judged
-            .flat_map(|(case, _)| case.views().iter().flat_map(|view| case.features(view)))
-            .collect();
+        let mut features: BTreeSet<C::Feature> = BTreeSet::new();
+        for (case, _) in (suite.cases.iter().zip(&self.judgement.cases)).filter(|of| of.1.is_some())
+        {
+            features.extend(case.views().iter().flat_map(|view| case.features(view)));
+        }
         let passed = count(Outcome::Pass);
         let decoded = self.judgement.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };

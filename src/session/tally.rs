@@ -64,43 +64,34 @@ impl HangWatch {
 mod tests {
     use super::*;
 
-    /// Returns the index at which a run ends after these answers; each is true if the file at its index timed out. The files at
-    /// even indices are legal.
-    fn end_after(answers: impl IntoIterator<Item = (usize, bool)>) -> Option<usize> {
-        let tally = Tally::default();
-        let watch = HangWatch::new((0..20).step_by(2).collect());
-        for (place, is_hang) in answers {
-            watch.note(place, is_hang, &tally);
+    /// The files at even indices are legal. The first request for file 12 is answered in time.
+    #[test]
+    fn three_hangs_in_a_row_end_a_run_in_any_order_of_answers() {
+        let backward: Vec<usize> = (0..20).rev().collect();
+        let forward: Vec<usize> = (0..20).collect();
+        for (asked, hanging, end) in [
+            (&forward[..], &[4, 6, 8][..], Some(8)),
+            (&backward, &[4, 6, 8], Some(8)),
+            (&[8, 0, 4, 2, 6], &[4, 6, 8], Some(8)),
+            (&backward, &[4, 6, 8, 10, 12, 14], Some(8)),
+            (&[0, 2, 2, 4], &[0, 2, 4], Some(4)),
+            // Files in between or malformed ones, or an answer in another view.
+            (&forward, &[4, 6, 10, 12, 18], None),
+            (&[4, 6, 10, 8], &[4, 6, 10], None),
+            (&forward, &[1, 3, 5, 7, 9, 11], None),
+            (&[10, 12, 12, 14], &[10, 12, 14], None),
+            (&forward, &[14, 16, 18], Some(18)),
+        ] {
+            let tally = Tally::default();
+            let watch = HangWatch::new((0..20).step_by(2).collect());
+            let mut in_time = Some(12);
+            for &place in asked {
+                let is_hang =
+                    hanging.contains(&place) && in_time.take_if(|of| *of == place).is_none();
+                watch.note(place, is_hang, &tally);
+            }
+            assert_eq!(watch.last(), end);
+            assert_eq!(tally.hung.into_inner(), end.is_some());
         }
-        assert_eq!(tally.hung.into_inner(), watch.last().is_some());
-        watch.last()
-    }
-
-    fn end(answered: impl IntoIterator<Item = usize>, hanging: &[usize]) -> Option<usize> {
-        let answered = answered.into_iter();
-        end_after(answered.map(|place| (place, hanging.contains(&place))))
-    }
-
-    #[test]
-    fn three_hangs_end_a_run_in_any_order_of_answers() {
-        assert_eq!(end(0..20, &[4, 6, 8]), Some(8));
-        assert_eq!(end((0..20).rev(), &[4, 6, 8]), Some(8));
-        assert_eq!(end(0..20, &[14, 16, 18]), Some(18));
-        assert_eq!(end([8, 0, 4, 2, 6], &[4, 6, 8]), Some(8));
-        assert_eq!(end((0..20).rev(), &[4, 6, 8, 10, 12, 14]), Some(8));
-    }
-
-    #[test]
-    fn hangs_on_other_files_do_not_end_a_run() {
-        assert_eq!(end(0..20, &[4, 6, 10, 12, 16, 18]), None);
-        assert_eq!(end([4, 6, 10, 8], &[4, 6, 10]), None);
-        assert_eq!(end(0..20, &[1, 3, 5, 7, 9, 11]), None);
-    }
-
-    #[test]
-    fn answer_in_another_view_is_not_a_hang() {
-        assert_eq!(end([0, 2, 2, 4], &[0, 2, 4]), Some(4));
-        let answers = [(0, true), (2, true), (2, false), (2, true), (4, true)];
-        assert_eq!(end_after(answers), None);
     }
 }

@@ -77,9 +77,9 @@ fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform>
         return None;
     }
     let explained = |undo: &Undo<Case>| {
-        let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) = wrong
-            .iter()
-            .partition(|picture| is_explained_by(undo, picture));
+        let is_explained = |picture: &&&FirstImage| is_explained_by(undo, picture);
+        let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) =
+            wrong.iter().partition(is_explained);
         let format = |picture: &FirstImage| picture.0.case.format();
         // A format is explained in all sizes or in none: a change of small images also applies to larger ones.
         let is_whole =
@@ -96,9 +96,8 @@ fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform>
             && right.iter().all(|picture| is_explained_by(undo, picture));
         is_said.then_some(right.len() + explained.len())
     };
-    let (count, change) = candidates(view, pictures)
-        .into_iter()
-        .find_map(|change| Some((explained(&change.undo)?, change)))?;
+    let mut changes = candidates(view, pictures).into_iter();
+    let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
     let (says, all) = (change.says, pictures.len());
     let says = match count == all {
         true => format!("{says}, in all first files"),
@@ -109,13 +108,13 @@ fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform>
 
 /// Returns the possible changes of all images, those with the fewest mistakes first.
 fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
-    let change = |(says, next): ProbeFault, undo: Arc<Undoing<Frame>>| CommonTransform {
-        undo: Undo {
-            view: view.name(),
-            undo,
-        },
-        says,
-        next,
+    let change = |(says, next): ProbeFault, undo: Arc<Undoing<Frame>>| {
+        let view = view.name();
+        CommonTransform {
+            undo: Undo { view, undo },
+            says,
+            next,
+        }
     };
     let mut arrangements: Vec<Arrangement> = Arrangement::all().skip(1).collect();
     arrangements.sort_by_key(|arrangement| arrangement.mistakes().len());
@@ -124,15 +123,11 @@ fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
         change(mistakes, Arc::new(move |frame, _| arrangement.undo(frame)))
     });
     let pairs = pictures.iter();
-    let pairs: Vec<_> = pairs
-        .map(|&(reply, frame)| (&reply.expected, frame))
-        .collect();
+    let pairs: Vec<_> = pairs.map(|&(of, frame)| (&of.expected, frame)).collect();
     let curves = curve::candidates(view, &pairs).into_iter();
     let curves = curves.map(|(fault, curve)| {
-        change(
-            fault,
-            Arc::new(move |frame, right| curve.undo(frame, right)),
-        )
+        let undo = Arc::new(move |frame: &Frame, right: Option<&Frame>| curve.undo(frame, right));
+        change(fault, undo)
     });
     arrangements.chain(curves).collect()
 }

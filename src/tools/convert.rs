@@ -68,15 +68,13 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
-    let model = Model::new(&recipe, &samples)
-        .map_err(|why| format!("{source} into {}: {why}", target.format))?;
-    let entries = (!model.table.is_empty()).then(|| model.entries());
+    let model = Model::new(&recipe, &samples);
+    let model = model.map_err(|why| format!("{source} into {}: {why}", target.format))?;
     let bytes = write(&recipe, &model).bytes;
-    let largest = verify(&bytes, ptm, &samples, target)?;
     Ok(Converted {
+        largest: verify(&bytes, ptm, &samples, target)?,
         bytes,
-        largest,
-        entries,
+        entries: (!model.table.is_empty()).then(|| model.entries()),
     })
 }
 
@@ -115,20 +113,15 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
         (_, Shape::Lum(())) => Err(format!(
             "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
         )),
-        (Shape::Rgb, _) => convert_texels(
-            ptm,
-            target,
-            "its three polynomials are not multiples of one representable polynomial",
-            factor_colors,
-        ),
-        (Shape::Lrgb, _) => convert_texels(
-            ptm,
-            target,
-            "a coefficient times its color, divided by 255, is not a representable integer",
-            multiply_colors,
-        ),
+        _ => convert_texels(ptm, target),
     }
 }
+
+/// Reasons why a texel of RGB or LRGB does not fit.
+const NOT_ONE_POLYNOMIAL: &str =
+    "its three polynomials are not multiples of one representable polynomial";
+const NOT_A_BYTE: &str =
+    "a coefficient times its color, divided by 255, is not a representable integer";
 
 /// Maximum absolute bias. Products of two numbers of this size are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
@@ -136,18 +129,16 @@ const MAX_EXACT_BIAS: f64 = 1e9;
 /// Conversion of a texel with its biases; the flags mark coefficients with a scale other than 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
-/// Converts every texel, or reports the first texel that the target cannot represent.
-fn convert_texels(
-    ptm: &Ptm,
-    target: Format,
-    why: &str,
-    convert: TexelRule,
-) -> Result<Vec<u8>, String> {
-    let set = &ptm.header.scale_bias;
+/// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.
+fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
+    let (why, convert): (_, TexelRule) = match ptm.planes.shape {
+        Shape::Rgb => (NOT_ONE_POLYNOMIAL, factor_colors),
+        _ => (NOT_A_BYTE, multiply_colors),
+    };
+    let (source, set) = (ptm.header.format, &ptm.header.scale_bias);
     if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
-            "{} into {target}: a bias exceeds {MAX_EXACT_BIAS}",
-            ptm.header.format
+            "{source} into {target}: a bias exceeds {MAX_EXACT_BIAS}"
         ));
     }
     let bias = set.bias.map(|bias| bias as i64);
@@ -163,12 +154,10 @@ fn convert_texels(
     let Some(&first) = misfits.first() else {
         return Ok(samples);
     };
+    let (count, size) = (misfits.len(), ptm.planes.size);
+    let (all, place) = (size.texels(), describe_position(size, first));
     Err(format!(
-        "{} into {target}: {} of {} texels do not fit, the first at {}: {why}",
-        ptm.header.format,
-        misfits.len(),
-        ptm.planes.size.texels(),
-        describe_position(ptm.planes.size, first)
+        "{source} into {target}: {count} of {all} texels do not fit, the first at {place}: {why}"
     ))
 }
 
@@ -201,18 +190,14 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
         return None;
     }
     // Each element of n · d plus its bias must fit a byte, so there are at most 256 candidates for n.
-    let fitting = (0..=255)
-        .map(|byte| byte - bias[lead])
-        .filter(|value| *value != 0 && value % direction[lead] == 0);
+    let values = (0..=255).map(|byte| byte - bias[lead]);
+    let fitting = values.filter(|value| *value != 0 && value % direction[lead] == 0);
     fitting.map(|value| value / direction[lead]).find_map(|n| {
-        let polynomial: Vec<u8> = (0..6)
-            .map(|i| whole(i, n * direction[i]))
-            .collect::<Option<_>>()?;
+        let polynomial = (0..6).map(|i| whole(i, n * direction[i]));
         let color = |multiple: i64| {
             ((255 * multiple) % n == 0).then(|| u8::try_from(255 * multiple / n).ok())?
         };
-        let colors: Vec<u8> = multiples.into_iter().map(color).collect::<Option<_>>()?;
-        Some([polynomial, colors].concat())
+        polynomial.chain(multiples.map(color)).collect()
     })
 }
 
@@ -239,11 +224,8 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
 
 /// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
-    let wrong = |what: &str| {
-        format!(
-            "the converted file was read back and {what}; this is a bug in ptm-conform, and nothing is written"
-        )
-    };
+    let bug = "this is a bug in ptm-conform, and nothing is written";
+    let wrong = |what: &str| format!("the converted file was read back and {what}; {bug}");
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
         return Err(wrong("has another header"));
@@ -261,16 +243,10 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
 
 /// Checks that two maps of different shapes have the same colors. A polynomial has six coefficients, so six lights suffice.
 fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
-    const LIGHTS: [(f64, f64); 6] = [
-        (0.0, 0.0),
-        (0.5, 0.0),
-        (0.0, 0.5),
-        (-0.5, 0.25),
-        (0.25, -0.5),
-        (0.625, 0.625),
-    ];
+    const LU: [f64; 6] = [0.0, 0.5, 0.0, -0.5, 0.25, 0.625];
+    const LV: [f64; 6] = [0.0, 0.0, 0.5, 0.25, -0.5, 0.625];
     let (a, b) = (a.coefficients(), b.coefficients());
-    for (lu, lv) in LIGHTS {
+    for (lu, lv) in LU.into_iter().zip(LV) {
         let (a, b) = (a.evaluate(lu, lv), b.evaluate(lu, lv));
         let mut pairs = a.values.iter().zip(&b.values);
         if pairs.any(|(a, b)| (a - b).abs() > 1e-6) {
@@ -314,13 +290,11 @@ mod tests {
                 (_, x) => x / 51 * 51,
             };
             let texel: Vec<u8> = (0..9).map(value).collect();
-            let product = |at: usize| {
-                (i64::from(texel[at % 6]) - bias[at % 6]) * i64::from(texel[6 + at / 6])
-            };
             let whole = |at: usize| {
-                u8::try_from(product(at) / 255 + bias[at % 6])
-                    .ok()
-                    .filter(|_| product(at) % 255 == 0)
+                let (value, color) = (i64::from(texel[at % 6]), i64::from(texel[6 + at / 6]));
+                let product = (value - bias[at % 6]) * color;
+                let byte = u8::try_from(product / 255 + bias[at % 6]).ok();
+                byte.filter(|_| product % 255 == 0)
             };
             let three = multiply_colors(&texel, &bias, COUNTS);
             assert_eq!(three, (0..18).map(whole).collect());

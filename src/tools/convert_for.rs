@@ -36,9 +36,7 @@ pub fn convert_for(
     let formats: Vec<Format> = formats.collect();
     let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
-        return Err(format!(
-            "{names}: no lossless format is read by all of them"
-        ));
+        return Err(names + ": no lossless format is read by all of them");
     }
     let mut reasons = Vec::new();
     for format in formats {
@@ -63,21 +61,20 @@ fn try_format(
     if format.coding() == Some(Coding::Jpeg) {
         return Err(format!("{format} would lose something"));
     }
+    let (quality, loss) = (None, 0);
     let target = Target {
         format,
-        quality: None,
-        loss: 0,
+        quality,
+        loss,
     };
     let converted = convert(dissection, ptm, target)?;
     let subject = OpenedFile::new(&converted.bytes);
     for reader in readers {
         let prediction = subject.predict(reader);
         if prediction.shows != Shown::Right {
-            let (reader, shows) = (&prediction.reader, prediction.shows.name());
-            return Err(format!(
-                "as {format}, {reader} would show {shows} ({})",
-                prediction.how
-            ));
+            let (shows, how) = (prediction.shows.name(), prediction.how);
+            let reader = prediction.reader;
+            return Err(format!("as {format}, {reader} would show {shows} ({how})"));
         }
     }
     Ok(converted)

@@ -73,42 +73,35 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
 }
 
 fn compare_headers(a: &Ptm, b: &Ptm) -> Vec<String> {
-    let mut words = Vec::new();
+    let (mut words, mut numbers) = (Vec::new(), Vec::new());
     let (a_shape, b_shape) = (a.planes.shape, b.planes.shape);
-    if a_shape.channels() != b_shape.channels() {
+    let [(a_format, a_planes), (b_format, b_planes)] =
+        [(a, a_shape), (b, b_shape)].map(|(ptm, shape)| (ptm.header.format, shape.channels()));
+    if a_planes != b_planes {
         words.push(format!(
-            "format: {} has {} planes, {} has {}; planes of different kinds are not compared",
-            a.header.format,
-            a_shape.channels(),
-            b.header.format,
-            b_shape.channels()
+            "format: {a_format} has {a_planes} planes, {b_format} has {b_planes}; planes of different kinds are not compared"
         ));
     }
-    if a.header.size != b.header.size {
-        words.push(format!(
-            "size: {} and {}; planes of different sizes are not compared",
-            a.header.size, b.header.size
-        ));
-    }
-    for i in 0..6 {
-        let (a, b) = (&a.header.scale_bias, &b.header.scale_bias);
-        for (name, a, b) in [
-            ("scale", a.scale[i], b.scale[i]),
-            ("bias", a.bias[i], b.bias[i]),
-        ] {
-            if a != b {
-                words.push(format!("{name} of a{i}: {a} and {b}"));
-            }
+    let mut compare = |name: String, a: f64, b: f64| {
+        if a != b {
+            numbers.push(format!("{name}: {a} and {b}"));
         }
+    };
+    let (a_set, b_set) = (&a.header.scale_bias, &b.header.scale_bias);
+    for i in 0..6 {
+        compare(format!("scale of a{i}"), a_set.scale[i], b_set.scale[i]);
+        compare(format!("bias of a{i}"), a_set.bias[i], b_set.bias[i]);
     }
     if let (Shape::Lum(a), Shape::Lum(b)) = (a_shape, b_shape) {
-        for (i, (a, b)) in a.0.into_iter().zip(b.0).enumerate() {
-            if a != b {
-                words.push(format!("matrix element {i}: {a} and {b}"));
-            }
-        }
+        (0..16).for_each(|i| compare(format!("matrix element {i}"), a.0[i], b.0[i]));
     }
-    words
+    let (a, b) = (a.header.size, b.header.size);
+    if a != b {
+        words.push(format!(
+            "size: {a} and {b}; planes of different sizes are not compared"
+        ));
+    }
+    [words, numbers].concat()
 }
 
 fn compare_planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
@@ -143,20 +136,16 @@ impl MapDifference {
             let _ = writeln!(out, "{line}");
         }
         for plane in &self.planes {
+            let differ = match plane.texels {
+                1 => "1 texel differs".to_owned(),
+                texels => format!("{texels} texels differ"),
+            };
+            let (name, largest, first) = (&plane.channel, plane.largest, &plane.first);
+            let [a, b] = first.values;
             let _ = writeln!(
                 out,
-                "plane {} ({}): {}, by at most {}; the first is at column {}, row {} from the top: {} and {}",
-                plane.plane,
-                plane.channel,
-                match plane.texels {
-                    1 => "1 texel differs".to_owned(),
-                    texels => format!("{texels} texels differ"),
-                },
-                plane.largest,
-                plane.first.x,
-                plane.first.y,
-                plane.first.values[0],
-                plane.first.values[1]
+                "plane {} ({name}): {differ}, by at most {largest}; the first is at column {}, row {} from the top: {a} and {b}",
+                plane.plane, first.x, first.y
             );
         }
         for line in &self.written {

@@ -108,14 +108,14 @@ impl<'a> Dissection<'a> {
     fn new(file: &'a [u8], fields: &[Field], outcome: Result<Ptm, Error>) -> Dissection<'a> {
         let name = fields.iter().find(|field| field.clause == FORMAT_NAME);
         let name = name.map(|field| &file[field.range.clone()]);
-        let format = Format::ALL
-            .into_iter()
-            .find(|format| Some(format.name().as_bytes()) == name);
+        let mut formats = Format::ALL.into_iter();
+        let format = formats.find(|format| Some(format.name().as_bytes()) == name);
+        let (size, parts) = (None, Vec::new());
         let mut dissection = Dissection {
             file,
             format,
-            size: None,
-            parts: Vec::new(),
+            size,
+            parts,
             outcome,
         };
         let mut counts: HashMap<&str, usize> = HashMap::new();
@@ -155,9 +155,8 @@ impl<'a> Dissection<'a> {
     /// Returns the number of planes of a compressed file, or 0 for other formats.
     #[must_use]
     pub fn compressed_planes(&self) -> usize {
-        self.format
-            .filter(|format| format.coding().is_some())
-            .map_or(0, Format::channels)
+        let format = self.format.filter(|format| format.coding().is_some());
+        format.map_or(0, Format::channels)
     }
 
     /// Returns the integer stored in the part with the given role.
@@ -189,28 +188,20 @@ impl<'a> Dissection<'a> {
     #[must_use]
     pub fn gap_after(&self, i: usize) -> &'a [u8] {
         let from = self.parts[i].range().end;
-        let to = self.parts.get(i + 1).map_or_else(
-            || from + self.line_end_length(from),
-            |next| next.offset.max(from),
-        );
-        &self.file[from..to]
-    }
-
-    /// Returns the length of the line end at `from`, or 0 if there is none.
-    fn line_end_length(&self, from: usize) -> usize {
-        let in_header = !self.parts.iter().any(|part| part.role.is_payload());
-        match &self.file[from..] {
-            [b'\n', ..] if in_header => 1,
-            [b' ', b'\n', ..] if in_header => 2,
+        let in_header = || !self.parts.iter().any(|part| part.role.is_payload());
+        let length = match (self.parts.get(i + 1), &self.file[from..]) {
+            (Some(next), _) => next.offset.saturating_sub(from),
+            // A damaged header may end in a line end.
+            (None, [b'\n', ..]) if in_header() => 1,
+            (None, [b' ', b'\n', ..]) if in_header() => 2,
             _ => 0,
-        }
+        };
+        &self.file[from..from + length]
     }
 
     /// Adds the truncated parts whose lengths the header declares.
     fn add_truncated_parts(&mut self) {
-        let Err(error) = &self.outcome else {
-            return;
-        };
+        let Err(error) = &self.outcome else { return };
         let &Kind::Short { needs, .. } = error.kind() else {
             return;
         };
@@ -269,14 +260,8 @@ impl<'a> Dissection<'a> {
             "2.9.3/1" => (Role::MotionX(nth), "vector of plane #, x", "vectors, x"),
             "2.9.4/1" => (Role::Rank(nth), "rank of plane #", "order"),
             "2.9.5/1" => (Role::Reference(nth), "reference of plane #", "references"),
-            "2.9.6/1" => {
-                let (name, list) = ("compressed size of plane #", "compressed sizes");
-                (Role::StreamSize(nth), name, list)
-            }
-            "2.9.7/1" => {
-                let (name, list) = ("side information size of plane #", "side sizes");
-                (Role::SideSize(nth), name, list)
-            }
+            "2.9.6/1" => (Role::StreamSize(nth), STREAM_SIZE, "compressed sizes"),
+            "2.9.7/1" => (Role::SideSize(nth), SIDE_SIZE, "side sizes"),
             COMPRESSED_PLANE => (Role::Stream(nth), "plane #", ""),
             SIDE_INFORMATION => (Role::Side(nth), "side information of plane #", ""),
             _ => return,
@@ -335,6 +320,10 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
+/// Names of the sizes of planes.
+const STREAM_SIZE: &str = "compressed size of plane #";
+const SIDE_SIZE: &str = "side information size of plane #";
+
 /// Clauses of the format name, the compressed planes and the side information.
 const FORMAT_NAME: &str = "2.2/1";
 const COMPRESSED_PLANE: &str = "2.9.8/2";
@@ -377,15 +366,9 @@ mod tests {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;
-            let (whole, cut) = (
-                Dissection::parse(&file),
-                Dissection::parse(&file[..file.len() - 5]),
-            );
-            let part = cut
-                .parts
-                .iter()
-                .find(|part| part.cut_from.is_some())
-                .unwrap();
+            let [whole, cut] = [5, 0].map(|kept| Dissection::parse(&file[..file.len() - 5 + kept]));
+            let mut parts = cut.parts.iter();
+            let part = parts.find(|part| part.cut_from.is_some()).unwrap();
             assert_eq!(part.range().end, file.len() - 5, "{format}");
             let uncut = whole.part(part.role).unwrap();
             assert_eq!(part.offset, uncut.offset, "{format}");

@@ -23,10 +23,7 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let (scale, bias) = (join_texts(set.scale, " "), join_texts(set.bias, " "));
     let mut about = format!("{}; scale {scale}; bias {bias}", ptm.header.format);
     if let Shape::Lum(matrix) = &coefficients.shape {
-        about = format!(
-            "{about}; matrix, columns first, {}",
-            join_texts(matrix.0, " ")
-        );
+        about = about + "; matrix, columns first, " + &join_texts(matrix.0, " ");
     }
     let channels = coefficients.shape.channels();
     encode_exr(&coefficients.values, coefficients.size, channels, &about)
@@ -65,11 +62,9 @@ pub fn encode_exr(
     let channels = AnyChannels::sort((0..channels).map(channel).collect());
     let layer = Layer::new(side_lengths, attributes, encoding, channels);
     let mut bytes = Cursor::new(Vec::new());
-    ExrImage::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(|error| error.to_string())?;
+    let image = ExrImage::from_layer(layer);
+    let written = image.write().non_parallel().to_buffered(&mut bytes);
+    written.map_err(|error| error.to_string())?;
     Ok(bytes.into_inner())
 }
 

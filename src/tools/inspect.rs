@@ -78,9 +78,6 @@ pub struct Rest {
 #[must_use]
 pub fn inspect(file: &[u8]) -> Inspection {
     let dissection = Dissection::parse(file);
-    let fields = (0..dissection.parts.len())
-        .map(|i| inspect_part(&dissection, i))
-        .collect();
     let error = dissection.outcome.as_ref().err().map(|error| Fault {
         offset: error.offset(),
         clause: error.clause(),
@@ -92,14 +89,15 @@ pub fn inspect(file: &[u8]) -> Inspection {
         what: error.kind().to_string(),
         kind: error.kind().clone(),
     });
-    let last = dissection.parts.len().checked_sub(1);
-    let end = dissection.end() + last.map_or(0, |last| dissection.gap_after(last).len());
+    let parts = dissection.parts.len();
+    let gap = parts.checked_sub(1).map(|last| dissection.gap_after(last));
+    let end = dissection.end() + gap.map_or(0, <[u8]>::len);
     Inspection {
         bytes: file.len(),
         format: dissection.format.map(Format::name),
         width: dissection.size.map(|size| size.width),
         height: dissection.size.map(|size| size.height),
-        fields,
+        fields: (0..parts).map(|i| inspect_part(&dissection, i)).collect(),
         error,
         rest: (end < file.len()).then(|| Rest {
             offset: end,
@@ -136,11 +134,24 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
         Role::Stream(plane) => {
             let parts = segments(bytes).into_iter().map(|segment| {
                 let (name, clause) = segment.kind.label();
-                new_element(part, segment.range, clause, name.into_owned(), segment.says)
+                let element = part.element(segment.range, clause, name.into_owned());
+                FilePart {
+                    value: segment.says,
+                    ..element
+                }
             });
             return (describe_plane(dissection, plane), parts.collect());
         }
-        Role::Indices => indices(bytes, texels),
+        Role::Indices => {
+            let width = bytes.len().checked_div(texels).unwrap_or(0);
+            let largest = index_values(bytes, width).max().unwrap_or(0);
+            let smallest = index_values(bytes, width).min().unwrap_or(0);
+            let each = match width {
+                1 => "one byte",
+                _ => "two bytes, low byte first",
+            };
+            format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
+        }
         _ => {
             let each = bytes.len().checked_div(texels).unwrap_or(0);
             format!("{texels} texels of {each} bytes, bottom row first")
@@ -154,41 +165,27 @@ fn table(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec
     let entries = dissection.entries().unwrap_or(0);
     let size = bytes.len().checked_div(entries).unwrap_or(0);
     let entry = |(i, entry): (usize, &[u8])| {
-        let (name, value) = (format!("entry {i}"), join_texts(entry, " "));
         let range = i * size..i * size + entry.len();
-        new_element(part, range, part.clause, name, value)
+        let element = part.element(range, part.clause, format!("entry {i}"));
+        FilePart {
+            value: join_texts(entry, " "),
+            ..element
+        }
     };
     let parts = bytes.chunks(size.max(1)).enumerate().map(entry).collect();
     (format!("{entries} entries of {size} bytes"), parts)
 }
 
-/// Describes the number, width and range of the table indices.
-fn indices(bytes: &[u8], texels: usize) -> String {
-    let width = bytes.len().checked_div(texels).unwrap_or(0);
-    let largest = index_values(bytes, width).max().unwrap_or(0);
-    let smallest = index_values(bytes, width).min().unwrap_or(0);
-    let each = match width {
-        1 => "one byte",
-        _ => "two bytes, low byte first",
-    };
-    format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
-}
-
-/// Creates an element of `part`. `range` is relative to the beginning of `part`.
-fn new_element(
-    part: &FilePart,
-    range: Range<usize>,
-    clause: &'static str,
-    name: String,
-    value: String,
-) -> FilePart {
-    FilePart {
-        offset: part.offset + range.start,
-        length: range.len(),
-        clause,
-        name,
-        value,
-        ..FilePart::default()
+impl FilePart {
+    /// Creates an element of this part with an empty value. `range` is relative to the beginning of the part.
+    fn element(&self, range: Range<usize>, clause: &'static str, name: String) -> FilePart {
+        FilePart {
+            offset: self.offset + range.start,
+            length: range.len(),
+            clause,
+            name,
+            ..FilePart::default()
+        }
     }
 }
 
@@ -197,22 +194,18 @@ fn describe_plane(dissection: &Dissection, plane: usize) -> String {
     let number = |role| dissection.number(role).unwrap_or_default();
     let planes = dissection.compressed_planes();
     let (channel, rank) = (channel_name(planes, plane), number(Role::Rank(plane)));
-    let mut words = format!("{channel}, rank {rank}");
     let reference = number(Role::Reference(plane));
     if reference < 0 {
-        words += ", intra";
-        return words;
+        return format!("{channel}, rank {rank}, intra");
     }
-    let _ = write!(words, ", predicted from plane {reference}");
     let transform = number(Role::Transform(plane));
-    if transform & 1 != 0 {
-        words += " inverted";
-    }
-    if transform & 2 != 0 {
-        let [x, y] = [Role::MotionX, Role::MotionY].map(|role| number(role(plane)) as f64 / 2.0);
-        let _ = write!(words, " moved by ({x}, {y})");
-    }
-    words
+    let inverted = if transform & 1 != 0 { " inverted" } else { "" };
+    let [x, y] = [Role::MotionX, Role::MotionY].map(|role| number(role(plane)) as f64 / 2.0);
+    let moved = match transform & 2 {
+        0 => String::new(),
+        _ => format!(" moved by ({x}, {y})"),
+    };
+    format!("{channel}, rank {rank}, predicted from plane {reference}{inverted}{moved}")
 }
 
 /// Describes a block of side information and its records (clause 2.9.8/5).
@@ -221,25 +214,21 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
     let (whole, rest) = block.as_chunks::<5>();
     let record = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
-        let size = dissection.size;
-        let size = size.filter(|size| (position as usize) < size.texels());
-        let texel = size.map_or_else(
-            || "no texel".to_owned(),
-            |size| describe_position(size, texel_index(size, position)),
-        );
+        let texel = match dissection.size {
+            Some(size) if (position as usize) < size.texels() => {
+                describe_position(size, texel_index(size, position))
+            }
+            _ => "no texel".to_owned(),
+        };
         let value = format!("position {position} ({texel}) becomes {value}");
-        new_element(part, 5 * i..5 * i + 5, CLAUSE, format!("record {i}"), value)
+        let element = part.element(5 * i..5 * i + 5, CLAUSE, format!("record {i}"));
+        FilePart { value, ..element }
     };
     let mut parts: Vec<FilePart> = whole.iter().enumerate().map(record).collect();
     if !rest.is_empty() {
         let (range, name) = (5 * whole.len()..block.len(), "part of a record".to_owned());
-        parts.push(new_element(
-            part,
-            range,
-            CLAUSE,
-            name,
-            join_texts(rest, " "),
-        ));
+        let (element, value) = (part.element(range, CLAUSE, name), join_texts(rest, " "));
+        parts.push(FilePart { value, ..element });
     }
     let words = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
@@ -327,9 +316,8 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
         first.clause,
         "",
     );
-    let mut space = 33_usize
-        .saturating_sub(indent + name.chars().count())
-        .max(1);
+    let taken = indent + name.chars().count();
+    let mut space = 33_usize.saturating_sub(taken).max(1);
     for FilePart { value, gap, .. } in line.iter().filter(|part| !part.value.is_empty()) {
         let _ = write!(
             out,
@@ -382,14 +370,10 @@ fn visible_symbols(bytes: &[u8]) -> String {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown = bytes
-        .iter()
-        .take(MAX_PREVIEW_BYTES)
-        .map(|byte| format!("{byte:02x}"));
-    let more = if bytes.len() > MAX_PREVIEW_BYTES {
-        " …"
-    } else {
-        ""
-    };
-    join_texts(shown, " ") + more
+    let shown = bytes.iter().take(MAX_PREVIEW_BYTES);
+    let shown = join_texts(shown.map(|byte| format!("{byte:02x}")), " ");
+    match bytes.len() {
+        0..=MAX_PREVIEW_BYTES => shown,
+        _ => shown + " …",
+    }
 }

@@ -25,13 +25,10 @@ fn texel_index(size: Size, position: u32) -> usize {
     ((size.height - 1 - row) * size.width + column) as usize
 }
 
-/// Joins the string representations of `items` with a separator.
-pub(crate) fn join_texts<T: ToString>(
-    items: impl IntoIterator<Item = T>,
-    separator: &str,
-) -> String {
+/// Joins the string representations of `items` with the separator `by`.
+pub(crate) fn join_texts<T: ToString>(items: impl IntoIterator<Item = T>, by: &str) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
-    texts.join(separator)
+    texts.join(by)
 }
 
 /// Formats the column and row of a texel index that is counted from the top left.

@@ -16,7 +16,7 @@ use serde::Serialize;
 use crate::kit::digest::sha256;
 use crate::kit::parallel::map_in_parallel;
 use crate::kit::yaml::to_yaml;
-use crate::protocol::frame::{Samples, View, ViewKind};
+use crate::protocol::frame::{View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
@@ -79,10 +79,11 @@ impl Profile {
         let mut covered = BTreeSet::new();
         let mut ids = BTreeSet::new();
         for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
-            let fresh = case.clauses.iter().filter(|clause| {
-                covered.insert((case.expect.name(), case.format(), (*clause).clone()))
-            });
-            if fresh.count() > 0 || case.first {
+            let mut is_fresh = false;
+            for clause in &case.clauses {
+                is_fresh |= covered.insert((case.expect.name(), case.format(), clause));
+            }
+            if is_fresh || case.first {
                 ids.insert(case.id.as_str());
                 ids.extend(case.twin_of.as_deref());
             }
@@ -97,11 +98,12 @@ impl FromStr for Profile {
 
     fn from_str(name: &str) -> Result<Profile, String> {
         let mut profiles = Profile::ALL.into_iter();
-        let found = profiles.find(|(_, known, _)| *known == name);
-        let found = found.map(|(profile, ..)| profile);
-        found.ok_or_else(|| {
-            format!("unknown profile {name:?}; profiles are minimal, standard and exhaustive")
-        })
+        match profiles.find(|(_, known, _)| *known == name) {
+            Some((profile, ..)) => Ok(profile),
+            None => Err(format!(
+                "unknown profile {name:?}; profiles are minimal, standard and exhaustive"
+            )),
+        }
     }
 }
 
@@ -298,28 +300,20 @@ fn encode_answer(
         |image: DynamicImage| Ok::<_, String>(("png", encode_image(image, ImageFormat::Png)?));
     let values = &expected.values;
     let floats = ("npy", npy_floats(values, size, channels));
-    Ok(match expected.view {
-        ViewKind::Raw => {
-            let Samples::U8(bytes) = expected.view.samples(values) else {
-                return Err("stored values are bytes".to_owned());
-            };
-            let npy = ("npy", npy_bytes(&bytes, size, channels));
-            match profile {
-                Profile::Minimal => vec![npy],
-                _ => vec![npy, png(stacked_planes(&bytes, size, channels).into())?],
-            }
+    let rounded = values.iter().map(|value| value.round() as u8);
+    let bytes = || rounded.clone().collect::<Vec<u8>>();
+    Ok(match (expected.view, profile) {
+        (ViewKind::Raw, Profile::Minimal) => vec![("npy", npy_bytes(&bytes(), size, channels))],
+        (ViewKind::Raw, _) => {
+            let npy = ("npy", npy_bytes(&bytes(), size, channels));
+            vec![npy, png(stacked_planes(&bytes(), size, channels).into())?]
         }
-        ViewKind::Coef => match profile {
-            Profile::Exhaustive => {
-                let exr = encode_exr(values, size, channels, description)?;
-                vec![floats, ("exr", exr)]
-            }
-            _ => vec![floats],
-        },
-        ViewKind::Rgb => {
-            let bytes = values.iter().map(|value| value.round() as u8);
-            vec![floats, png(rgb(size, bytes.collect()).into())?]
+        (ViewKind::Coef, Profile::Exhaustive) => {
+            let exr = encode_exr(values, size, channels, description)?;
+            vec![floats, ("exr", exr)]
         }
+        (ViewKind::Coef, _) => vec![floats],
+        (ViewKind::Rgb, _) => vec![floats, png(rgb(size, bytes()).into())?],
     })
 }
 

@@ -61,10 +61,8 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
 
 /// Maps the square from −1 to 1 to the disc of light directions. The edge is mapped to `RIM_RADIUS`.
 fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
-    (
-        x * (1.0 - y * y / 2.0).sqrt() * RIM_RADIUS,
-        y * (1.0 - x * x / 2.0).sqrt() * RIM_RADIUS,
-    )
+    let on_disc = |a: f64, b: f64| a * (1.0 - b * b / 2.0).sqrt() * RIM_RADIUS;
+    (on_disc(x, y), on_disc(y, x))
 }
 
 /// Renders the normals as colors: x, y and z from −1 to 1 become 0 to 255. x points right, y up, and z toward the viewer.
@@ -74,14 +72,12 @@ fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
 pub fn normals(ptm: &Ptm) -> RgbImage {
     let coefficients = ptm.coefficients();
     let channels = coefficients.shape.channels();
-    let luminance = |texel: &[f64]| -> [f64; 6] {
-        match coefficients.shape {
-            Shape::Rgb => std::array::from_fn(|i| texel[i] + texel[6 + i] + texel[12 + i]),
-            Shape::Lrgb | Shape::Lum(_) => std::array::from_fn(|i| texel[i]),
-        }
-    };
     let color = |texel: &[f64]| {
-        normal(&luminance(texel)).map(|axis| (f64::midpoint(axis, 1.0) * 255.0).round() as u8)
+        let luminance = std::array::from_fn(|i| match coefficients.shape {
+            Shape::Rgb => texel[i] + texel[6 + i] + texel[12 + i],
+            Shape::Lrgb | Shape::Lum(_) => texel[i],
+        });
+        normal(&luminance).map(|axis| (f64::midpoint(axis, 1.0) * 255.0).round() as u8)
     };
     let texels = coefficients.values.chunks(channels);
     rgb(coefficients.size, texels.flat_map(color).collect())
@@ -173,9 +169,8 @@ pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     let area = u64::from(factor) * u64::from(factor);
     let bytes = area.saturating_mul(image.len() as u64);
     if bytes > MAX_IMAGE_BYTES {
-        return Err(format!(
-            "an image of {bytes} bytes is too large; enlarge it less"
-        ));
+        let says = "is too large; enlarge it less";
+        return Err(format!("an image of {bytes} bytes {says}"));
     }
     let (width, height) = (image.width() * factor, image.height() * factor);
     let pixel = |x, y| *image.get_pixel(x / factor, y / factor);
@@ -190,10 +185,9 @@ fn downscale(image: &RgbImage, factor: u32) -> RgbImage {
         let block = image.view(x, y, factor.min(width - x), factor.min(height - y));
         let count = block.pixels().count();
         Rgb([0, 1, 2].map(|channel| {
-            let values = block
-                .pixels()
-                .map(|(.., pixel)| usize::from(pixel[channel]));
-            ((values.sum::<usize>() + count / 2) / count) as u8
+            let value = |(_, _, pixel): (u32, u32, Rgb<u8>)| usize::from(pixel[channel]);
+            let sum: usize = block.pixels().map(value).sum();
+            ((sum + count / 2) / count) as u8
         }))
     })
 }
@@ -221,10 +215,8 @@ mod tests {
         for (polynomial, expected) in NORMALS {
             let found = normal(&polynomial);
             let mut pairs = found.iter().zip(expected);
-            assert!(
-                pairs.all(|(a, b)| (a - b).abs() < 1e-6),
-                "{found:?}, expected {expected:?}"
-            );
+            let is_near = pairs.all(|(a, b)| (a - b).abs() < 1e-6);
+            assert!(is_near, "{found:?}, expected {expected:?}");
         }
     }
 

@@ -47,14 +47,20 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
         let loose = LenientHeader::read(file)?;
         bytes = loose.into_legal_file(&mut changes)?;
     }
-    bytes = remove_trailing_bytes(bytes, &mut changes);
+    let dissection = Dissection::parse(&bytes);
+    let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
+    if is_read && end < bytes.len() {
+        let rest = bytes.len() - end;
+        changes.push(format!("{rest} bytes after the last value are removed"));
+        bytes.truncate(end);
+    }
     bytes = remove_overridden_records(bytes, &mut changes)?;
     if changes.is_empty() {
         return Err("there is nothing to repair".to_owned());
     }
     let unlike = "this is a bug in ptm-conform, and nothing is written";
-    let after =
-        decode(&bytes).map_err(|error| format!("the result is malformed: {error}; {unlike}"))?;
+    let malformed = |error| format!("the result is malformed: {error}; {unlike}");
+    let after = decode(&bytes).map_err(malformed)?;
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
         return Err(format!("the result is another map; {unlike}"));
     }
@@ -117,9 +123,8 @@ impl<'a> LenientHeader<'a> {
             return Ok(as_lines);
         }
         if self.format.coding().is_none() {
-            return Err(
-                "its faults cannot be repaired without guessing; `lint` lists them".to_owned(),
-            );
+            let says = "its faults cannot be repaired without guessing; `lint` lists them";
+            return Err(says.to_owned());
         }
         self.measure_streams(changes)?;
         Ok(self.to_bytes())
@@ -141,9 +146,8 @@ impl<'a> LenientHeader<'a> {
             let size = stream_length(stream).ok_or(unsettled)?;
             let text = &mut self.lines[SIZES][plane];
             if *text != size.to_string() {
-                changes.push(format!(
-                    "the compressed size of plane {plane} is {size}, not {text}"
-                ));
+                let size_of = format!("the compressed size of plane {plane}");
+                changes.push(format!("{size_of} is {size}, not {text}"));
                 *text = size.to_string();
             }
             let side = self.lines[SIZES + 1][plane].parse::<usize>();
@@ -186,18 +190,6 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
     (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
 }
 
-/// Removes trailing bytes after the last value.
-fn remove_trailing_bytes(mut bytes: Vec<u8>, changes: &mut Vec<String>) -> Vec<u8> {
-    let dissection = Dissection::parse(&bytes);
-    let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
-    if is_read && end < bytes.len() {
-        let rest = bytes.len() - end;
-        changes.push(format!("{rest} bytes after the last value are removed"));
-        bytes.truncate(end);
-    }
-    bytes
-}
-
 /// Removes records that a later record for the same texel overrides.
 fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
     let dissection = Dissection::parse(&bytes);
@@ -212,16 +204,16 @@ fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Resul
             continue;
         };
         let mut seen = HashSet::new();
-        let mut kept: Vec<&[u8]> = bytes[side.clone()].chunks(5).collect();
+        let mut kept: Vec<&[u8]> = bytes[side.clone()].rchunks(5).collect();
         let all = kept.len();
-        kept.reverse();
-        kept.retain(|record| seen.insert(record[..4].to_vec()));
+        kept.retain(|record| seen.insert(&record[..4]));
         kept.reverse();
         if kept.len() < all {
-            let left_out = all - kept.len();
-            changes.push(format!(
-                "plane {plane}: {left_out} records that later ones override are removed"
-            ));
+            let removed = format!(
+                "{} records that later ones override are removed",
+                all - kept.len()
+            );
+            changes.push(format!("plane {plane}: {removed}"));
             let kept = kept.concat();
             edits.push((size, kept.len().to_string().into_bytes()));
             edits.push((side, kept));

@@ -139,19 +139,16 @@ fn data_length(rest: &[u8], is_jpeg_ls: bool) -> usize {
 /// Finds the frame header and returns its marker code, precision, height, width and number of components.
 #[must_use]
 pub fn frame(parts: &[Segment]) -> Option<(u8, u8, u16, u16, u8)> {
-    parts.iter().find_map(|part| match (part.kind, part.bytes) {
-        (SegmentKind::Marker(0xc4 | 0xc8 | 0xcc), _) => None,
-        (
-            SegmentKind::Marker(code @ (0xc0..=0xcf | SOF55)),
-            &[_, _, _, _, precision, h1, h0, w1, w0, components, ..],
-        ) => Some((
-            code,
-            precision,
-            u16::from_be_bytes([h1, h0]),
-            u16::from_be_bytes([w1, w0]),
-            components,
-        )),
-        _ => None,
+    parts.iter().find_map(|part| {
+        let SegmentKind::Marker(code @ (0xc0..=0xcf | SOF55)) = part.kind else {
+            return None;
+        };
+        let is_frame = !matches!(code, 0xc4 | 0xc8 | 0xcc);
+        let &[_, _, _, _, precision, h1, h0, w1, w0, count, ..] = part.bytes else {
+            return None;
+        };
+        let (height, width) = (u16::from_be_bytes([h1, h0]), u16::from_be_bytes([w1, w0]));
+        is_frame.then_some((code, precision, height, width, count))
     })
 }
 
@@ -192,18 +189,13 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     match (code, body) {
         (0xc4, _) => huffman_tables(body),
         (0xc0..=0xcf | SOF55, &[precision, h1, h0, w1, w0, count, ..]) => {
-            let sampling = match body {
-                [_, _, _, _, _, 1, _, factors, ..] => {
-                    format!(" of {}x{}", factors >> 4, factors & 15)
-                }
-                _ => String::new(),
+            let (width, height) = (u16::from_be_bytes([w1, w0]), u16::from_be_bytes([h1, h0]));
+            let components = match *body {
+                [_, _, _, _, _, 1, _, f, ..] => format!("component of {}x{}", f >> 4, f & 15),
+                [_, _, _, _, _, 1, ..] => "component".to_owned(),
+                _ => "components".to_owned(),
             };
-            format!(
-                "{precision} bits, {} x {} samples, {count} component{}{sampling}",
-                u16::from_be_bytes([w1, w0]),
-                u16::from_be_bytes([h1, h0]),
-                if count == 1 { "" } else { "s" }
-            )
+            format!("{precision} bits, {width} x {height} samples, {count} {components}")
         }
         (SOS, &[count, ..]) => {
             let after = body.get(1 + 2 * usize::from(count)..).unwrap_or_default();
@@ -219,13 +211,9 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
         (0xdd, &[high, low]) => format!("interval {}", u16::from_be_bytes([high, low])),
         (0xf8, &[1, ref rest @ ..]) => {
             let names = ["MAXVAL", "T1", "T2", "T3", "RESET"];
-            let numbers = rest
-                .as_chunks::<2>()
-                .0
-                .iter()
-                .map(|pair| u16::from_be_bytes(*pair));
-            let words = names.iter().zip(numbers);
-            join_texts(words.map(|(name, number)| format!("{name} {number}")), ", ")
+            let words = names.iter().zip(rest.as_chunks::<2>().0);
+            let word = |(name, &pair): (_, _)| format!("{name} {}", u16::from_be_bytes(pair));
+            join_texts(words.map(word), ", ")
         }
         (0xe0..=0xef | 0xfe, _) => body[..body.len().min(24)].escape_ascii().to_string(),
         _ => String::new(),
@@ -256,10 +244,8 @@ fn quantization_tables(mut body: &[u8]) -> String {
         };
         let first = table[..size].iter();
         let first = first.fold(0, |step, &byte| step << 8 | u16::from(byte));
-        let (number, bits) = (kind & 15, 8 * size);
-        words.push(format!(
-            "table {number} of {bits} bits, first divisor {first}"
-        ));
+        let table = format!("table {} of {} bits", kind & 15, 8 * size);
+        words.push(format!("{table}, first divisor {first}"));
         body = more;
     }
     words.join(", ")

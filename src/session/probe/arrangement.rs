@@ -3,39 +3,28 @@
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
 
+use super::body::Interpretation;
 use super::message::{ProbeFault, fault};
 
-/// A function from (x, y, channel) and (width, height, channels) to the index of the sample in a raster.
-type Position = fn((usize, usize, usize), (usize, usize, usize)) -> usize;
+/// Names of the orders of samples; the empty one is right.
+const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
-/// Orders of samples, with the name of each wrong one and the position of a sample.
-const LAYOUTS: [(Option<&str>, Position); 4] = [
-    (None, |(x, y, c), (w, _, n)| (y * w + x) * n + c),
-    (Some("planar"), |(x, y, c), (w, h, _)| (c * h + y) * w + x),
-    (Some("planar-rows"), |(x, y, c), (w, _, n)| {
-        (y * n + c) * w + x
-    }),
-    (Some("column-major"), |(x, y, c), (_, h, n)| {
-        (x * h + y) * n + c
-    }),
-];
-
-/// Names of the wrong orders of channels; `None` is the right order.
-const ORDERS: [Option<&str>; 7] = [
-    None,
-    Some("bgr"),
-    Some("cb-first"),
-    Some("chroma-first"),
-    Some("color-first"),
-    Some("coefficients-backward"),
-    Some("by-coefficient"),
+/// Names of the orders of channels; the empty one is right.
+const ORDERS: [&str; 7] = [
+    "",
+    "bgr",
+    "cb-first",
+    "chroma-first",
+    "color-first",
+    "coefficients-backward",
+    "by-coefficient",
 ];
 
 /// An order of samples for images with any number of channels.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::session) struct Arrangement {
-    layout: (Option<&'static str>, Position),
-    order: Option<&'static str>,
+    layout: &'static str,
+    order: &'static str,
     upside_down: bool,
     mirrored: bool,
 }
@@ -54,15 +43,19 @@ impl Arrangement {
 
     /// Returns, for each sample of a correct image in order, its index in an image with this arrangement.
     fn sample_indices(&self, (width, height, channels): (usize, usize, usize)) -> Vec<usize> {
-        let order = (self.order).and_then(|name| channel_order(name, channels));
+        let order = channel_order(self.order, channels);
         let order = order.unwrap_or_else(|| (0..channels).collect());
         let mut places = Vec::with_capacity(width * height * channels);
         for y in 0..height {
             for x in 0..width {
                 let y = if self.upside_down { height - 1 - y } else { y };
                 let x = if self.mirrored { width - 1 - x } else { x };
-                let place = |&c: &usize| (self.layout.1)((x, y, c), (width, height, channels));
-                places.extend(order.iter().map(place));
+                places.extend(order.iter().map(|&channel| match self.layout {
+                    "planar" => (channel * height + y) * width + x,
+                    "planar-rows" => (y * channels + channel) * width + x,
+                    "column-major" => (x * height + y) * channels + channel,
+                    _ => (y * width + x) * channels + channel,
+                }));
             }
         }
         places
@@ -85,26 +78,22 @@ impl Arrangement {
 
     /// Returns the mistakes of this arrangement; empty for the right one.
     pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
-        let upside_down = self.upside_down.then_some("upside-down");
-        let mirrored = self.mirrored.then_some("mirrored");
-        let names = [self.layout.0, self.order, upside_down, mirrored];
-        let mistakes = names.into_iter().flatten().map(|name| fault(name, &[]));
-        mistakes.collect()
+        let upside_down = if self.upside_down { "upside-down" } else { "" };
+        let mirrored = if self.mirrored { "mirrored" } else { "" };
+        let names = [self.layout, self.order, upside_down, mirrored].into_iter();
+        let wrong = names.filter(|name| !name.is_empty());
+        wrong.map(|name| fault(name, &[])).collect()
     }
 }
 
 /// Returns the same values in every possible order, with the mistakes of each.
-pub(super) fn arrangements(
-    values: &[f64],
-    expected: &Expected,
-) -> Vec<(Vec<f64>, Vec<ProbeFault>)> {
+pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;
     if values.len() != width * height * channels {
         return Vec::new();
     }
-    let is_order =
-        |of: &Arrangement| (of.order).is_none_or(|name| channel_order(name, channels).is_some());
+    let is_order = |of: &Arrangement| channel_order(of.order, channels).is_some();
     let ordered = |of: Arrangement| {
         let places = of.sample_indices((width, height, channels)).into_iter();
         (places.map(|place| values[place]).collect(), of.mistakes())
@@ -116,6 +105,7 @@ pub(super) fn arrangements(
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
     let at = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {
+        (_, "") => (0..channels).collect(),
         (3, "bgr") => vec![2, 1, 0],
         (8, "cb-first") => vec![0, 1, 2, 3, 4, 5, 7, 6],
         (8, "chroma-first") => vec![2, 3, 4, 5, 6, 7, 0, 1],

@@ -119,8 +119,13 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
             meant.push((values, vec![fault("alpha", &[("place", &place)])]));
         }
     }
-    let ascii = numbers_in_ascii(bytes).map(|values| (values, vec![fault("ascii", &[])]));
-    meant.extend(ascii);
+    // Numbers in ASCII.
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        let words = text.split(|c: char| c.is_whitespace() || c == ',');
+        let words = words.filter(|word| !word.is_empty());
+        let values: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+        meant.extend(values.map(|values| (values, vec![fault("ascii", &[])])));
+    }
     meant
 }
 
@@ -138,11 +143,4 @@ fn numbers(bytes: &[u8], width: usize, is_big_endian: bool) -> Vec<f64> {
         }
     };
     bytes.chunks_exact(width).map(number).collect()
-}
-
-fn numbers_in_ascii(bytes: &[u8]) -> Option<Vec<f64>> {
-    let text = std::str::from_utf8(bytes).ok()?;
-    let words = text.split(|c: char| c.is_whitespace() || c == ',');
-    let words = words.filter(|word| !word.is_empty());
-    words.map(|word| word.parse().ok()).collect()
 }

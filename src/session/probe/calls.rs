@@ -50,15 +50,8 @@ impl Calls<'_> {
     }
 
     fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
-        let request = Request {
-            name: "probe",
-            view,
-            file,
-            // All output is examined: an f64 for each byte of the file, and more.
-            max_frame_bytes: file.len().max(1 << 12) * 18,
-            timeout_factor: 1,
-            needs_new_process: true,
-        };
+        // All output is examined: an f64 for each byte of the file, and more.
+        let request = Request::new("probe", view, file, file.len().max(1 << 12) * 18);
         let other = template.map(|template| self.decoder.with_command_line(template));
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }
@@ -87,8 +80,8 @@ impl Calls<'_> {
             _ => None,
         };
         let not_run = not_run.filter(|_| !self.command.is_empty());
-        let known = repair(&reply.stdout, expected, view)
-            .or_else(|| not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)])));
+        let not_run = not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)]));
+        let known = repair(&reply.stdout, expected, view).or(not_run);
         // A decoder that times out would time out with any command line.
         if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
             return known;

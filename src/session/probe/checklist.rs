@@ -69,14 +69,13 @@ impl Reproduction {
         file_name: impl Into<String>,
         file: &[u8],
     ) -> Reproduction {
-        Reproduction {
-            serve: false,
-            requests: vec![ProbeRequest {
-                view: view.to_string(),
-                file_name: file_name.into(),
-                file: file.to_vec(),
-            }],
-        }
+        let request = ProbeRequest {
+            view: view.to_string(),
+            file_name: file_name.into(),
+            file: file.to_vec(),
+        };
+        let (serve, requests) = (false, vec![request]);
+        Reproduction { serve, requests }
     }
 
     /// Returns the command line that reproduces the observation, with files in `directory` and the command `decoder`.
@@ -112,11 +111,12 @@ pub struct Checklist {
 
 impl Checklist {
     fn add(&mut self, mark: Mark, says: impl Into<String>, next: Option<String>) {
+        let (says, repeat) = (says.into(), None);
         self.steps.push(ProbeStep {
             mark,
-            says: says.into(),
+            says,
             next,
-            repeat: None,
+            repeat,
         });
     }
 
@@ -130,13 +130,8 @@ impl Checklist {
     }
 
     /// Adds something to fix in `what`, and instructions to reproduce it.
-    pub(super) fn add_fault(
-        &mut self,
-        what: &dyn Display,
-        fault: ProbeFault,
-        repeat: Reproduction,
-    ) {
-        self.steps.push(ProbeStep::to_fix(what, fault, repeat));
+    pub(super) fn add_fault(&mut self, what: &dyn Display, fault: ProbeFault, by: Reproduction) {
+        self.steps.push(ProbeStep::to_fix(what, fault, by));
     }
 
     pub(crate) fn add_absent(&mut self, says: impl Into<String>) {

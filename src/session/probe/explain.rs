@@ -15,8 +15,15 @@ fn its_last_words(reply: &Reply) -> String {
 
 /// Explains an answer that is not a frame.
 pub(super) fn explain(reply: &Reply) -> ProbeFault {
+    let size = reply.stdout.len();
     let name = match &reply.answer {
-        Answer::ProtocolError(_) => return protocol_error(reply),
+        Answer::ProtocolError(_) => match buffer_size(reply) {
+            _ if size == 0 && reply.stderr.contains("PTM1 ") => "frame-on-stderr",
+            _ if size == 0 => "no-output",
+            Some(_) => "cut",
+            None if reply.stdout.starts_with(b"PTM1 ") => "wrong-length",
+            None => "no-line",
+        },
         Answer::Crashed(_) => match reply.exit {
             Some(64 | 2) => "usage-error",
             Some(_) => "crash",
@@ -31,7 +38,10 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
         Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Decoded(_) => "by-hand",
     };
     let (answer, stderr) = (reply.answer.describe(), its_last_words(reply));
-    fault(name, &[("answer", &answer), ("stderr", &stderr)])
+    let step = buffer_size(reply).unwrap_or_default();
+    let slots: &Slots = &[("size", &size), ("step", &step)];
+    let slots = [slots, &[("answer", &answer), ("stderr", &stderr)]].concat();
+    fault(name, &slots)
 }
 
 /// Returns the buffer size if the output is a frame that was truncated after a whole number of buffers.
@@ -40,19 +50,6 @@ pub(super) fn buffer_size(reply: &Reply) -> Option<usize> {
     let begins = reply.stdout.starts_with(b"PTM1 ");
     let step = [65_536, 4096].into_iter().find(is_multiple);
     step.filter(|_| begins && matches!(reply.answer, Answer::ProtocolError(_)))
-}
-
-fn protocol_error(reply: &Reply) -> ProbeFault {
-    let (answer, size) = (reply.answer.describe(), reply.stdout.len());
-    let (name, step) = match buffer_size(reply) {
-        _ if size == 0 && reply.stderr.contains("PTM1 ") => ("frame-on-stderr", 0),
-        _ if size == 0 => ("no-output", 0),
-        Some(step) => ("cut", step),
-        None if reply.stdout.starts_with(b"PTM1 ") => ("wrong-length", 0),
-        None => ("no-line", 0),
-    };
-    let slots: &Slots = &[("size", &size), ("step", &step), ("answer", &answer)];
-    fault(name, slots)
 }
 
 /// Explains an answer to a malformed file that was not refused.

@@ -24,33 +24,26 @@ pub(super) struct FileReplies {
 impl FileReplies {
     fn new(calls: &Calls, sample: Sample) -> FileReplies {
         let views = ["raw", "coef", View::ORDINARY_LIGHT];
-        let ask = |view: &str| {
-            let view: View = view.parse().expect("a view");
-            let reply = calls.ask(&view, &sample.file);
-            (view, reply)
-        };
-        FileReplies {
-            replies: views.map(ask).into(),
-            sample,
-        }
+        let views = views.map(|view| view.parse().expect("a view")).into_iter();
+        let ask = |view: View| (view.clone(), calls.ask(&view, &sample.file));
+        let replies = views.map(ask).collect();
+        FileReplies { sample, replies }
     }
 
     /// Requests a format in the table spelling that the decoder reads best.
     fn request_in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
-        let mut best: Option<FileReplies> = None;
-        for sample in Sample::samples_in_all_spellings(format) {
+        let mut samples = Sample::samples_in_all_spellings(format);
+        let first = samples.next().expect("every format has a spelling");
+        let mut best = FileReplies::new(calls, first);
+        let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
+        while !best.rank()[2] && !best.replies.iter().all(unsupported) {
+            let Some(sample) = samples.next() else { break };
             let asked = FileReplies::new(calls, sample);
-            if (best.as_ref()).is_none_or(|best| asked.rank() > best.rank()) {
-                best = Some(asked);
-            }
-            let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-            let is_settled =
-                |best: &FileReplies| best.rank()[2] || best.replies.iter().all(unsupported);
-            if best.as_ref().is_some_and(is_settled) {
-                break;
+            if asked.rank() > best.rank() {
+                best = asked;
             }
         }
-        best.expect("every format has a spelling")
+        best
     }
 
     /// Rates the replies: true for a frame, for a frame of the right size, and for the correct image.
@@ -67,11 +60,9 @@ impl FileReplies {
 
     /// Returns true if requesting more files is pointless.
     fn is_hopeless(&self) -> bool {
-        self.replies.iter().any(|(_, reply)| {
-            matches!(
-                reply.answer,
-                Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Hung(_)
-            ) || reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 ")
+        self.replies.iter().any(|(_, reply)| match reply.answer {
+            Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Hung(_) => true,
+            _ => reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 "),
         })
     }
 }
@@ -128,9 +119,9 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
             true => ", with a line feed after the table",
             false => "",
         };
-        let count = sample.spelling.count.name();
+        let count = format!("\"{}\"{newline}", sample.spelling.count.name());
         list.add_good(format!(
-            "{name}: read if the number of entries is spelled \"{count}\"{newline}"
+            "{name}: read if the number of entries is spelled {count}"
         ));
     }
     for (view, reply) in replies {
@@ -145,9 +136,8 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
                 Some(difference) => fault("wrong-image", &[("difference", &difference)]),
             },
             Answer::Unsupported => {
-                list.add_absent(format!(
-                    "{what}: exited with 69: this view is not offered, which is fine"
-                ));
+                let says = "exited with 69: this view is not offered, which is fine";
+                list.add_absent(format!("{what}: {says}"));
                 continue;
             }
             answer => fault("no-image", &[("answer", &answer.describe())]),

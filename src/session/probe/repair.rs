@@ -22,8 +22,8 @@ impl Repair {
 
 /// Returns the fewest mistakes that must be undone to make `bytes` the right answer; None if there are none.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
-    let repairs = repairs(bytes, expected, view).into_iter();
     // The first among equals.
+    let repairs = repairs(bytes, expected, view).into_iter();
     let smallest = repairs.min_by_key(|repair| repair.mistakes.len());
     smallest.map(Repair::fault)
 }
@@ -72,9 +72,8 @@ fn from_utf16(bytes: &[u8]) -> Option<RepairedBytes> {
 fn from_utf8(bytes: &[u8]) -> Option<RepairedBytes> {
     let text = std::str::from_utf8(bytes).ok()?;
     let narrow: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
-    narrow
-        .filter(|_| !bytes.is_ascii())
-        .map(|narrow| (narrow, vec![fault("utf-8", &[])]))
+    let narrow = narrow.filter(|_| !bytes.is_ascii())?;
+    Some((narrow, vec![fault("utf-8", &[])]))
 }
 
 /// Returns the stream from its PTM1 line on, if other bytes precede it.
@@ -93,7 +92,11 @@ fn line_ends(bytes: &[u8]) -> Vec<RepairedBytes> {
         return Vec::new();
     };
     let (line, samples) = bytes.split_at(end + 1);
-    let [fixed_line, fixed] = [line, samples].map(without_carriage_returns);
+    let [fixed_line, fixed] = [line, samples].map(|bytes| {
+        let is_before_line_feed = |i: usize| bytes[i..].starts_with(b"\r\n");
+        let kept = (0..bytes.len()).filter(|&i| !is_before_line_feed(i));
+        kept.map(|i| bytes[i]).collect::<Vec<u8>>()
+    });
     let (line_changed, changed) = (fixed_line != line, fixed != samples);
     let candidates = [
         (line_changed, "crlf-line", [&fixed_line, samples]),
@@ -103,12 +106,6 @@ fn line_ends(bytes: &[u8]) -> Vec<RepairedBytes> {
     let changed = candidates.into_iter().filter(|(changed, ..)| *changed);
     let fixed = changed.map(|(_, name, parts)| (parts.concat(), vec![fault(name, &[])]));
     fixed.collect()
-}
-
-fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
-    let is_before_line_feed = |i: usize| bytes[i..].starts_with(b"\r\n");
-    let kept = (0..bytes.len()).filter(|&i| !is_before_line_feed(i));
-    kept.map(|i| bytes[i]).collect()
 }
 
 fn is_right(values: &[f64], expected: &Expected) -> bool {

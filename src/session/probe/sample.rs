@@ -25,10 +25,8 @@ impl Sample {
     fn new(format: Format, size: &str, spelling: TableSpelling) -> Sample {
         let size: Size = size.parse().expect("a constant size");
         let mut made = (1..=1000).map(|seed| {
-            let mut recipe = Recipe {
-                seed,
-                ..Recipe::ordinary(format, size)
-            };
+            let mut recipe = Recipe::ordinary(format, size);
+            recipe.seed = seed;
             recipe.spelling.count = spelling.count;
             recipe.spelling.newline_after_table = spelling.newline;
             let model = Model::paint(&recipe);
@@ -38,9 +36,8 @@ impl Sample {
         let tells = |model: &Model| {
             model.samples.contains(&b'\n') && !model.samples.windows(2).any(|pair| pair == b"\r\n")
         };
-        let (recipe, model) = made
-            .find(|(_, model)| size.texels() > 100 || tells(model))
-            .expect("one of a thousand files of noise has a line feed in it");
+        let made = made.find(|(_, model)| size.texels() > 100 || tells(model));
+        let (recipe, model) = made.expect("one of a thousand files of noise has a line feed in it");
         Sample {
             format,
             spelling,

@@ -32,7 +32,17 @@ pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Ch
             list.add_absent("serve: not offered (optional); ptm-conform example shows both modes");
         }
         Err(Some((count, fault))) => {
-            list.add_fault(&"serve", fault, requests(first, count));
+            // The first requests of the dialog.
+            let whole = first.sample.repeat(&first.replies[0].0).requests.remove(0);
+            let malformed = ProbeRequest {
+                file_name: "malformed.ptm".to_owned(),
+                file: MALFORMED.to_vec(),
+                ..whole.clone()
+            };
+            let mut requests = vec![whole.clone(), malformed, whole];
+            requests.truncate(count);
+            let serve = true;
+            list.add_fault(&"serve", fault, Reproduction { serve, requests });
         }
     }
 }
@@ -81,22 +91,6 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     match dialog.end() {
         Served::Gone(true) => Ok(()),
         _ => after(3, "serve-end"),
-    }
-}
-
-/// Returns the first requests of the dialog.
-fn requests(first: &FileReplies, count: usize) -> Reproduction {
-    let whole = first.sample.repeat(&first.replies[0].0).requests.remove(0);
-    let malformed = ProbeRequest {
-        file_name: "malformed.ptm".to_owned(),
-        file: MALFORMED.to_vec(),
-        ..whole.clone()
-    };
-    let mut requests = vec![whole.clone(), malformed, whole];
-    requests.truncate(count);
-    Reproduction {
-        serve: true,
-        requests,
     }
 }
 
@@ -203,25 +197,19 @@ impl<'a> Dialog<'a> {
         let end = output.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
+        let shown = format!("{line:?}");
+        let wrong = |name| Some(Served::Wrong(fault(name, &[("line", &shown)])));
         let size = match words[..] {
             [_, "ok", size] => match size.parse() {
-                Ok(size @ 0..=MAX_ANSWER) => Ok(size),
-                _ => Err("serve-size"),
+                Ok(size @ 0..=MAX_ANSWER) => size,
+                _ => return wrong("serve-size"),
             },
-            [_, "reject" | "unsupported", ..] => Ok(0),
-            _ => Err("serve-words"),
+            [_, "reject" | "unsupported", ..] => 0,
+            _ => return wrong("serve-words"),
         };
-        match size {
-            Ok(size) => {
-                let bytes = output.get(end + 1..end + 1 + size)?.to_vec();
-                output.drain(..end + 1 + size);
-                Some(Served::Answer(line, bytes))
-            }
-            Err(name) => Some(Served::Wrong(fault(
-                name,
-                &[("line", &format!("{line:?}"))],
-            ))),
-        }
+        let bytes = output.get(end + 1..end + 1 + size)?.to_vec();
+        output.drain(..end + 1 + size);
+        Some(Served::Answer(line, bytes))
     }
 }
 

@@ -13,7 +13,7 @@ use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::plan::RunPlan;
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
+use crate::suite::cases::{Case, Expect, Suite};
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};
@@ -53,16 +53,22 @@ pub fn wrapper_faults(
         return merge_equal_fixes(faults);
     }
     if contact.not_a_decoder.is_some() {
-        return explain_missing_frames(&calls, &replies)
-            .into_iter()
-            .collect();
+        return Vec::from_iter(explain_missing_frames(&calls, &replies));
     }
     let decoded = |view: &&View| {
         let mut replies = replies.iter().filter(|reply| reply.view == *view);
         replies.find(|reply| reply.frame().is_some())
     };
     let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
-    let large = |i: usize| check_large_frame(&calls, decoded[i], contact.table);
+    // A truncated frame that is larger than the buffer of a pipe.
+    let large = |i: usize| {
+        let (first, view) = (decoded[i], decoded[i].view);
+        let sample = Sample::large(first.case.format(), contact.table);
+        let reply = calls.ask(view, &sample.file);
+        buffer_size(&reply)?;
+        let (what, repeat) = (sample.size_text(view), sample.repeat(view));
+        Some(ProbeStep::to_fix(&what, explain(&reply), repeat))
+    };
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
@@ -126,10 +132,8 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
         for repair in repairs(&bytes, &reply.expected, view) {
             let fixes = repair.mistakes.iter().map(|(_, next)| next.clone());
             let same = explained.entry(fixes.collect()).or_default();
-            if same
-                .last()
-                .is_none_or(|(last, _)| !std::ptr::eq(*last, reply))
-            {
+            let is_last = |(last, _): &(&FirstReply, Repair)| std::ptr::eq(*last, reply);
+            if !same.last().is_some_and(is_last) {
                 same.push((reply, repair));
             }
         }
@@ -145,30 +149,20 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let tells = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(tells).or_else(|| replies.first())?;
-    let is_plain = matches!(
-        first.reply.answer,
-        Answer::Unsupported | Answer::NotStarted(_) | Answer::NotAsked(_)
-    );
-    if calls.command.is_empty() || is_plain {
-        return None;
+    match first.reply.answer {
+        Answer::Unsupported | Answer::NotStarted(_) | Answer::NotAsked(_) => return None,
+        _ if calls.command.is_empty() => return None,
+        _ => {}
     }
     let known = calls.why_no_frame(&first.file, &first.expected, first.view, first.reply);
     // The answer itself has been reported.
     let unknown = || {
-        let (_, next) = explain(first.reply);
-        ("this is an ordinary file".to_owned(), next)
+        (
+            "this is an ordinary file".to_owned(),
+            explain(first.reply).1,
+        )
     };
     Some(first.step(known.unwrap_or_else(unknown)))
-}
-
-/// Checks for a truncated frame that is larger than the buffer of a pipe.
-fn check_large_frame(calls: &Calls, first: &FirstReply, table: TableSpelling) -> Option<ProbeStep> {
-    let (sample, view) = (Sample::large(first.case.format(), table), first.view);
-    let reply = calls.ask(view, &sample.file);
-    buffer_size(&reply)?;
-    let what = sample.size_text(view);
-    let step = ProbeStep::to_fix(&what, explain(&reply), sample.repeat(view));
-    Some(step)
 }
 
 /// Checks for malformed files that all end in one exit status which is not that of a refusal.

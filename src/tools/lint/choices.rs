@@ -20,9 +20,7 @@ const PIECE_TEXELS: usize = 4096;
 
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
-    let Ok(ptm) = &dissection.outcome else {
-        return;
-    };
+    let Ok(ptm) = &dissection.outcome else { return };
     diagnose_tables(findings, ptm);
     for choice in CHOICES.iter() {
         let mut codes = codes::ALL.iter();
@@ -30,16 +28,14 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
         let Some((code, place)) = code.zip(affected_role(dissection, choice.ruling)) else {
             continue;
         };
-        let differing = choice.readings[1..].iter().find_map(|(words, change)| {
+        for (words, change) in &choice.readings[1..] {
             let mut reading = Reading::SPEC;
             change(&mut reading);
-            let difference = difference(dissection, ptm, streams, &reading)?;
-            Some(format!(
-                "for a reader that assumes that {words}, {difference}"
-            ))
-        });
-        if let Some(found) = differing {
-            findings.add(code.problem, place, found);
+            if let Some(difference) = difference(dissection, ptm, streams, &reading) {
+                let found = format!("for a reader that assumes that {words}, {difference}");
+                findings.add(code.problem, place, found);
+                break;
+            }
         }
     }
 }
@@ -47,25 +43,21 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
 /// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers, so all readings agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
-        (0..dissection.compressed_planes())
-            .any(|plane| dissection.number(role(plane)).is_some_and(is))
+        let mut planes = 0..dissection.compressed_planes();
+        planes.any(|plane| dissection.number(role(plane)).is_some_and(is))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
     let is_jpeg_ls = dissection.format.and_then(Format::coding) == Some(Coding::JpegLs);
-    let moves = || any(Role::Transform, |transform| transform & 2 != 0);
+    let moves = any(Role::Transform, |transform| transform & 2 != 0);
+    let is_predicted = is_jpeg_ls && any(Role::Reference, |reference| reference >= 0);
+    let has_records = is_jpeg_ls && any(Role::SideSize, |size| size > 0);
     let (place, is_there) = match ruling {
         "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),
         "lum-range" => (Role::Matrix(12), is_lum),
-        "jpeg-ls-offset" => (
-            Role::Reference(0),
-            is_jpeg_ls && any(Role::Reference, |reference| reference >= 0),
-        ),
-        "side-lossless" => (
-            Role::SideSize(0),
-            is_jpeg_ls && any(Role::SideSize, |size| size > 0),
-        ),
-        "motion-inversion" => (Role::Transform(0), moves()),
-        _ => (Role::MotionX(0), moves()),
+        "jpeg-ls-offset" => (Role::Reference(0), is_predicted),
+        "side-lossless" => (Role::SideSize(0), has_records),
+        "motion-inversion" => (Role::Transform(0), moves),
+        _ => (Role::MotionX(0), moves),
     };
     is_there.then_some(place)
 }
@@ -114,11 +106,10 @@ fn difference(
 fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
+    let differ = if count == 1 { "differs" } else { "differ" };
+    let (all, place) = (differing.len(), describe_position(ptm.planes.size, first));
     Some(format!(
-        "{count} of {} texels {}, the first at {}",
-        differing.len(),
-        if count == 1 { "differs" } else { "differ" },
-        describe_position(ptm.planes.size, first)
+        "{count} of {all} texels {differ}, the first at {place}"
     ))
 }
 
@@ -140,18 +131,16 @@ fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
     let mut all = Vec::new();
     for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
-        let size = Size {
-            width: (samples.len() / shape.channels()) as u32,
-            height: 1,
-        };
+        let (width, height) = ((samples.len() / shape.channels()) as u32, 1);
+        let (size, samples) = (Size { width, height }, samples.to_vec());
         let planes = Planes {
             size,
             shape,
-            samples: samples.to_vec(),
+            samples,
         };
         // The readings of LUM differ in the use of coefficients, not in the coefficients themselves.
-        let finals =
-            evaluate::compute_coefficients(&ptm.header.scale_bias, &planes, &Reading::SPEC);
+        let set = &ptm.header.scale_bias;
+        let finals = evaluate::compute_coefficients(set, &planes, &Reading::SPEC);
         let mut differing = vec![false; size.texels()];
         for (lu, lv) in LIGHTS {
             let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();

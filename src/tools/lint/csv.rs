@@ -57,13 +57,10 @@ fn quote_cell(text: &str) -> String {
     if text.bytes().all(plain) && !text.starts_with('-') {
         return text.to_owned();
     }
-    let text = match text.trim_start().starts_with(FORMULAS) {
-        true => format!("'{text}"),
-        false => text.to_owned(),
-    };
-    let text = text.replace(char::is_control, " ");
-    let quoted = text.contains([',', ';', '"', '\'']) || text.trim() != text;
-    match quoted {
+    let is_formula = text.trim_start().starts_with(FORMULAS);
+    let apostrophe = if is_formula { "'" } else { "" };
+    let text = apostrophe.to_owned() + &text.replace(char::is_control, " ");
+    match text.contains([',', ';', '"', '\'']) || text.trim() != text {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text,
     }

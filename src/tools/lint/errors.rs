@@ -19,9 +19,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
         clause if !is_too_large || error.class() != Class::Limit => {
             let (problem, found) = (classify(dissection, error), error.kind().to_string());
             findings.add_at(problem, error.offset(), found);
-            if let Some(diagnostic) = findings.list.last_mut() {
-                diagnostic.clause = clause;
-            }
+            findings.list.last_mut().expect("it was just added").clause = clause;
         }
         _ => {}
     }
@@ -93,18 +91,17 @@ fn classify_white_space(dissection: &Dissection, error: &Error) -> Option<Proble
     let there = &dissection.file[error.offset().min(dissection.file.len())..];
     let word = token(dissection.file, error.offset());
     let is_readable = |byte: &u8| byte.is_ascii_graphic() || b"\r\t".contains(byte);
-    let readable = word.iter().all(is_readable);
     // Treat the first line as a version only if nothing but its line end is wrong.
     let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
-    if readable && known && word.contains(&b'\r') {
-        return Some(Problem::CarriageReturn);
+    let readable = known && word.iter().all(is_readable);
+    match (there.first(), error.clause()) {
+        _ if readable && word.contains(&b'\r') => Some(Problem::CarriageReturn),
+        _ if readable && word.contains(&b'\t') => Some(Problem::Tab),
+        // A line end between numbers means that a number is missing.
+        (_, "2.4/5" | "2.9/2") => None,
+        (Some(b' ' | b'\n'), _) => Some(Problem::Layout),
+        _ => None,
     }
-    if readable && known && word.contains(&b'\t') {
-        return Some(Problem::Tab);
-    }
-    let blank = matches!(there, [b' ' | b'\n', ..]);
-    // A line end between numbers means that a number is missing.
-    (blank && !matches!(error.clause(), "2.4/5" | "2.9/2")).then_some(Problem::Layout)
 }
 
 /// Returns the token at `offset`, up to a space or a line feed.

@@ -25,16 +25,14 @@ pub(super) fn diagnose(findings: &mut Findings) {
 fn gap_problems(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
     let after = || format!("after the {}", part.name);
     let mut problems = Vec::new();
-    if gap == b" \n" {
-        let problem = match part.role {
-            Role::Version | Role::Format => Problem::SpaceAfterName,
-            _ => Problem::SpaceBeforeNewline,
-        };
-        problems.push((problem, after()));
-    }
-    if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') {
-        let found = format!("{} spaces {}", gap.len(), after());
-        problems.push((Problem::WideGap, found));
+    match (gap, part.role) {
+        (b" \n", Role::Version | Role::Format) => problems.push((Problem::SpaceAfterName, after())),
+        (b" \n", _) => problems.push((Problem::SpaceBeforeNewline, after())),
+        _ if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') => {
+            let found = format!("{} spaces {}", gap.len(), after());
+            problems.push((Problem::WideGap, found));
+        }
+        _ => {}
     }
     let ends = gap.contains(&b'\n');
     let one_line = !ends && !gap.is_empty();

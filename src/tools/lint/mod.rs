@@ -129,16 +129,10 @@ impl Lint {
                 Severity::Warning => AnsiColor::Yellow.on_default().bold(),
                 Severity::Info => Style::new().bold(),
             };
-            let _ = writeln!(
-                out,
-                "{}: byte {}: {style}{} {}{style:#} ({}): {}",
-                self.file,
-                finding.offset,
-                finding.severity.name(),
-                finding.code,
-                finding.clause,
-                finding.says
-            );
+            let place = format!("{}: byte {}", self.file, finding.offset);
+            let code = format!("{} {}", finding.severity.name(), finding.code);
+            let says = format!("({}): {}", finding.clause, finding.says);
+            let _ = writeln!(out, "{place}: {style}{code}{style:#} {says}");
             for (word, text) in [("found", finding.found.as_str()), ("fix", finding.fix)] {
                 if !text.is_empty() {
                     let _ = writeln!(out, "    {word}: {text}");

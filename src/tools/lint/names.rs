@@ -43,9 +43,7 @@ pub fn as_uri(name: &OsStr) -> String {
                 out.push(byte.into());
             }
             b'\\' if cfg!(windows) => out.push('/'),
-            _ => {
-                let _ = write!(out, "%{byte:02X}");
-            }
+            _ => out.extend(format!("%{byte:02X}").chars()),
         }
     }
     out
@@ -61,9 +59,7 @@ mod tests {
         use std::os::unix::ffi::OsStrExt;
         assert_eq!(escape_name(OsStr::from_bytes(b"a\xffb")), "a\\xffb");
         assert_eq!(escape_name(OsStr::new("a\\xffb")), "a\\\\xffb");
-        assert_eq!(
-            as_uri(OsStr::from_bytes(b"/a b/\xff%.ptm")),
-            "file:///a%20b/%FF%25.ptm"
-        );
+        let uri = as_uri(OsStr::from_bytes(b"/a b/\xff%.ptm"));
+        assert_eq!(uri, "file:///a%20b/%FF%25.ptm");
     }
 }

@@ -1,10 +1,8 @@
 //! Compressed planes: errors in each plane, and unusual properties of the lists and streams.
 
-use std::fmt::Write as _;
-
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
-use crate::codec;
+use crate::codec::StreamFault;
 use crate::decode::Streams;
 use crate::decode::planes::parse_records;
 use crate::error::Kind;
@@ -25,7 +23,16 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
     let mut all = Findings::new(dissection);
     check_ranks(&mut all, count);
-    check_parameter(&mut all, coding);
+    // The range of the compression parameter (clause 2.9.1/2).
+    let range = match coding {
+        Coding::Jpeg => 20..=100,
+        Coding::JpegLs => 0..=127,
+    };
+    let value = dissection.number(Role::Parameter);
+    if let Some(value) = value.filter(|value| !range.contains(value)) {
+        let found = format!("{value}, expected {} to {}", range.start(), range.end());
+        all.add(Problem::Parameter, Role::Parameter, found);
+    }
     check_unused_transforms(&mut all, count);
     for plane in 0..count {
         check_stream(&mut all, coding, plane);
@@ -48,7 +55,10 @@ pub(super) fn diagnose_errors(findings: &mut Findings) {
         if let Some(stream) = dissection.bytes(Role::Stream(plane))
             && let Err(error) = coding.decode(stream, size.width, size.height)
         {
-            let problem = stream_problem(coding, stream, size, &error);
+            let problem = match error.fault {
+                StreamFault::Unsupported => Problem::StreamKind,
+                StreamFault::Malformed => stream_problem(coding, stream, size),
+            };
             let at = dissection.start(Role::Stream(plane)) + error.offset;
             findings.add_at(problem, at, format!("plane {plane}: {}", error.what));
         }
@@ -66,27 +76,19 @@ pub(super) fn diagnose_errors(findings: &mut Findings) {
     }
 }
 
-/// Classifies the problem of a stream that the codec refuses, based on its markers.
-fn stream_problem(
-    coding: Coding,
-    stream: &[u8],
-    size: Size,
-    error: &codec::StreamError,
-) -> Problem {
-    if error.fault == codec::StreamFault::Unsupported {
-        return Problem::StreamKind;
-    }
-    if !stream.starts_with(&[0xff, 0xd8]) {
-        return Problem::NotAStream;
-    }
-    let Some((code, _, height, width, components)) = frame(&segments(stream)) else {
-        return Problem::StreamDamaged;
-    };
-    let found = (u32::from(width), u32::from(height), components);
-    match found == (size.width, size.height, 1) {
-        _ if (code == 0xf7) == (coding == Coding::Jpeg) => Problem::NotAStream,
-        true => Problem::StreamDamaged,
-        false => Problem::OtherPicture,
+/// Classifies the problem of a stream that the codec refuses as malformed, based on its markers.
+fn stream_problem(coding: Coding, stream: &[u8], size: Size) -> Problem {
+    let is_stream = stream.starts_with(&[0xff, 0xd8]);
+    match frame(&segments(stream)) {
+        _ if !is_stream => Problem::NotAStream,
+        None => Problem::StreamDamaged,
+        Some((code, ..)) if (code == 0xf7) == (coding == Coding::Jpeg) => Problem::NotAStream,
+        Some((_, _, height, width, 1))
+            if (u32::from(width), u32::from(height)) == (size.width, size.height) =>
+        {
+            Problem::StreamDamaged
+        }
+        Some(_) => Problem::OtherPicture,
     }
 }
 
@@ -105,19 +107,6 @@ fn check_ranks(findings: &mut Findings, count: usize) {
     if let Some(plane) = (0..count).find(|&plane| reference(plane) < -1) {
         let found = format!("the reference of plane {plane} is {}", reference(plane));
         findings.add(Problem::Ranks, Role::Reference(plane), found);
-    }
-}
-
-/// Checks the range of the compression parameter (clause 2.9.1/2).
-fn check_parameter(findings: &mut Findings, coding: Coding) {
-    let range = match coding {
-        Coding::Jpeg => 20..=100,
-        Coding::JpegLs => 0..=127,
-    };
-    let value = findings.dissection.number(Role::Parameter);
-    if let Some(value) = value.filter(|value| !range.contains(value)) {
-        let found = format!("{value}, expected {} to {}", range.start(), range.end());
-        findings.add(Problem::Parameter, Role::Parameter, found);
     }
 }
 
@@ -148,43 +137,35 @@ fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
         if let Some(problem) = segment_problem(coding, segment) {
-            let mut found = format!("plane {plane}: {}", segment.kind.label().0);
-            if !segment.says.is_empty() {
-                let _ = write!(found, " ({})", segment.says);
-            }
+            let says = match segment.says.as_str() {
+                "" => String::new(),
+                says => format!(" ({says})"),
+            };
+            let found = format!("plane {plane}: {}{says}", segment.kind.label().0);
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
-    check_near(findings, plane, &parts);
+    // A JPEG-LS stream whose NEAR differs from the compression parameter.
+    let is_jpeg_ls = frame(&parts).is_some_and(|(code, ..)| code == 0xf7);
+    let near = near(&parts).filter(|_| is_jpeg_ls);
+    if let (Some(near), Some(parameter)) = (near, findings.dissection.number(Role::Parameter))
+        && i64::from(near) != parameter
+    {
+        let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
+        findings.add(Problem::Near, role, found);
+    }
 }
 
 fn segment_problem(coding: Coding, segment: &Segment) -> Option<Problem> {
     let jfif = coding == Coding::Jpeg && segment.kind == SegmentKind::Marker(0xe0);
-    match segment.kind {
-        SegmentKind::Marker(0xe0..=0xef | 0xfe) if !jfif => Some(Problem::StreamExtras),
-        SegmentKind::Fill => Some(Problem::StreamExtras),
-        SegmentKind::Marker(0xdd) => Some(Problem::Restarts),
-        SegmentKind::Trailing => Some(Problem::StreamTrailing),
+    match (segment.kind, segment.bytes) {
+        (SegmentKind::Marker(0xe0..=0xef | 0xfe), _) if !jfif => Some(Problem::StreamExtras),
+        (SegmentKind::Fill, _) => Some(Problem::StreamExtras),
+        (SegmentKind::Marker(0xdd), _) => Some(Problem::Restarts),
+        (SegmentKind::Trailing, _) => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255. The value 0 means the default (T.87 C.2.4.1.1).
-        SegmentKind::Marker(0xf8) => match *segment.bytes {
-            [_, _, _, _, 1, high, low, ..] => ((1..255).contains(&u16::from_be_bytes([high, low])))
-                .then_some(Problem::StreamMaxval),
-            _ => None,
-        },
+        (SegmentKind::Marker(0xf8), [_, _, _, _, 1, 0, 1..=254, ..]) => Some(Problem::StreamMaxval),
         _ => None,
-    }
-}
-
-/// Reports a JPEG-LS stream whose NEAR differs from the compression parameter.
-fn check_near(findings: &mut Findings, plane: usize, parts: &[Segment]) {
-    let is_jpeg_ls = frame(parts).is_some_and(|(code, ..)| code == 0xf7);
-    let near = near(parts).filter(|_| is_jpeg_ls);
-    let parameter = findings.dissection.number(Role::Parameter);
-    if let (Some(near), Some(parameter)) = (near, parameter)
-        && i64::from(near) != parameter
-    {
-        let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
-        findings.add(Problem::Near, Role::Stream(plane), found);
     }
 }
 
@@ -198,10 +179,9 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     positions.sort_unstable();
     let pairs = positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
     if let Some(&[(_, first), (position, second)]) = pairs.min_by_key(|pair| pair[1].1) {
-        let found = format!(
-            "plane {plane}: records {first} and {second} have the same position {position}"
-        );
+        let found = format!("records {first} and {second} have the same position {position}");
         let start = findings.dissection.start(role);
+        let found = format!("plane {plane}: {found}");
         findings.add_at(Problem::RecordTwice, start + 5 * second, found);
     }
 }
@@ -231,35 +211,22 @@ fn check_wraparound(findings: &mut Findings, streams: &Streams) {
         if reference.is_none() || max_deviation[plane] == 0 {
             continue;
         }
-        let samples = ptm.planes.samples.iter().skip(plane);
-        let samples = samples.step_by(channels).copied();
+        let most = max_deviation[plane];
+        let samples = ptm.planes.samples.iter().skip(plane).step_by(channels);
+        let near = |&sample: &u8| sample < most || 255 - sample < most;
+        let mut texels: Vec<bool> = samples.map(near).collect();
         let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
-        if let Some(texels) = describe_wrapping_texels(samples, max_deviation[plane], side, size) {
-            let found = format!("plane {plane}: {texels}");
+        for (position, _) in parse_records(side, 0, size.texels()).unwrap_or_default() {
+            texels[texel_index(size, position)] = false;
+        }
+        if let Some(first) = texels.iter().position(|&near| near) {
+            let count = texels.iter().filter(|&&near| near).count();
+            let place = describe_position(size, first);
+            let found = format!("{count} texels within {most} of 0 or 255, the first at {place}");
+            let found = format!("plane {plane}: {found}");
             findings.add(Problem::OtherTransform, Role::Stream(plane), found);
         }
     }
-}
-
-/// Describes the texels of a plane that are within `max_deviation` of 0 or 255 and that no record corrects. Returns `None`
-/// if there are none.
-fn describe_wrapping_texels(
-    samples: impl Iterator<Item = u8>,
-    max_deviation: u8,
-    side: &[u8],
-    size: Size,
-) -> Option<String> {
-    let near = |sample: u8| sample < max_deviation || 255 - sample < max_deviation;
-    let mut texels: Vec<bool> = samples.map(near).collect();
-    for &(position, _) in &parse_records(side, 0, size.texels()).unwrap_or_default() {
-        texels[texel_index(size, position)] = false;
-    }
-    let first = texels.iter().position(|&near| near)?;
-    let count = texels.iter().filter(|&&near| near).count();
-    let place = describe_position(size, first);
-    Some(format!(
-        "{count} texels within {max_deviation} of 0 or 255, the first at {place}"
-    ))
 }
 
 /// Keeps the first finding of each code and counts the others, because usually all planes have the same property.

@@ -1,34 +1,32 @@
 //! SARIF 2.1.0 output, which code hosts and editors import. The document is written in pieces, so that a collection of any
 //! size needs little memory: [`head`], then [`results`] for each file, then [`tail`].
 
-use std::ffi::OsStr;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
 use super::Lint;
-use super::codes::{ALL, Severity};
+use super::codes::{ALL, Code, Severity};
 use super::names::as_uri;
 use crate::suite::address::{self, published_url};
 
 /// Returns the part of the document before the first result.
 #[must_use]
 pub fn head() -> String {
-    let rules: Vec<Value> = ALL
-        .iter()
-        .map(|code| {
-            let mut rule = json!({
-                "id": code.id,
-                "shortDescription": { "text": code.says },
-                "defaultConfiguration": { "level": level(code.severity) },
-                "helpUri": published_url(&address::code(code.id)),
-                "properties": { "clause": code.clause },
-            });
-            if !code.fix.is_empty() {
-                rule["help"] = json!({ "text": code.fix });
-            }
-            rule
-        })
-        .collect();
+    let rule = |code: &Code| {
+        let mut rule = json!({
+            "id": code.id,
+            "shortDescription": { "text": code.says },
+            "defaultConfiguration": { "level": level(code.severity) },
+            "helpUri": published_url(&address::code(code.id)),
+            "properties": { "clause": code.clause },
+        });
+        if !code.fix.is_empty() {
+            rule["help"] = json!({ "text": code.fix });
+        }
+        rule
+    };
+    let rules: Vec<Value> = ALL.iter().map(rule).collect();
     let driver = json!({
         "name": "ptm-conform",
         "version": env!("CARGO_PKG_VERSION"),
@@ -42,14 +40,13 @@ pub fn head() -> String {
 
 /// Returns the results of a file as JSON objects. `failed` is true if the file could not be read.
 #[must_use]
-pub fn results(path: &OsStr, lint: &Lint, failed: bool) -> Vec<String> {
+pub fn results(path: &Path, lint: &Lint, failed: bool) -> Vec<String> {
     // SARIF requires the level `none` for results that are not failures.
-    let (kind, level_of_unread) = if failed {
-        ("fail", "error")
-    } else {
-        ("open", "none")
+    let (kind, level_of_unread) = match failed {
+        true => ("fail", "error"),
+        false => ("open", "none"),
     };
-    let artifact = json!({ "uri": as_uri(path) });
+    let artifact = json!({ "uri": as_uri(path.as_os_str()) });
     let of_finding = |finding: &super::diagnostic::Diagnostic| {
         json!({
             "ruleId": finding.code,

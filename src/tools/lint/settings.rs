@@ -44,12 +44,9 @@ impl Settings {
     pub fn check(&self) -> Result<(), String> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
-        match codes.find(|code| Code::by_id(code).is_none()) {
-            Some(unknown) => Err(format!(
-                "unknown code {unknown:?}; `ptm-conform lint --codes` lists all codes"
-            )),
-            None => Ok(()),
-        }
+        let unknown = codes.find(|code| Code::by_id(code).is_none());
+        let says = "`ptm-conform lint --codes` lists all codes";
+        unknown.map_or(Ok(()), |code| Err(format!("unknown code {code:?}; {says}")))
     }
 
     /// Removes findings that should not be reported and applies the severities.

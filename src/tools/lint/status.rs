@@ -65,14 +65,12 @@ impl Status {
 /// Returns true if the first line names a version other than 1.2, such as `PTM_1.1`.
 fn is_another_version(file: &[u8]) -> bool {
     let line = file.strip_prefix(MAGIC).unwrap_or_default();
-    let end = line.iter().position(|byte| matches!(byte, b' ' | b'\n'));
-    let version = &line[..end.unwrap_or(line.len())];
-    let mut numbers = version.split(|&byte| byte == b'.');
-    let is_number = |part: Option<&[u8]>| {
-        part.is_some_and(|part| !part.is_empty() && part.iter().all(u8::is_ascii_digit))
+    let Some(end) = line.iter().position(|byte| matches!(byte, b' ' | b'\n')) else {
+        return false;
     };
-    let [major, minor] = [numbers.next(), numbers.next()].map(is_number);
-    end.is_some() && major && minor && numbers.next().is_none() && version != b"1.2"
+    let numbers: Vec<&[u8]> = line[..end].split(|&byte| byte == b'.').collect();
+    let is_number = |part: &&[u8]| !part.is_empty() && part.iter().all(u8::is_ascii_digit);
+    numbers.len() == 2 && numbers.iter().all(is_number) && line[..end] != *b"1.2"
 }
 
 #[cfg(test)]

@@ -6,9 +6,22 @@ use crate::tools::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {
     (0..6).for_each(|i| check_scale_and_bias(findings, i));
-    check_matrix(findings);
+    // The first unusual element of the last row of the color matrix.
+    for (element, usual) in [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)] {
+        let role = Role::Matrix(element);
+        let text = findings.dissection.text(role).unwrap_or_default();
+        if text.parse::<f64>().is_ok_and(|number| number != usual) {
+            let found = format!("element {element} is {text}");
+            findings.add(Problem::MatrixLastRow, role, found);
+            break;
+        }
+    }
     check_table(findings);
-    check_trailing_bytes(findings);
+    // Bytes after the last value (ruling `trailing`).
+    let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
+    if findings.dissection.outcome.is_ok() && end < length {
+        findings.add_at(Problem::Trailing, end, format!("{} bytes", length - end));
+    }
 }
 
 /// Checks the scale and the bias of coefficient `i`.
@@ -31,24 +44,11 @@ fn check_scale_and_bias(findings: &mut Findings, i: usize) {
     }
 }
 
-/// Checks the last row of the color matrix and reports the first unusual element.
-fn check_matrix(findings: &mut Findings) {
-    for (element, usual) in [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)] {
-        let role = Role::Matrix(element);
-        let text = findings.dissection.text(role).unwrap_or_default();
-        if text.parse::<f64>().is_ok_and(|number| number != usual) {
-            let found = format!("element {element} is {text}");
-            return findings.add(Problem::MatrixLastRow, role, found);
-        }
-    }
-}
-
 /// Reports a very large lookup table and unused entries.
 fn check_table(findings: &mut Findings) {
     let dissection = findings.dissection;
-    let Some(entries) = dissection.entries() else {
-        return;
-    };
+    let entries = dissection.entries();
+    let Some(entries) = entries else { return };
     if entries > 65_536 {
         let found = format!("{entries} entries");
         findings.add(Problem::HugeTable, Role::Count, found);
@@ -64,13 +64,5 @@ fn check_table(findings: &mut Findings) {
         let unused = used.iter().filter(|&&used| !used).count();
         let found = format!("{unused} of {entries} entries, the first is entry {first}");
         findings.add(Problem::EntriesUnused, Role::Count, found);
-    }
-}
-
-/// Reports bytes after the last value (ruling `trailing`).
-fn check_trailing_bytes(findings: &mut Findings) {
-    let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
-    if findings.dissection.outcome.is_ok() && end < length {
-        findings.add_at(Problem::Trailing, end, format!("{} bytes", length - end));
     }
 }
