@@ -42,7 +42,7 @@ pub fn read_text(path: &Path) -> Result<String, String> {
         .map_err(|error| named(&error))?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(named(&format!(
-            "larger than {} MiB, so not a report",
+            "the file is larger than {} MiB, so it is not a report",
             MAX_BYTES >> 20
         )));
     }

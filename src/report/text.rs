@@ -176,7 +176,7 @@ impl<C: TestCase> Page<'_, C> {
         }
         if single.len() > max_failures {
             let more = single.len() - max_failures;
-            writeln!(out, "  … and {more} more; the report has them all")?;
+            writeln!(out, "  … and {more} more; the report lists all of them")?;
         }
         writeln!(out)
     }

@@ -69,7 +69,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "motion-half",
         readings: &[
-            ("means are rounded up at a half", |_| {}),
+            ("means that end in one half are rounded up", |_| {}),
             ("means are rounded down", |r| r.set(HalvesRoundedDown)),
         ],
     },

@@ -146,7 +146,7 @@ impl CompressionRecord {
         }
         if plan.references.len() != planes || plan.order.len() != planes {
             return Err(format!(
-                "references and order have {planes} numbers in this format"
+                "references and order must have {planes} numbers in this format"
             ));
         }
         let mut everywhere = false;

@@ -125,7 +125,7 @@ pub(super) fn failures<C: Reported>(
             } @else if evidence.len() < failures {
                 p.note {
                     "Images and bytes are shown for " (evidence.len()) " of " (failures)
-                    " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
+                    " failures, beginning with one failure of each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
                 }
             }
             @for (i, group) in groups.iter().enumerate() {

@@ -85,7 +85,7 @@ impl Question {
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
         let op = value["op"]
             .as_str()
-            .ok_or_else(|| malformed("a question has an op"))?;
+            .ok_or_else(|| malformed("a question must have an op"))?;
         if !OPERATIONS.contains(&op) {
             return Err(Refusal::Unsupported(format!("unknown op {op:?}")));
         }

@@ -193,20 +193,20 @@ fn sort_by_name(set: &mut ImageSet) {
 pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/2",
-        effect: "negates v: a light from above looks like a light from below",
+        effect: "negates v, so a light from above looks like a light from below",
         fix: "use v of the .lp file unchanged: v points up",
         criterion: Criterion::Lights(|of| [of.direction()[0], -of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
-        effect: "negates u: a light from the right looks like a light from the left",
+        effect: "negates u, so a light from the right looks like a light from the left",
         fix: "use u of the .lp file unchanged: u points right",
         criterion: Criterion::Lights(|of| [-of.direction()[0], of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "exchanges u and v",
-        fix: "u is the first number of a light, v the second",
+        fix: "read u from the first number of a light, and v from the second",
         criterion: Criterion::Lights(|of| [of.direction()[1], of.direction()[0]]),
     },
     FitMistake {
@@ -239,7 +239,7 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "2.7.1/2",
         effect: "exchanges red and blue",
-        fix: "the order is red, green, blue; some libraries read images as blue, green, red",
+        fix: "write red, green, blue; some libraries read images as blue, green, red",
         criterion: Criterion::Photographs(swap_red_and_blue),
     },
     FitMistake {
@@ -257,19 +257,19 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "2.4/8",
         effect: "writes a bias that must be added after scaling",
-        fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
+        fix: "write −minimum / scale as the bias, in units of the raw value; a coefficient is (raw − bias) · scale",
         criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale + bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes a bias that must be subtracted after scaling",
-        fix: "a coefficient is (raw − bias) · scale, so the bias is −minimum / scale, in units of the raw value",
+        fix: "write −minimum / scale as the bias, in units of the raw value; a coefficient is (raw − bias) · scale",
         criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale - bias),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "writes biases with the wrong sign",
-        fix: "a coefficient is (raw − bias) · scale: the bias is subtracted",
+        fix: "change the sign of the biases; a reader computes (raw − bias) · scale",
         criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| (raw + bias) * scale),
     },
     FitMistake {
@@ -286,19 +286,19 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     },
     FitMistake {
         clause: "2.4/8",
-        effect: "fits without a constraint if the lights do not determine six coefficients: some become large, and so do their quantization steps",
+        effect: "fits without a constraint if the lights do not determine six coefficients, so some coefficients and their quantization steps become large",
         fix: "choose the solution with the smallest coefficients: use the singular value decomposition or ridge regression",
         criterion: Criterion::Map(has_huge_coefficients),
     },
     FitMistake {
         clause: "2.4/1",
-        effect: "clamps coefficients to 0 or 255: scale and bias do not cover their range",
+        effect: "clamps coefficients to 0 or 255, because scale and bias do not cover their range",
         fix: "choose scale and bias so that the range of each coefficient in the map fits in 0 to 255",
         criterion: Criterion::Map(has_clamped_values),
     },
     FitMistake {
         clause: "2.4/2",
-        effect: "uses scales that are too coarse: quantization adds more error than the fit",
+        effect: "uses scales that are too coarse, so quantization adds more error than the fit",
         fix: "divide the range of each coefficient in the map by 255",
         criterion: Criterion::Map(has_wide_steps),
     },

@@ -100,18 +100,18 @@ fn commands_that_cannot_be_started() {
 no-such-decoder-in-path | no program with this name is in PATH | name the decoder
 in-this-directory | looked up in PATH only | write ./in-this-directory
 'python3 plain.py' | no program with this name
-  | several words: write them without quotation marks, -- python3 plain.py
+  | several words; write them without quotation marks: -- python3 plain.py
 sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
-. | is a directory | name the program in it
+. | is a directory | name the program in the directory
 ./plain.py | is not executable | chmod +x ./plain.py, or name the interpreter too: -- python3 ./plain.py
 ./no-line | has no #! line | #!/usr/bin/env python3
 ./crlf | ends in CR LF | dos2unix
-./bom | byte order mark | without byte order mark
+./bom | byte order mark | without a byte order mark
 ./lost | "/usr/bin/no-such-interpreter", which does not exist | #!/usr/bin/env
 ./empty | is empty | write the decoder
 ./windows.exe | is a Windows program | wine
 ./some.jar | is an archive | java -jar
-./elsewhere | a program for another machine: | build it for this machine"#,
+./elsewhere | a program for another machine: | build the program for this machine"#,
     ) {
         let output = here.exits(3, &format!("probe -- {decoder}"));
         assert_says(&output, &format!("{says} && {next}"));
@@ -154,7 +154,10 @@ fn decoders_that_show_nothing() {
     );
     let (status, output) = probe(&shell("sleep 1000.75"), "--timeout 1");
     assert_eq!(status, 3, "{output}");
-    assert_says(&output, "hang: no end within 1 s && open no window, show no prompt");
+    assert_says(
+        &output,
+        "hang: no end within 1 s && open no window, show no prompt",
+    );
 }
 
 /// A Perl script changes the correct bytes.
