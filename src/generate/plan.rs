@@ -406,7 +406,9 @@ impl Compression {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
                 Err("expected a quality from 1 to 100".to_owned())
             }
-            Coding::Jpeg if self.stream.jpeg.step == Some(0) => Err("no divisor is 0".to_owned()),
+            Coding::Jpeg if self.stream.jpeg.step == Some(0) => {
+                Err("a divisor must not be 0".to_owned())
+            }
             Coding::Jpeg
                 if (self.stream.jpeg.table_numbers)
                     .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>

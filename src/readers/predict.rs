@@ -125,7 +125,7 @@ impl<'a> OpenedFile<'a> {
     ) -> (Shown, String) {
         let (shown, reading) = match found {
             Ok(found) => found,
-            Err(None) => return (Shown::Nothing, "it refuses the file".to_owned()),
+            Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
             Err(Some(error)) => {
                 return (
                     Shown::Nothing,

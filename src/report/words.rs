@@ -59,7 +59,10 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         details.push(detail(before, "", ""));
     }
     for (slug, _, effect) in find_misreadings(suite, &cause.with) {
-        let before = format!("In some of these cases, the {} also {effect} (", suite.subject());
+        let before = format!(
+            "In some of these cases, the {} also {effect} (",
+            suite.subject()
+        );
         details.push(detail(before, slug, ")"));
     }
     let partly = match cause.partly.len() {

@@ -92,7 +92,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
         "error" => Answer::ProtocolError(message()),
-        _ => return Err(io::Error::other(format!("it says {word:?}"))),
+        _ => return Err(io::Error::other(format!("unexpected word {word:?}"))),
     };
     let stderr = if word == "ok" {
         String::new()

@@ -46,7 +46,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     if here.is_file() && here.extension().is_some_and(|suffix| suffix == "ptm") {
         return obstacle(
             format!("{text} is a PTM file, not a decoder"),
-            format!("to check a file: ptm-conform lint {text}"),
+            format!("to check a file, run: ptm-conform lint {text}"),
         );
     }
     let Some(program) = (if is_path {
@@ -87,7 +87,9 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
             format!("{text} is not executable"),
             match interpreter_for(text) {
                 Some(interpreter) => {
-                    format!("chmod +x {text}, or name the interpreter too: -- {interpreter} {text}")
+                    format!(
+                        "run chmod +x {text}, or name the interpreter too: -- {interpreter} {text}"
+                    )
                 }
                 None => format!("chmod +x {text}"),
             },

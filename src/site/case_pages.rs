@@ -190,10 +190,10 @@ fn related_cases(paper: PageContext, case: &Case) -> Markup {
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
             h2 { "Its twin" }
-            p { "It is " (paper.link(twin)) ", in which " (damage.effect) "." }
+            p { "The file is a copy of " (paper.link(twin)) ", in which " (damage.effect) "." }
         }
         @if !children.is_empty() {
-            h2 { "Its damaged copies" }
+            h2 { "Damaged copies of this file" }
             ul.columns { @for child in children { li { (paper.link(&child.id)) } } }
         }
     }

@@ -44,7 +44,7 @@ fn page(paper: PageContext, code: &Code) -> SiteFile {
         (example(paper, code, &cases))
         (affected_readers(paper, code, &cases))
         @if !cases.is_empty() {
-            h2 { "Cases that provoke it" }
+            h2 { "Cases that trigger this code" }
             ul.columns { @for case in &cases { li { (paper.link(&case.id)) } } }
         }
     };

@@ -84,7 +84,7 @@ fn page(paper: PageContext, reader: &str) -> SiteFile {
         @if !mistakes.is_empty() {
             h2 { "Its mistakes" }
             ul { @for misreading in mistakes {
-                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": it " (misreading.effect) "." }
+                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
             } }
         }
     };
@@ -98,14 +98,14 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
         Evidence::Code => "the source code was read",
     };
     html! {
-        h2 { "What it reads" }
+        h2 { "What the reader reads" }
         dl.facts {
             @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
             dt { "Formats" } dd { (profile.reads.join(", ")) " (" (known(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
+                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "The reader " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
             }
-            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what it displays for a file." }
+            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what the reader displays for a file." }
         }
     }
 }
@@ -167,12 +167,12 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
             span.tile data-state="pass" { "✓" } " all judged cases passed "
-            span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run"
+            span.tile data-state="open" { "?" } " no case was judged: unsupported, inconclusive or not run"
         }
         form.tools {
             label for="list-filter" { "Filter" }
             input #list-filter type="search" placeholder="a clause or a word" autocomplete="off" spellcheck="false";
-            label.check { input #differing type="checkbox"; " only where they differ" }
+            label.check { input #differing type="checkbox"; " only clauses for which readers differ" }
             span #list-found role="status" aria-live="polite" {}
         }
         div.scroll.tall tabindex="0" { table.matrix.filtered {

@@ -105,7 +105,7 @@ impl CaseRecord {
             (None, None, Some(id)) => {
                 let twin = twin.ok_or_else(|| format!("the twin {id} must precede the case"))?;
                 self.damaged_source(words, twin)
-                    .map_err(|error| format!("its twin {id} {error}"))
+                    .map_err(|error| format!("the twin {id} {error}"))
             }
             _ => Err("a case must have exactly one of make, bytes and twin_of".to_owned()),
         }

@@ -174,7 +174,7 @@ fn card<C: Reported>(
                 @if let Some(known) = suite.case(&case.id) { p.because { (known.because()) } }
                 p.clauses { "Clauses " (clauses(report.suite, &case.clauses)) }
                 p {
-                    "Asked for " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
+                    "Requested: " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
                     (long) "."
                 }
                 @match evidence {

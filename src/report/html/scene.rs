@@ -22,8 +22,8 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (images.markup("this decoder"))
             figcaption {
-                b { (describe_fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
-                ", asked for " code { (scene.view) } ". The scene is for illustration and is not judged."
+                b { (describe_fault(scene)) } " The scene is a ball lit from the upper left, in " (scene.format.short_name())
+                ", requested as " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
     }
@@ -40,7 +40,7 @@ const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
     ("The image is upside down.", |x, y, c| {
         (x, LAST_INDEX - y, c)
     }),
-    ("It is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
+    ("The image is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
     ("The image is rotated by 180°.", |x, y, c| {
         (LAST_INDEX - x, LAST_INDEX - y, c)
     }),
@@ -101,7 +101,7 @@ fn describe_fault(scene: &LitScene) -> &'static str {
     match mean(received) / mean(right) {
         ..0.85 => "The image is too dark, at least in part.",
         1.15.. => "The image is too bright, at least in part.",
-        _ => "It is wrong.",
+        _ => "The image is wrong.",
     }
 }
 

@@ -194,13 +194,13 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/2",
         effect: "negates v, so a light from above looks like a light from below",
-        fix: "use v of the .lp file unchanged: v points up",
+        fix: "use v of the .lp file unchanged; v points up",
         criterion: Criterion::Lights(|of| [of.direction()[0], -of.direction()[1]]),
     },
     FitMistake {
         clause: "1.0/2",
         effect: "negates u, so a light from the right looks like a light from the left",
-        fix: "use u of the .lp file unchanged: u points right",
+        fix: "use u of the .lp file unchanged; u points right",
         criterion: Criterion::Lights(|of| [-of.direction()[0], of.direction()[1]]),
     },
     FitMistake {
@@ -245,13 +245,13 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/1",
         effect: "removes the gamma of the images before the fit, so midtones are too dark",
-        fix: "fit the pixel values unchanged: readers show the values of the polynomials",
+        fix: "fit the pixel values unchanged; readers show the values of the polynomials",
         criterion: Criterion::Photographs(|set| map_pixels(set, |x| x.powf(2.2))),
     },
     FitMistake {
         clause: "1.0/1",
         effect: "applies a gamma to the images before the fit, so midtones are too bright",
-        fix: "fit the pixel values unchanged: readers show the values of the polynomials",
+        fix: "fit the pixel values unchanged; readers show the values of the polynomials",
         criterion: Criterion::Photographs(|set| map_pixels(set, |x| x.powf(1.0 / 2.2))),
     },
     FitMistake {
@@ -275,19 +275,19 @@ pub(super) const MISTAKES: [FitMistake; 18] = [
     FitMistake {
         clause: "1.0/1",
         effect: "writes the coefficients in the order 1, u, v, u·v, u², v²",
-        fix: "the order is u², v², u·v, u, v, 1",
+        fix: "write the coefficients in the order u², v², u·v, u, v, 1",
         criterion: Criterion::Numbers([4, 5, 3, 1, 2, 0], |raw, scale, bias| (raw - bias) * scale),
     },
     FitMistake {
         clause: "1.0/1",
         effect: "writes the coefficients in the reverse order, 1 first and u² last",
-        fix: "the order is u², v², u·v, u, v, 1",
+        fix: "write the coefficients in the order u², v², u·v, u, v, 1",
         criterion: Criterion::Numbers([5, 4, 3, 2, 1, 0], |raw, scale, bias| (raw - bias) * scale),
     },
     FitMistake {
         clause: "2.4/8",
         effect: "fits without a constraint if the lights do not determine six coefficients, so some coefficients and their quantization steps become large",
-        fix: "choose the solution with the smallest coefficients: use the singular value decomposition or ridge regression",
+        fix: "choose the solution with the smallest coefficients; use the singular value decomposition or ridge regression",
         criterion: Criterion::Map(has_huge_coefficients),
     },
     FitMistake {

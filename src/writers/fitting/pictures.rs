@@ -133,7 +133,7 @@ fn read_photograph(
         *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(wrong)?;
     }
     if light == [0.0; 3] {
-        return Err(format!("{line:?}: a light has a direction"));
+        return Err(format!("{line:?}: a light must have a direction"));
     }
     let name = words.next().ok_or_else(wrong)?.trim();
     let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
