@@ -170,7 +170,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
         ("2.6/2 with the matrix on several lines", is_split),
         ("2.5/2 with an entry count that is a bare number", is_bare),
         (
-            "2.9/2 with the numbers of a list on several lines or of several lists on one",
+            "2.9/2 with one list on several lines or several lists on one line",
             has_other_lists,
         ),
     ]
@@ -240,7 +240,7 @@ fn prediction_properties(f: &File) -> [Property; 13] {
         ),
         ("2.9.2/4 with displaced references", has(Compression::moves)),
         (
-            "2.9.2/6 with references that are inverted and displaced",
+            "2.9.2/6 with references that are both inverted and displaced",
             is_both,
         ),
         ("2.9.3/5 with motion vectors of half texels", is_half),
@@ -252,9 +252,12 @@ fn prediction_properties(f: &File) -> [Property; 13] {
             is_chained,
         ),
         ("2.9.8/4 with side information", is_corrected),
-        ("2.9.8/7 with side information of intra planes", of_intra),
         (
-            "2.9.8/7 with side information of predicted planes",
+            "2.9.8/7 with side information for intra-coded planes",
+            of_intra,
+        ),
+        (
+            "2.9.8/7 with side information for predicted planes",
             of_predicted,
         ),
     ]

@@ -50,7 +50,7 @@ impl Edit {
                     most => format!(" by up to {most}"),
                 };
                 format!(
-                    "a table (at least {} of 256 values differ{by}, for example {first} -> {})",
+                    "a table (at least {} of 256 values differ{by}, for example {first} becomes {})",
                     differing.len(),
                     table[first]
                 )

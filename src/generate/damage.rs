@@ -292,7 +292,7 @@ fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, St
         Index::AllOnes => largest,
     };
     if index < entries || index > largest {
-        return Err("in a full table every index is legal".to_owned());
+        return Err("the table is full, so no index is past the last entry".to_owned());
     }
     let start = spot.range.start + width * texel;
     let range = start..start + width;

@@ -207,7 +207,7 @@ impl Named<'_> {
     pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
-            return Err(format!("{} is several places", place.name));
+            return Err(format!("the place {} occurs several times", place.name));
         };
         Ok(spot.clone())
     }

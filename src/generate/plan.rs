@@ -378,7 +378,9 @@ impl Compression {
             references,
         ];
         if lengths != [count; 4] {
-            return Err(format!("every list of this format has {count} numbers"));
+            return Err(format!(
+                "expected {count} numbers in every list of this format"
+            ));
         }
         for plane in 0..count {
             match self.reference(plane) {
@@ -398,18 +400,20 @@ impl Compression {
             }
         }
         if size.width > 0xffff || size.height > 0xffff {
-            return Err("a JPEG cannot be wider or higher than 65,535".to_owned());
+            return Err("a JPEG stream must not be wider or taller than 65,535 samples".to_owned());
         }
         match self.coding {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
                 Err("expected a quality from 1 to 100".to_owned())
             }
-            Coding::Jpeg if self.stream.jpeg.step == Some(0) => Err("no divisor is 0".to_owned()),
+            Coding::Jpeg if self.stream.jpeg.step == Some(0) => {
+                Err("a divisor must not be 0".to_owned())
+            }
             Coding::Jpeg
                 if (self.stream.jpeg.table_numbers)
                     .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>
             {
-                Err("table numbers are at most 3".to_owned())
+                Err("a table number must be at most 3".to_owned())
             }
             // A mean of 255 and 0 is far from both, so another inverse DCT could deviate by much.
             Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {

@@ -119,21 +119,24 @@ impl Recipe {
             self.compression.check(self.size)?;
             if self.first.is_some() {
                 return Err(
-                    "the first byte of a compressed payload is that of its first stream".to_owned(),
+                    "a compressed format cannot have `first_byte`, because the payload begins with a stream".to_owned(),
                 );
             }
         }
         if self.format.has_table() && !(1..=1 << 20).contains(&self.entries) {
             return Err(format!(
-                "a table has 1 to {} entries, not {}",
+                "expected 1 to {} table entries, found {}",
                 1 << 20,
                 self.entries
             ));
         }
         match &self.indices {
-            Indices::Below(0) => return Err("an index cannot be negative".to_owned()),
+            Indices::Below(0) => return Err("an index must not be negative".to_owned()),
             Indices::BytesDiffer if self.entries < 2 => {
-                return Err("index 0 has two equal bytes".to_owned());
+                return Err(
+                    "expected at least 2 entries, because the two bytes of index 0 are equal"
+                        .to_owned(),
+                );
             }
             Indices::These(list) if list.is_empty() => return Err("no indices to use".to_owned()),
             Indices::These(list) if list.iter().any(|&index| index >= self.entries) => {
@@ -144,7 +147,10 @@ impl Recipe {
         if ![1, 4, 16].contains(&self.spelling.matrix_line)
             || !(1..=1000).contains(&self.spelling.gap)
         {
-            return Err("a matrix line has 1, 4 or 16 numbers, a gap 1 to 1000 spaces".to_owned());
+            return Err(
+                "a matrix line must have 1, 4 or 16 numbers, and a gap must have 1 to 1000 spaces"
+                    .to_owned(),
+            );
         }
         if self.size.texels() > 1 << 26 {
             return Err(format!(

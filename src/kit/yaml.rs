@@ -42,7 +42,7 @@ pub fn read_text(path: &Path) -> Result<String, String> {
         .map_err(|error| named(&error))?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(named(&format!(
-            "larger than {} MiB, so not a report",
+            "the file is larger than {} MiB, so it is not a report",
             MAX_BYTES >> 20
         )));
     }
@@ -223,7 +223,7 @@ impl Node {
             match value {
                 Value::Scalar { text, .. } if known.insert(text) => {}
                 Value::Scalar { text, .. } => {
-                    return Err(format!("line {line}: {text} is there twice"));
+                    return Err(format!("line {line}: duplicate key {text}"));
                 }
                 _ => return Err(format!("line {line}: expected a key")),
             }
@@ -379,7 +379,7 @@ mod tests {
 - id: a↵  first: 'true' => line 2: invalid type: string "true", expected a boolean
 - { id: a, size: 256 } => line 1: invalid value: integer `256`, expected u8
 - id: a↵↵  way: sideways => line 3: unknown variant `sideways`, expected `up` or `down`
-- id: a↵  id: b => line 2: id is there twice
+- id: a↵  id: b => line 2: duplicate key id
 - first: true => line 1: missing field `id`
 - id: => line 1: invalid type: unit value, expected a string
 id: a => line 1: expected a list

@@ -246,7 +246,7 @@ fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
         let kind = Kind::Stream {
             plane: plane.plane,
             unsupported: false,
-            what: "such streams are not read".to_owned(),
+            what: "streams of this kind are not read".to_owned(),
         };
         return Err(Error::new("2.9.8/3", plane.at, kind));
     }

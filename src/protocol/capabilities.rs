@@ -56,12 +56,12 @@ impl Capabilities {
     /// # Errors
     /// Returns the reason why the output is not a valid declaration.
     pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
-        let text = std::str::from_utf8(answer).map_err(|_| "its answer is not UTF-8".to_owned())?;
+        let text = std::str::from_utf8(answer).map_err(|_| "the answer is not UTF-8".to_owned())?;
         let record: CapabilitiesRecord =
-            from_yaml(text).map_err(|error| format!("its answer is not valid: {error}"))?;
+            from_yaml(text).map_err(|error| format!("the answer is not valid: {error}"))?;
         if record.protocol != 1 {
             return Err(format!(
-                "it speaks protocol {}; this program speaks protocol 1",
+                "the decoder speaks protocol {}, but this program speaks protocol 1",
                 record.protocol
             ));
         }
@@ -111,7 +111,7 @@ fn known_words<T>(
         let word = remove_unprintable(&word);
         let known = know(&word);
         if known.is_none() && remarks.len() < 10 {
-            remarks.push(format!("it declares an unknown {what}: {word:?}"));
+            remarks.push(format!("the decoder declares an unknown {what}: {word:?}"));
         }
         known
     };

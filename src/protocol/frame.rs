@@ -417,7 +417,7 @@ impl Frame {
             });
             let cut = match bytes.len().is_multiple_of(65_536) {
                 true => {
-                    "; the output is cut at a multiple of 65,536: does the program exit before its output is flushed?"
+                    "; the output is truncated at a multiple of 65,536 bytes; does the program exit before its output is flushed?"
                 }
                 false => "",
             };
@@ -439,7 +439,7 @@ impl Frame {
     /// Parses a PTM1 line into a frame without samples.
     fn parse_line(line: &str) -> Result<Frame, String> {
         if line.ends_with('\r') {
-            return Err("the PTM1 line ends in CR LF: is standard output in text mode?".to_owned());
+            return Err("the PTM1 line ends in CR LF; is standard output in text mode?".to_owned());
         }
         let words: Vec<&str> = line.split(' ').collect();
         let [_, view, width, height, channels, kind] = words[..] else {

@@ -12,26 +12,26 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
         shape,
     } = NpyHeader::parse(header)?;
     if fortran_order {
-        return Err("its samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
+        return Err("the samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
     }
     let size = match descr.as_str() {
         "|u1" | "<u1" | "u1" | "|B" => 1,
         "<f4" => 4,
         ">f4" => {
             return Err(
-                "its samples are f32 with the high byte first; save a.astype('<f4')".to_owned(),
+                "the samples are f32 with the high byte first; save a.astype('<f4')".to_owned(),
             );
         }
-        "<f8" | ">f8" => return Err("its samples are f64; save a.astype('<f4')".to_owned()),
+        "<f8" | ">f8" => return Err("the samples are f64; save a.astype('<f4')".to_owned()),
         other => {
             return Err(format!(
-                "its type is {other:?}; types are '|u1' for raw and rgb, '<f4' for coef"
+                "the type is {other:?}; expected '|u1' for raw and rgb, or '<f4' for coef"
             ));
         }
     };
     let [height, width, channels] = shape[..] else {
         return Err(format!(
-            "its shape has {} numbers; a shape is (height, width, channels)",
+            "the shape has {} numbers; expected (height, width, channels)",
             shape.len()
         ));
     };
@@ -65,7 +65,7 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
 
 /// Splits a file into its header and the rest.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
-    let cut = || "it ends within its header".to_owned();
+    let cut = || "the file ends within its header".to_owned();
     let version = bytes.get(6..8).ok_or_else(cut)?;
     let (length, begin) = match (version, bytes.get(8..10), bytes.get(8..12)) {
         ([1, 0], Some(length), _) => (usize::from(u16::from_le_bytes([length[0], length[1]])), 10),
@@ -76,17 +76,17 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
         ([1..=3, 0], ..) => return Err(cut()),
         _ => {
             return Err(format!(
-                "its version is {}.{}; supported versions are 1.0, 2.0 and 3.0",
+                "the version is {}.{}; supported versions are 1.0, 2.0 and 3.0",
                 version[0], version[1]
             ));
         }
     };
     let end = begin + length;
     let header = bytes.get(begin..end).ok_or_else(cut)?;
-    let header = std::str::from_utf8(header).map_err(|_| "its header is not text")?;
+    let header = std::str::from_utf8(header).map_err(|_| "the header is not text")?;
     let header = header
         .strip_suffix('\n')
-        .ok_or("its header does not end in a line feed")?;
+        .ok_or("the header does not end in a line feed")?;
     Ok((header, &bytes[end..]))
 }
 
@@ -109,7 +109,7 @@ impl NpyHeader {
                 "descr" => descr.replace(rest.string()?.to_owned()).is_none(),
                 "fortran_order" => fortran_order.replace(rest.truth()?).is_none(),
                 "shape" => shape.replace(rest.tuple()?).is_none(),
-                other => return Err(format!("its header has an unknown key {other:?}")),
+                other => return Err(format!("the header has an unknown key {other:?}")),
             };
             if !fresh {
                 return Err(format!("its header has {key:?} twice"));
@@ -120,7 +120,7 @@ impl NpyHeader {
             }
         }
         if !rest.0.trim_start_matches(' ').is_empty() {
-            return Err(format!("its header continues after the dictionary: {rest}"));
+            return Err(format!("the header continues after the dictionary: {rest}"));
         }
         match (descr, fortran_order, shape) {
             (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
@@ -128,7 +128,7 @@ impl NpyHeader {
                 fortran_order,
                 shape,
             }),
-            _ => Err("its header lacks one of descr, fortran_order and shape".to_owned()),
+            _ => Err("the header lacks one of descr, fortran_order and shape".to_owned()),
         }
     }
 }
@@ -148,7 +148,7 @@ impl<'a> DictionaryText<'a> {
         if self.accept(sign) {
             Ok(())
         } else {
-            Err(format!("its header should have {sign:?} before {self}"))
+            Err(format!("expected {sign:?} before {self} in the header"))
         }
     }
 
@@ -156,11 +156,11 @@ impl<'a> DictionaryText<'a> {
     fn string(&mut self) -> Result<&'a str, String> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =
-            quote.ok_or_else(|| format!("expected a string in its header, found {self}"))?;
+            quote.ok_or_else(|| format!("expected a string in the header, found {self}"))?;
         let (string, after) = self
             .0
             .split_once(quote)
-            .ok_or_else(|| format!("its header has a string without an end: {self}"))?;
+            .ok_or_else(|| format!("the header has a string without an end: {self}"))?;
         self.0 = after;
         Ok(string)
     }
@@ -169,9 +169,7 @@ impl<'a> DictionaryText<'a> {
         match (self.accept("False"), self.accept("True")) {
             (true, false) => Ok(false),
             (false, true) => Ok(true),
-            _ => Err(format!(
-                "its fortran_order is neither True nor False: {self}"
-            )),
+            _ => Err(format!("fortran_order is neither True nor False: {self}")),
         }
     }
 
@@ -183,7 +181,7 @@ impl<'a> DictionaryText<'a> {
             let (word, after) = self.0.split_at(digits);
             let number = word
                 .parse()
-                .map_err(|_| format!("its shape should have a number before {self}"))?;
+                .map_err(|_| format!("expected a number before {self} in the shape"))?;
             numbers.push(number);
             self.0 = after;
             if !self.accept(",") {

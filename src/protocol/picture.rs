@@ -37,7 +37,7 @@ pub(crate) fn read(bytes: &[u8], most: usize) -> Option<Result<Frame, String>> {
     let (format, name) = FORMS.into_iter().find(|(format, _)| *format == found)?;
     // A panic in the image library must not end the run.
     let read = catch_unwind(|| read_as(format, bytes, most));
-    let read = read.unwrap_or_else(|_| Err("the image library fails to read it".to_owned()));
+    let read = read.unwrap_or_else(|_| Err("the image library cannot read the image".to_owned()));
     Some(read.map_err(|error| format!("{name}: {error}")))
 }
 
@@ -59,14 +59,15 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
     let color = decoder.color_type();
     if color.bytes_per_pixel() != color.channel_count() {
         let bits = 8 * color.bytes_per_pixel() / color.channel_count();
-        return Err(format!("it has {bits} bits per sample, not 8"));
+        return Err(format!("the image has {bits} bits per sample, not 8"));
     }
     match format {
         ImageFormat::Pnm => check_full_range(bytes)?,
         ImageFormat::Jpeg => check_quality(bytes)?,
         ImageFormat::WebP if is_lossy_webp(bytes) => {
             return Err(
-                "it is lossy: four texels share one color; write a lossless image".to_owned(),
+                "four texels share one color, because the image is lossy; write a lossless image"
+                    .to_owned(),
             );
         }
         _ => {}
@@ -92,7 +93,7 @@ fn check_full_range(bytes: &[u8]) -> Result<(), String> {
     let header = decoder.header();
     match (header.subtype(), header.maximal_sample()) {
         (PnmSubtype::Bitmap(_), _) | (_, 255) => Ok(()),
-        (_, largest) => Err(format!("its largest value is {largest}, not 255")),
+        (_, largest) => Err(format!("the largest value is {largest}, not 255")),
     }
 }
 
@@ -113,8 +114,7 @@ fn is_lossy_webp(bytes: &[u8]) -> bool {
 
 /// Rejects a JPEG with chroma subsampling or large quantization steps.
 fn check_quality(bytes: &[u8]) -> Result<(), String> {
-    let advice =
-        "write it with quality 95 or more and without subsampling, or use another image format";
+    let advice = "write the image with quality 95 or more and without subsampling, or use another image format";
     let mut stream = markers::Cursor::new(bytes, 2);
     while let Ok((code, content)) = stream.read_marker_segment()
         && code != markers::SOS
@@ -122,7 +122,9 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
         match (code, content) {
             (0xdb, tables) if largest_step(tables) > MAX_QUANTIZATION_STEP => {
                 let step = largest_step(tables);
-                return Err(format!("it is too coarse, with steps of {step}; {advice}"));
+                return Err(format!(
+                    "the quantization is too coarse, with steps of {step}; {advice}"
+                ));
             }
             (0xc4 | 0xc8 | 0xcc, _) => {}
             // The sampling factors of each component follow its id.
@@ -174,13 +176,13 @@ fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String
         }
         ImageFormat::Pnm => end,
         ImageFormat::Jpeg if !bytes.ends_with(b"\xff\xd9") => {
-            return Err("it does not end with the marker FFD9".to_owned());
+            return Err("the image does not end with the marker FFD9".to_owned());
         }
         _ => bytes.len(),
     };
     match bytes.len() - end {
         0 => Ok(()),
-        more => Err(format!("{more} bytes follow its end marker")),
+        more => Err(format!("{more} bytes follow the end marker")),
     }
 }
 

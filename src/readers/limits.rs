@@ -30,8 +30,8 @@ const LIMITS: [Limit; 9] = [
     // Lines of vectors are not checked.
     Limit {
         slug: "blanks-of-compressed-refused",
-        words: "refuses a compressed file in which a list ends in a space or has two in a row",
-        effect: Effect::Refused("a list ends in a space or has two in a row"),
+        words: "refuses a compressed file in which a list ends in a space or has two adjacent spaces",
+        effect: Effect::Refused("a list ends in a space or has two adjacent spaces"),
         is_exceeded: |file| file.is_compressed() && file.has_empty_list_items(),
     },
     // The vectors have two lines.

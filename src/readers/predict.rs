@@ -88,7 +88,7 @@ impl<'a> OpenedFile<'a> {
         if let Ok(ptm) = &self.truth
             && !profile.reads(ptm.header.format)
         {
-            let how = format!("it does not read {}", ptm.header.format);
+            let how = format!("the program does not read {}", ptm.header.format);
             return says(Shown::Nothing, how, Vec::new());
         }
         let limits = profile.limits.iter();
@@ -125,15 +125,20 @@ impl<'a> OpenedFile<'a> {
     ) -> (Shown, String) {
         let (shown, reading) = match found {
             Ok(found) => found,
-            Err(None) => return (Shown::Nothing, "it refuses the file".to_owned()),
-            Err(Some(error)) => return (Shown::Nothing, format!("it refuses the file: {error}")),
+            Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
+            Err(Some(error)) => {
+                return (
+                    Shown::Nothing,
+                    format!("the program refuses the file: {error}"),
+                );
+            }
         };
         let Ok(truth) = &self.truth else {
             return match profile.reads(shown.header.format) {
                 true => (Shown::Wrong, "an image of a damaged file".to_owned()),
                 false => (
                     Shown::Nothing,
-                    format!("it does not read {}", shown.header.format),
+                    format!("the program does not read {}", shown.header.format),
                 ),
             };
         };

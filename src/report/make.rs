@@ -155,7 +155,7 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
 fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; another inverse DCT or a small mistake may be the reason";
     let lossy = format!(
-        "responses are JPEG images, which are lossy: their tolerance is larger by {LOSSY_TOLERANCE}, so small mistakes are not found"
+        "responses are JPEG images, which are lossy, so the tolerance is larger by {LOSSY_TOLERANCE} and small mistakes are not found"
     );
     let remarks = [
         (Allowance::AnotherTransform, others.to_owned()),

@@ -86,7 +86,7 @@ impl<C: Reported> RecordedAnswers<C> {
         let ask = |request: &Request<'_, C::View>, _: usize| {
             self.recorded_reply(suite, request).unwrap_or_else(|| {
                 missing.get_or_init(|| format!("{} in {}", request.name, request.view));
-                Answer::NotStarted("no part of the run requested this".to_owned()).into()
+                Answer::NotStarted("no part of the run contains this request".to_owned()).into()
             })
         };
         let mut session = Session::new(suite, &plan, &ask);
@@ -98,7 +98,7 @@ impl<C: Reported> RecordedAnswers<C> {
         let mut run = session.verdicts(contact, observations, &|_, _| ());
         if let Some(what) = missing.into_inner() {
             return Err(format!(
-                "no part of the run requested {what}: are the decoder's responses nondeterministic?"
+                "no part of the run contains the request for {what}; are the responses of the decoder nondeterministic?"
             ));
         }
         let report = conclude(suite, &plan, &mut run, circumstances, remarks)?;
@@ -182,7 +182,9 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
         }
         if let Some(why) = &end.ended_early {
             let part = end.part;
-            return named(&format!("part {part} did not finish: {why}. Run it again"));
+            return named(&format!(
+                "part {part} did not finish: {why}. Run this part again"
+            ));
         }
     }
     for number in 1..=first.part.of {

@@ -176,7 +176,7 @@ impl<C: TestCase> Page<'_, C> {
         }
         if single.len() > max_failures {
             let more = single.len() - max_failures;
-            writeln!(out, "  … and {more} more; the report has them all")?;
+            writeln!(out, "  … and {more} more; the report lists all of them")?;
         }
         writeln!(out)
     }
@@ -231,8 +231,10 @@ impl<C: TestCase> Page<'_, C> {
         let (alike, own): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let alike = match alike.len() {
             0 => None,
-            1 => Some("1 open question read as the reference does".to_owned()),
-            many => Some(format!("{many} open questions read as the reference does")),
+            1 => Some("1 open question is read as the reference reads it".to_owned()),
+            many => Some(format!(
+                "{many} open questions are read as the reference reads them"
+            )),
         };
         let own = own.iter();
         let own = own.map(|known| format!("{}: {}", known.ruling, known.reading));

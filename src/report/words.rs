@@ -44,7 +44,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     for (slug, clause, effect) in
         find_misreadings(suite, &cause.or).take(MAX_EQUIVALENT_MISREADINGS)
     {
-        let before = format!("Would look the same: a decoder that {effect} (clause {clause}; ");
+        let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
         details.push(Detail {
             page: Some(suite.misreading_page(slug)),
             ..detail(before, slug, ")")
@@ -59,7 +59,10 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         details.push(detail(before, "", ""));
     }
     for (slug, _, effect) in find_misreadings(suite, &cause.with) {
-        let before = format!("In some of these cases also: it {effect} (");
+        let before = format!(
+            "In some of these cases, the {} also {effect} (",
+            suite.subject()
+        );
         details.push(detail(before, slug, ")"));
     }
     let partly = match cause.partly.len() {
@@ -75,7 +78,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
             _ => format!("{count} cases that pass"),
         };
         let before = format!(
-            "But not everywhere: a {subject} with this mistake would fail {passing_cases}, for example "
+            "However, a {subject} with this mistake would also fail {passing_cases}, for example "
         );
         details.push(detail(before, passing, ""));
     }
@@ -89,7 +92,7 @@ pub const CALLER: &str = "a function of the caller";
 pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(
-            "It is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE is a question in JSON, the answer on standard output a JSON object; see spec-cases/texture/README.md."
+            "A texture stage is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
         ),
         SuiteName::Writers => format!(
             "A writer is called as: WRITER write REQUEST OUT, for example: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
@@ -104,7 +107,7 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
             "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
-            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find out what is wrong, step by step: ptm-conform probe DECODER"
+            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find out step by step what is wrong, run: ptm-conform probe DECODER"
         ),
     }
 }

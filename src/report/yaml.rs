@@ -34,7 +34,7 @@ impl Report {
         let named = |error: String| format!("{}: {error}", path.display());
         let hint = match text.starts_with("- ") {
             true => {
-                "\nit is a list, like FILE.partial; a report is a mapping that begins with schema:"
+                "\nthe file is a list, like FILE.partial; a report is a mapping that begins with schema:"
             }
             false => "",
         };
@@ -53,7 +53,7 @@ impl Report {
                 "line 1: a report of schema {other}, but this program reads schema {SCHEMA}"
             ))),
             None => Err(named(format!(
-                "line 1: no report of schema {SCHEMA}; run check again if an older version wrote it"
+                "line 1: not a report of schema {SCHEMA}; if an older version wrote the file, run check again"
             ))),
         }
     }

@@ -92,7 +92,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
         "error" => Answer::ProtocolError(message()),
-        _ => return Err(io::Error::other(format!("it says {word:?}"))),
+        _ => return Err(io::Error::other(format!("unexpected word {word:?}"))),
     };
     let stderr = if word == "ok" {
         String::new()
@@ -114,7 +114,7 @@ fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u6
         .strip_suffix('\n')
         .and_then(|line| line.split_once(' '));
     let words = words.and_then(|(word, length)| Some((word.to_owned(), length.parse().ok()?)));
-    words.ok_or_else(|| io::Error::other(format!("its line {line:?} is not WORD NBYTES")))
+    words.ok_or_else(|| io::Error::other(format!("the line {line:?} is not WORD NBYTES")))
 }
 
 #[cfg(test)]

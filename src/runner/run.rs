@@ -394,7 +394,7 @@ impl Decoder {
         scratch: &Scratch,
     ) -> Result<Vec<u8>, String> {
         if self.template.is_some() {
-            return Err("its command line has no placeholder for such a word".to_owned());
+            return Err("the command line has no placeholder for this word".to_owned());
         }
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
@@ -409,7 +409,7 @@ impl Decoder {
 
     pub(crate) fn out_of_memory_answer(&self) -> Answer {
         Answer::OutOfMemory(format!(
-            "its processes held more than {} MiB",
+            "the processes of the program held more than {} MiB",
             self.memory >> 20
         ))
     }
@@ -462,10 +462,10 @@ impl Decoder {
 }
 
 /// Message for a decoder that changed or removed its input.
-pub(crate) const INPUT_CHANGED_MESSAGE: &str = "its input file was changed or removed";
+pub(crate) const INPUT_CHANGED_MESSAGE: &str = "the input file was changed or removed";
 
 /// Message for a call that the user interrupted.
-pub(crate) const STOPPED_MESSAGE: &str = "the run was ended by the user";
+pub(crate) const STOPPED_MESSAGE: &str = "the user ended the run";
 
 /// Describes how a process ended.
 pub(crate) fn describe_exit(status: ExitStatus) -> String {

@@ -199,7 +199,7 @@ impl<'a> Server<'a> {
         if !untouched? {
             return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
         }
-        self.expect_silence("its answer is followed by", "")?;
+        self.expect_silence("the answer is followed by", "")?;
         let stderr = escape_controls(&self.call.errors);
         Ok(Reply {
             stderr: self.workspace.strip_directories(&stderr),
@@ -343,7 +343,7 @@ impl<'a> Server<'a> {
         let limit = limit.as_secs_f64();
         Answer::Hung(if was_buffered {
             format!(
-                "no answer within {limit} s; it came when standard input was closed: flush standard output after each answer"
+                "no answer within {limit} s; the answer came when standard input was closed, so flush standard output after each answer"
             )
         } else {
             format!("no answer within {limit} s")
@@ -379,7 +379,7 @@ fn read_answer(
     let Some(end) = beginning.position(|&byte| byte == b'\n') else {
         return match bytes.len() >= MAX_LINE_LENGTH {
             true => Err(format!(
-                "its answer begins with {} and has no line end",
+                "the answer begins with {} and has no line end",
                 quote_start(bytes)
             )),
             false => Ok(None),
@@ -391,7 +391,7 @@ fn read_answer(
     let number = number.ok_or_else(|| unexpected_line_message(line, sequence))?;
     if number != sequence {
         return Err(format!(
-            "its answer to request {sequence} has the number {number}: {}",
+            "the answer to request {sequence} has the number {number}: {}",
             quote_start(line)
         ));
     }
@@ -421,14 +421,16 @@ fn read_answer(
 fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answer>, String> {
     if length > max_bytes as u64 {
         return Err(format!(
-            "it announces {length} bytes, but no frame of that file has more than {max_bytes}"
+            "the answer announces {length} bytes, but no frame of that file has more than {max_bytes}"
         ));
     }
     let Some(frame) = bytes.get(..length as usize) else {
         return Ok(None);
     };
     let frame = Frame::read(frame).map_err(|what| {
-        format!("it announces {length} bytes, including the first line of the frame: {what}")
+        format!(
+            "the answer announces {length} bytes, including the first line of the frame: {what}"
+        )
     })?;
     Ok(Some(Answer::Decoded(frame)))
 }

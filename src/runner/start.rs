@@ -23,7 +23,7 @@ pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> Stri
     match check_program(program, &name.to_string_lossy()) {
         Err((says, next)) => format!("{says}; {next}"),
         Ok(()) if error.kind() == io::ErrorKind::NotFound => format!(
-            "{}: the file exists, but its loader is missing: is it built for another C library? See ldd",
+            "{}: the file exists, but its loader is missing; is the program built for another C library? See ldd",
             name.display()
         ),
         Ok(()) => format!("{}: {error}", name.display()),
@@ -38,12 +38,15 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
     if here.is_dir() {
-        return obstacle(format!("{text} is a directory"), "name the program in it");
+        return obstacle(
+            format!("{text} is a directory"),
+            "name the program in the directory",
+        );
     }
     if here.is_file() && here.extension().is_some_and(|suffix| suffix == "ptm") {
         return obstacle(
             format!("{text} is a PTM file, not a decoder"),
-            format!("to check a file: ptm-conform lint {text}"),
+            format!("to check a file, run: ptm-conform lint {text}"),
         );
     }
     let Some(program) = (if is_path {
@@ -84,7 +87,9 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
             format!("{text} is not executable"),
             match interpreter_for(text) {
                 Some(interpreter) => {
-                    format!("chmod +x {text}, or name the interpreter too: -- {interpreter} {text}")
+                    format!(
+                        "run chmod +x {text}, or name the interpreter too: -- {interpreter} {text}"
+                    )
                 }
                 None => format!("chmod +x {text}"),
             },
@@ -96,7 +101,9 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
 /// Returns the message for a command that was not found. The command may be several words in one.
 fn missing_command(text: &str, says: &str) -> Obstacle {
     let next = if text.contains(' ') {
-        format!("the command is several words: write them without quotation marks, -- {text}")
+        format!(
+            "the command consists of several words; write them without quotation marks: -- {text}"
+        )
     } else {
         "name the decoder by a path such as ./my-decoder, after --".to_owned()
     };
@@ -124,7 +131,7 @@ const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"MZ",
         "a Windows program",
-        "run it with wine (-- wine my-decoder.exe), or run it on Windows on an exported corpus: ptm-conform generate --help",
+        "run the decoder with wine (-- wine my-decoder.exe), or run it on Windows with an exported corpus: ptm-conform generate --help",
     ),
     (b"\xcf\xfa\xed\xfe", MACH_O, MACH_O_REMEDY),
     (b"\xce\xfa\xed\xfe", MACH_O, MACH_O_REMEDY),
@@ -137,12 +144,12 @@ const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"\xef\xbb\xbf#!",
         "a script that begins with a byte order mark, which hides its #! line",
-        "save the script as UTF-8 without byte order mark",
+        "save the script as UTF-8 without a byte order mark",
     ),
 ];
 
 const MACH_O: &str = "a macOS program, or a Java class";
-const MACH_O_REMEDY: &str = "build it for this system; run a class with java";
+const MACH_O_REMEDY: &str = "build the program for this system; run a class with java";
 
 /// Checks the first bytes of a file, which determine how the system executes it.
 fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
@@ -168,7 +175,7 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
         (
             format!("{text} has no #! line, so the system does not know its interpreter"),
             format!(
-                "begin it with #!/usr/bin/env {interpreter}, or name the interpreter: -- {interpreter} {text}"
+                "begin the script with #!/usr/bin/env {interpreter}, or name the interpreter: -- {interpreter} {text}"
             ),
         )
     })
@@ -193,7 +200,7 @@ fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
             format!(
                 "the first line of {text} names the interpreter {interpreter:?}, which does not exist"
             ),
-            "name one that exists, for example #!/usr/bin/env python3",
+            "name an interpreter that exists, for example #!/usr/bin/env python3",
         );
     }
     Ok(())
@@ -214,7 +221,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     }
     obstacle(
         format!("{text} is a program for another machine: {name}, {bits} bits"),
-        "build it for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder",
+        "build the program for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder",
     )
 }
 
@@ -261,7 +268,7 @@ fn interpreter_for(text: &str) -> Option<&'static str> {
 fn source_code_obstacle(text: &str, language: &str) -> Obstacle {
     (
         format!("{text} is {language} source code, not a program"),
-        "build it, and name the resulting program".to_owned(),
+        "compile the source code, and name the resulting program".to_owned(),
     )
 }
 

@@ -46,10 +46,10 @@ impl Template {
     pub fn parse(text: &str) -> Result<Template, String> {
         let template = Template::split(text, &[])?;
         if !template.pieces().any(|piece| *piece == TemplatePiece::In) {
-            return Err("it has no {in}, the placeholder for the PTM file".to_owned());
+            return Err("the command has no {in}, the placeholder for the PTM file".to_owned());
         }
         if template.outputs().count() > 1 {
-            return Err("it has {out} more than once".to_owned());
+            return Err("the command has {out} more than once".to_owned());
         }
         Ok(template)
     }
@@ -62,14 +62,15 @@ impl Template {
         let template = Template::split(text, names)?;
         if template.outputs().count() != 1 {
             return Err(
-                "it needs exactly one {out}, the placeholder for the output file".to_owned(),
+                "the command needs exactly one {out}, the placeholder for the output file"
+                    .to_owned(),
             );
         }
         let is_input =
             |piece: &TemplatePiece| matches!(piece, TemplatePiece::In | TemplatePiece::Value(_));
         if !template.pieces().any(is_input) {
             return Err(format!(
-                "it has no placeholder for the request: {{in}}, {{{}}}",
+                "the command has no placeholder for the request: {{in}}, {{{}}}",
                 names.join("}, {")
             ));
         }
@@ -85,17 +86,17 @@ impl Template {
 
     /// Splits a template into words, the first of which must be a program.
     fn split(text: &str, names: &[&str]) -> Result<Template, String> {
-        let words =
-            shlex::split(text).ok_or("it has an unclosed quotation mark or ends in a backslash")?;
+        let words = shlex::split(text)
+            .ok_or("the command has an unclosed quotation mark or ends in a backslash")?;
         let words: Vec<Vec<TemplatePiece>> = words
             .iter()
             .enumerate()
             .map(|(i, word)| pieces(word, i == 0, names))
             .collect::<Result<_, _>>()?;
         match words.first().map(Vec::as_slice) {
-            None => Err("it is empty".to_owned()),
+            None => Err("the command is empty".to_owned()),
             Some([TemplatePiece::Text(_)]) => Ok(Template { words }),
-            Some(_) => Err("its first word must be the program, without placeholders".to_owned()),
+            Some(_) => Err("the first word must be the program, without placeholders".to_owned()),
         }
     }
 
@@ -304,13 +305,13 @@ impl OutputFile {
     pub(crate) fn read(&self, max_bytes: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
         let fault = |what: &str| {
             Ok(Err(Answer::ProtocolError(format!(
-                "its output file {what}"
+                "the output file {what}"
             ))))
         };
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
             Ok(file) => File::from(file),
-            Err(Errno::NOENT) => return fault("is missing, although it exits with 0"),
+            Err(Errno::NOENT) => return fault("is missing, although the program exits with 0"),
             Err(Errno::LOOP) => return fault("is a link"),
             Err(error) if is_shortage(&error.into()) => {
                 return Err(Trouble::new("read an output file", &error.into()));
@@ -326,7 +327,7 @@ impl OutputFile {
             return fault(&format!("cannot be read: {error}"));
         }
         if bytes.len() > max_bytes {
-            let says = format!("more than {max_bytes} bytes in its output file");
+            let says = format!("more than {max_bytes} bytes in the output file");
             return Ok(Err(Answer::Flooded(says)));
         }
         match bytes.is_empty() {

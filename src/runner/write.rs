@@ -89,7 +89,7 @@ impl Decoder {
         let mut result = self.run_command(&words, 1 << 20, time, &workplace)?;
         result.stderr = workspace.strip_directories(&result.stderr);
         if output.is_longer_than(order.max_bytes) {
-            let says = format!("more than {} bytes in its output file", order.max_bytes);
+            let says = format!("more than {} bytes in the output file", order.max_bytes);
             result.output = Err(Answer::Flooded(says));
         } else if let Ok(stdout) = &mut result.output {
             result.stdout = std::mem::take(stdout);

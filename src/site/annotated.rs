@@ -173,7 +173,7 @@ impl Files {
                 let stream = self.streams.get(stream);
                 parse_hex(stream.ok_or_else(|| format!("part {:?} names no stream", part.is))?)
             }
-            _ => Err("it needs one of text, hex and stream".to_owned()),
+            _ => Err("expected one of text, hex and stream".to_owned()),
         };
         let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.is))?;
         Ok(bytes.repeat(part.times.unwrap_or(1)))

@@ -81,7 +81,7 @@ fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
             dt { "Clauses" } dd { (paper.links(case.clauses.iter().map(String::as_str))) }
             dt { "Format" } dd { (paper.link_as("2.2", &html! { code { (case.format()) } })) }
             @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (paper.link(ruling)) } }
-            dt { "Asked for" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
+            dt { "Requested views" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
             @if let Some(slack) = describe_tolerance(case, built) { dt { "Tolerance" } dd { (slack) } }
             dt { "File" } dd {
                 @if built.file.len() <= MAX_DOWNLOAD_BYTES {
@@ -142,7 +142,7 @@ fn values(case: &Case, built: &Built) -> Markup {
                 @for channel in 0..expected.channels { td.number { (number(expected.values[texel * expected.channels + channel])) } }
             } } }
         } }
-        @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels; (0, 0) is the top left one." } }
+        @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels are shown; (0, 0) is the top left texel." } }
     }
 }
 
@@ -190,10 +190,10 @@ fn related_cases(paper: PageContext, case: &Case) -> Markup {
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
             h2 { "Its twin" }
-            p { "It is " (paper.link(twin)) ", in which " (damage.effect) "." }
+            p { "The file is a copy of " (paper.link(twin)) ", in which " (damage.effect) "." }
         }
         @if !children.is_empty() {
-            h2 { "Its damaged copies" }
+            h2 { "Damaged copies of this file" }
             ul.columns { @for child in children { li { (paper.link(&child.id)) } } }
         }
     }

@@ -14,7 +14,7 @@ use crate::tools::lint::lint;
 /// Renders the list of codes and the page of each code.
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let list = html! {
-        p.lead { code { "ptm-conform lint" } " reports these. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another image. I: for information." }
+        p.lead { code { "ptm-conform lint" } " reports these codes. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another image. I: the message is for information." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
             tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
@@ -44,7 +44,7 @@ fn page(paper: PageContext, code: &Code) -> SiteFile {
         (example(paper, code, &cases))
         (affected_readers(paper, code, &cases))
         @if !cases.is_empty() {
-            h2 { "Cases that provoke it" }
+            h2 { "Cases that trigger this code" }
             ul.columns { @for case in &cases { li { (paper.link(&case.id)) } } }
         }
     };
@@ -86,7 +86,7 @@ fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup 
         @if !seen.is_empty() || !cases.is_empty() {
             h2 { "Readers" }
             @if !cases.is_empty() {
-                p { "Of the files that trigger it:" }
+                p { "Results for the files that trigger this code:" }
                 ul { @for run in runs { li { (paper.link_as(&run.reader, &html! { (run.reader) })) ": "
                     @for (i, (outcome, count)) in tally(run).iter().enumerate() { @if i > 0 { ", " } (count) " " (outcome) }
                 } } }

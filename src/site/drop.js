@@ -142,7 +142,7 @@
         image = canvas.getContext("2d").createImageData(map.width, map.height);
         show();
       }
-    } catch (error) { say(`This file cannot be taken apart here: ${error.message}`); }
+    } catch (error) { say(`The file cannot be analyzed here: ${error.message}`); }
   };
 
   // Compares the image of a viewer with ours and describes the transform between them.
@@ -199,7 +199,7 @@
   const compare = () => {
     const says = $("difference");
     if (!map || viewer.width !== map.width || viewer.height !== map.height) {
-      says.textContent = `The picture is ${viewer.width} × ${viewer.height}` + (map ? `, the map ${map.width} × ${map.height}: it cannot be compared.` : ".");
+      says.textContent = `The image is ${viewer.width} × ${viewer.height}` + (map ? `, but the map is ${map.width} × ${map.height}, so they cannot be compared.` : ".");
       return;
     }
     const heat = new ImageData(map.width, map.height);
@@ -213,10 +213,10 @@
     canvas.style.width = $("picture").style.width;
     canvas.getContext("2d").putImageData(heat, 0, 0);
     const { rmse, worst } = apart(own, viewer.data);
-    if (worst <= 1) { says.textContent = "Under this light it is the same picture, to one step of 255."; return; }
+    if (worst <= 1) { says.textContent = "Under this light, the images are equal within one step of 255."; return; }
     const [first] = causes();
     const likely = first.rmse < Math.max(2, rmse / 4) ? ` It is nearest to: ${first.says} (then the mean difference is ${first.rmse.toFixed(1)}).` : " No simple cause fits; is it the same light?";
-    says.textContent = `Mean difference ${rmse.toFixed(1)}, largest ${worst}, of 255.${likely}`;
+    says.textContent = `The mean difference is ${rmse.toFixed(1)} and the largest is ${worst}, of 255.${likely}`;
   };
   const takePicture = async (file) => {
     try {
@@ -231,7 +231,7 @@
       shown.getContext("2d").putImageData(viewer, 0, 0);
       $("comparison").hidden = false;
       compare();
-    } catch (error) { $("difference").textContent = `No picture that a browser reads: ${error.message}`; }
+    } catch (error) { $("difference").textContent = `The browser cannot read this image: ${error.message}`; }
   };
 
   const isPicture = (file) => file.type.startsWith("image/");

@@ -130,7 +130,7 @@ fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) 
                 style { (PreEscaped(STYLE)) }
             }
             body.site data-root=[(!standalone).then_some("")] {
-                a.skip href="#main" { "To the file" }
+                a.skip href="#main" { "Skip to the file" }
                 @if !standalone { (paper.head("Drop a file")) }
                 main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }

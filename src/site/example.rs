@@ -162,7 +162,7 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
             Err(format!("the file is refused (clause {clause}): {why}"))
         }
         (Found::Values(..), _, Some(expected)) => Err(format!(
-            "the file is decoded, not refused (clause {expected})"
+            "the file is decoded instead of refused (clause {expected})"
         )),
         (Found::Values(_, rows), Some(value), None) => {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
@@ -179,6 +179,6 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
             let found: Vec<String> = found.iter().map(ToString::to_string).collect();
             Err(format!("expected {value}, found {}", found.join(" ")))
         }
-        (Found::Values(..), None, None) => Err("it expects nothing".to_owned()),
+        (Found::Values(..), None, None) => Err("the example expects nothing".to_owned()),
     }
 }

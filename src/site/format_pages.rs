@@ -149,7 +149,7 @@ fn render_example(
             } }
             (result(&executed.asks, &executed.found, example.because.as_deref()))
             @for (reading, found) in &executed.otherwise {
-                p.otherwise { "Under the other reading, " em { (reading) } ": " (inline_result(found)) "." }
+                p.otherwise { "With the other reading, " em { (reading) } ": " (inline_result(found)) "." }
             }
         }
     }
@@ -258,7 +258,7 @@ fn test_markup(paper: PageContext, clause: &Clause) -> Markup {
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {
-            @if let Some(why) = &clause.why { "Not tested by itself: " (why) ". " }
+            @if let Some(why) = &clause.why { "Not tested separately: " (why) ". " }
             @if !cases.is_empty() {
                 (cases.len()) @if cases.len() == 1 { " case: " } @else { " cases: " } (paper.links(first))
                 @if cases.len() > 6 { " … " a href={ (paper.root) "cases/index.html?" (clause.id) } { "all" } }

@@ -37,7 +37,7 @@ pub(super) fn page(paper: PageContext) -> SiteFile {
             a href=(SPECIFICATION) { "archived copy" } "). It leaves some questions open, and readers answer them differently. "
             "The suite and its tools are " a href=(env!("CARGO_PKG_REPOSITORY")) { "ptm-conform" } "."
         }
-        div.lights aria-label="One map under four lights" role="group" {
+        div.lights aria-label="The same map under four lights" role="group" {
             @for (lu, lv) in LIGHTS {
                 figure {
                     (pictures::render_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
@@ -52,10 +52,10 @@ pub(super) fn page(paper: PageContext) -> SiteFile {
         (overview::flow(paper))
         h2 { "Where to begin" }
         ul {
-            li { "You write a reader: read " a href="format/index.html" { "the format" } " from its first chapter, let your program speak " (paper.protocol()) ", then try it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
-            li { "A file looks wrong: " a href="drop.html" { "drop it" } ", or " code { "ptm-conform lint FILE" } "; the codes are explained " a href="codes/index.html" { "here" } "." }
-            li { "A program displays it wrong: find its mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
-            li { "You map it onto a surface: " a href="texture/index.html" { "the texture chapter" } "." }
+            li { "To write a reader, read " a href="format/index.html" { "the format" } " from the first chapter on, let your program speak " (paper.protocol()) ", and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
+            li { "If a file looks wrong, " a href="drop.html" { "drop it on this page" } ", or run " code { "ptm-conform lint FILE" } "; the " a href="codes/index.html" { "codes" } " are explained here." }
+            li { "If a program displays a file incorrectly, find the mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
+            li { "To map a PTM onto a surface, read " a href="texture/index.html" { "the texture chapter" } "." }
         }
     };
     paper.page("index.html", "", "Polynomial Texture Maps", &body)

@@ -66,10 +66,10 @@ fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
         p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
         @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
-        h2 { "The smallest file that shows it" }
+        h2 { "The smallest file that shows the mistake" }
         @match witness {
             Some(witness) => (witness_markup(paper, misreading, witness)),
-            None => p { "No file of the suite shows it by itself: it concerns a choice or the spelling of a table." },
+            None => p { "No file of the suite alone shows the mistake, because it concerns a choice or the spelling of a table." },
         }
     };
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
@@ -83,7 +83,7 @@ fn witness_markup(
     let case = &paper.library.suite.cases[witness.case];
     let built = case.build(TableSpelling::default());
     html! {
-        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, asked for " code { (witness.view) } ": " (case.because) }
+        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (witness.view) } ": " (case.because) }
         (image_pair(paper, misreading))
         @if let Some(difference) = &witness.difference { p { "In " code { (witness.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }

@@ -26,7 +26,7 @@ pub(super) fn drawing(paper: PageContext) -> Markup {
                 }
             }
         }
-        p.legend { span.swatch {} " text, a line each " span.swatch.data {} " bytes" }
+        p.legend { span.swatch {} " text, one line each " span.swatch.data {} " bytes" }
     }
 }
 

@@ -133,7 +133,7 @@ impl PageContext<'_> {
                     script src={ (root) "site.js" } defer {}
                 }
                 body.site data-root=(root) {
-                    a.skip href="#main" { "To the text" }
+                    a.skip href="#main" { "Skip to the text" }
                     (self.head(part))
                     main #main tabindex="-1" { (body) }
                     footer {

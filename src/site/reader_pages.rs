@@ -55,7 +55,7 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: PageContext) -> SiteFile {
     let body = html! {
-        p.lead { "Public programs that read PTM files. The suite was run on some; of the others, the source was read. "
+        p.lead { "These public programs read PTM files. The suite was run on some of them; the source code of the others was read. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
@@ -79,12 +79,12 @@ fn page(paper: PageContext, reader: &str) -> SiteFile {
     let body = html! {
         h1 { (reader) }
         @if let Some(run) = run { (run_results(paper, run)) }
-        @else { p { "The suite was not run on this reader. This list is from its source." } }
+        @else { p { "The suite was not run on this reader. This list is based on the source code of the reader." } }
         @if let Some(profile) = profile(reader) { (render_profile(profile)) }
         @if !mistakes.is_empty() {
             h2 { "Its mistakes" }
             ul { @for misreading in mistakes {
-                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": it " (misreading.effect) "." }
+                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
             } }
         }
     };
@@ -94,18 +94,18 @@ fn page(paper: PageContext, reader: &str) -> SiteFile {
 /// Renders the formats and limits of a reader, with the evidence for them.
 fn render_profile(profile: &ReaderProfile) -> Markup {
     let known = |evidence| match evidence {
-        Evidence::Run => "it was run on the cases",
-        Evidence::Code => "its source was read",
+        Evidence::Run => "the reader was run on the cases",
+        Evidence::Code => "the source code was read",
     };
     html! {
-        h2 { "What it reads" }
+        h2 { "What the reader reads" }
         dl.facts {
-            @if let Some(version) = &profile.version { dt { "Version looked at" } dd { (version) } }
+            @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
             dt { "Formats" } dd { (profile.reads.join(", ")) " (" (known(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "It " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
+                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "The reader " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
             }
-            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what it displays for a file." }
+            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what the reader displays for a file." }
         }
     }
 }
@@ -162,17 +162,17 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
     };
     let body = html! {
         h1 { "Scoreboard" }
-        p.lead { "Results of public readers for the cases about each clause: passed of judged. A case may be about several clauses, so one mistake can show in several rows; "
-            "a reader's page says which mistakes are known." }
+        p.lead { "For each clause, the table shows how many of the judged cases each public reader passes. A case may be about several clauses, so one mistake can appear in several rows; "
+            "the page of a reader lists its known mistakes." }
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
             span.tile data-state="pass" { "✓" } " all judged cases passed "
-            span.tile data-state="open" { "?" } " nothing judged: unsupported, inconclusive or not run"
+            span.tile data-state="open" { "?" } " no case was judged: unsupported, inconclusive or not run"
         }
         form.tools {
             label for="list-filter" { "Filter" }
             input #list-filter type="search" placeholder="a clause or a word" autocomplete="off" spellcheck="false";
-            label.check { input #differing type="checkbox"; " only where they differ" }
+            label.check { input #differing type="checkbox"; " only clauses for which readers differ" }
             span #list-found role="status" aria-live="polite" {}
         }
         div.scroll.tall tabindex="0" { table.matrix.filtered {

@@ -10,7 +10,7 @@ use crate::suite::clauses::{Ruling, RulingKind};
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
-        p.lead { "Where the text leaves something open: the reading of this suite, the readings of public readers, and whether another reading fails." }
+        p.lead { "Rulings answer the questions that the text leaves open. Each page states the reading of this suite, the readings of public readers, and whether another reading fails." }
         (PageContext::descriptions(&paper.library.texts.ruling_kinds, ["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }
@@ -27,7 +27,7 @@ pub(super) fn describe_ruling(paper: PageContext, ruling: &Ruling) -> Markup {
     html! {
         p { b { "Question: " } (paper.prose(ruling.question.trim())) }
         p { b { "Our reading: " } (paper.prose(ruling.reading.trim())) }
-        @for also in &ruling.also { p { b { "Also right: " } (paper.prose(also)) } }
+        @for also in &ruling.also { p { b { "Also correct: " } (paper.prose(also)) } }
         p { b { "Evidence: " } (paper.prose(ruling.evidence.trim())) }
     }
 }
@@ -45,12 +45,12 @@ fn page(paper: PageContext, ruling: &Ruling) -> SiteFile {
     }
     let body = html! {
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
-        p { (paper.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Its cases marked lenient are still outside the specification, and may be refused." } }
+        p { (paper.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Cases of this ruling that are marked lenient are still outside the specification, and may be refused." } }
         (describe_ruling(paper, ruling))
         h2 { "Clauses" }
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }
         @if !cases.is_empty() {
-            h2 { "Cases that show it" }
+            h2 { "Cases that depend on this ruling" }
             (PageContext::descriptions(&paper.library.texts.expectations, kinds))
             ul.columns { @for case in cases { li { (paper.link(&case.id)) " " span.quiet { (case.expect.name()) } } } }
         }

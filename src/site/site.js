@@ -73,7 +73,7 @@
       item.setAttribute("role", "option");
       item.setAttribute("aria-selected", "false");
       item.setAttribute("aria-disabled", "true");
-      item.textContent = "Nothing is called so, and no text says it.";
+      item.textContent = "No entry has this name, and no text contains these words.";
       hits.append(item);
     }
     chosen = -1;

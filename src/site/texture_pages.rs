@@ -28,9 +28,9 @@ fn chapter(paper: PageContext) -> Result<SiteFile, String> {
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
-        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 describes how it is applied to a surface. Its formulas were images and are "
-            "lost. They are reconstructed here from the surrounding text and from related documents; rulings mark them." }
-        p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is asked" } }
+        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 describes how it is applied to a surface. The formulas of the chapter were printed as images and are "
+            "lost. They are reconstructed here from the surrounding text and from related documents, and rulings mark the reconstructions." }
+        p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is called" } }
         h2 #steps { "Step by step: a question and its answer" }
         p { "Every answer was computed by the reference when this page was built, and compared with the one that the suite expects." }
         @for question in &questions { (question) }

@@ -60,8 +60,8 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "motion-vertical",
         readings: &[
-            ("y grows along the rows as they are stored", |_| {}),
-            ("y grows against the rows as they are stored", |r| {
+            ("y increases with the stored rows", |_| {}),
+            ("y increases against the stored rows", |r| {
                 r.set(MotionAgainstRows);
             }),
         ],
@@ -69,7 +69,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice {
         ruling: "motion-half",
         readings: &[
-            ("means are rounded up at a half", |_| {}),
+            ("means that end in one half are rounded up", |_| {}),
             ("means are rounded down", |r| r.set(HalvesRoundedDown)),
         ],
     },
@@ -80,7 +80,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
             ("samples outside a plane come from its opposite side", |r| {
                 r.set(BorderWrapped);
             }),
-            ("outside a plane is 128", |r| r.set(BorderGray)),
+            ("samples outside a plane are 128", |r| r.set(BorderGray)),
         ],
     },
     Choice {

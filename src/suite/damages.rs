@@ -17,7 +17,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
             return Err(format!("line {line}: expected slug, clause and effect"));
         }
         if damages.iter().any(|other| other.name == damage.name) {
-            return Err(format!("line {line}: {} is there twice", damage.name));
+            return Err(format!("line {line}: duplicate damage {}", damage.name));
         }
         damages.push(damage);
     }

@@ -97,7 +97,7 @@ impl Map<'_> {
         let first = self.texel * block.channels + channels.start - block.channel;
         let start = self.range("the texels", which)?.start + first;
         let Map { texel, texels, .. } = self;
-        let what = format!("texel {texel} of {texels} as they are stored, the bottom row first");
+        let what = format!("texel {texel} of {texels} in stored order, bottom row first");
         let range = start..start + channels.len();
         Some(vec![Origin::new(what, block.clause, range)])
     }
@@ -140,7 +140,8 @@ impl Map<'_> {
             let here = records.filter(|(_, record)| number(record[..4].iter()) == self.texel);
             for (i, _) in here {
                 let start = side.start + 5 * i;
-                let what = format!("record {i} of its side information corrects this texel");
+                let what =
+                    format!("record {i} of the side information of the plane corrects this texel");
                 origins.push(Origin::new(what, "2.9.8/5", start..start + 5));
             }
         }

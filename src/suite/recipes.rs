@@ -146,7 +146,7 @@ impl CompressionRecord {
         }
         if plan.references.len() != planes || plan.order.len() != planes {
             return Err(format!(
-                "references and order have {planes} numbers in this format"
+                "references and order must have {planes} numbers in this format"
             ));
         }
         let mut everywhere = false;
@@ -188,7 +188,8 @@ impl CompressionRecord {
         }
         if let Some(numbers) = self.table_numbers.numbers("table_numbers", words)? {
             let numbers = numbers.try_into();
-            jpeg.table_numbers = Some(numbers.map_err(|_| "table_numbers are three")?);
+            jpeg.table_numbers =
+                Some(numbers.map_err(|_| "expected three numbers in table_numbers")?);
         }
         self.tables_together
             .flag("tables_together", words, &mut jpeg.tables_together)?;
@@ -199,7 +200,7 @@ impl CompressionRecord {
             .flag("frame_moved", words, &mut to.frame_moved)?;
         if let Some(presets) = self.presets.numbers("presets", words)? {
             let [maxval, t1, t2, t3, reset] = presets[..] else {
-                return Err("presets are MAXVAL T1 T2 T3 RESET".to_owned());
+                return Err("expected presets such as MAXVAL T1 T2 T3 RESET".to_owned());
             };
             to.presets = Some(PresetParameters {
                 maxval,

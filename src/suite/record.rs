@@ -50,7 +50,7 @@ impl CaseRecord {
         let twin = twin_of.as_deref().and_then(twin);
         let source = self.source(words, twin_of.as_deref(), twin)?;
         if self.expect == Expect::Spelling && self.make.is_none() {
-            return Err("a case that expects a spelling is made by a recipe".to_owned());
+            return Err("a case with `expect: spelling` must have a recipe (`make`)".to_owned());
         }
         let views = self.views(words, &source, twin)?;
         let shows = self.shows.as_ref().map(|shows| {
@@ -103,11 +103,11 @@ impl CaseRecord {
                 })
             }
             (None, None, Some(id)) => {
-                let twin = twin.ok_or_else(|| format!("its twin {id} must precede it"))?;
+                let twin = twin.ok_or_else(|| format!("the twin {id} must precede the case"))?;
                 self.damaged_source(words, twin)
-                    .map_err(|error| format!("its twin {id} {error}"))
+                    .map_err(|error| format!("the twin {id} {error}"))
             }
-            _ => Err("a case has one of make, bytes and twin_of".to_owned()),
+            _ => Err("a case must have exactly one of make, bytes and twin_of".to_owned()),
         }
     }
 
@@ -149,7 +149,7 @@ impl CaseRecord {
         if let (Source::Hand { .. }, Some(values)) = (source, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
-                return Err(format!("its values lack the view {unknown}"));
+                return Err(format!("the values of the case lack the view {unknown}"));
             }
         }
         Ok(views)
@@ -167,7 +167,7 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let model = Model::paint(recipe);
     for (&sample, &slack) in model.samples.iter().zip(&model.slack) {
         if slack > 0 && (sample < slack || 255 - sample < slack) {
-            return Err("its samples are too close to 0 or 255 for any view except raw".to_owned());
+            return Err("the samples are too close to 0 or 255 for any view except raw".to_owned());
         }
     }
     Ok(())

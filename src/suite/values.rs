@@ -67,7 +67,7 @@ impl Piece {
             let text = String::from_utf8_lossy(&bytes);
             let mut words = text.split_whitespace();
             let number = words.find(|word| word.parse::<u32>().is_ok());
-            let number = number.ok_or("a piece that is: count needs a number")?;
+            let number = number.ok_or("a piece with `is: count` needs a number")?;
             bytes = format!("{}\n", count.name().replace("256", number)).into_bytes();
         }
         if self.is == "table" && newline {
@@ -81,7 +81,7 @@ impl Piece {
 pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.is == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
-    text.ok_or("a hand-assembled file needs a piece that is: format")?
+    text.ok_or("a hand-assembled file needs a piece with `is: format`")?
         .trim()
         .parse()
 }

@@ -64,9 +64,9 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
     {
         _ if reason.contains("cannot be") => return,
         _ if first.all(is_unsupported) => {
-            "it answers every first request with 69 (unsupported)".to_owned()
+            "the writer answers every first request with 69 (unsupported)".to_owned()
         }
-        None => "it writes none of the first files, and refuses them".to_owned(),
+        None => "the writer refuses all first requests".to_owned(),
         Some(Reply { answer, stderr, .. }) => {
             let what = answer.violation().unwrap_or_default();
             let stderr = match stderr.is_empty() {
@@ -74,7 +74,7 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
                 false => format!("\nits standard error begins:\n{stderr}"),
             };
             format!(
-                "it writes none of the first files; the first of its answers: {}: {what}{stderr}",
+                "the writer writes none of the first files; its first answer is: {}: {what}{stderr}",
                 answer.name()
             )
         }

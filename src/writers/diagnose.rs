@@ -224,12 +224,14 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.9.1/1" => {
             "loses more than the compression parameter allows, or writes another parameter"
         }
-        "2.9.8/4" => "writes no side information where the loss wraps around",
+        "2.9.8/4" => {
+            "writes no side information for texels that wrap around because of lossy compression"
+        }
         "2.9.8/8" => "writes wrong values into side information",
         _ => "writes other values than requested",
     };
     let fix = match clause {
-        "refused" => "look at the byte that the example names",
+        "refused" => "check the byte that the example names",
         "1.0/1" => "compare the images under the light of the example",
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
@@ -239,8 +241,10 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.9.1/1" => {
             "predict from the planes that a decoder has, with the parameter of the request"
         }
-        "2.9.8/4" => "write a record for every texel that the loss makes wrap around",
-        "2.9.8/8" => "write the value that the texel should have",
+        "2.9.8/4" => {
+            "write a record for every texel that wraps around because of lossy compression"
+        }
+        "2.9.8/8" => "write the value of the texel in the request",
         _ => "compare the bytes of the example with the request",
     };
     (effect, fix)

@@ -71,11 +71,11 @@ pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
 pub(super) fn compare_map(format: Format, size: Size, ptm: &Ptm) -> Result<(), WriterFault> {
     let found = &ptm.header;
     if found.format != format {
-        let says = format!("expected {format}, the file is {}", found.format);
+        let says = format!("expected {format}, but the file is {}", found.format);
         return Err(WriterFault::new("2.2/1", says));
     }
     if found.size != size {
-        let says = format!("expected {size} texels, the file has {}", found.size);
+        let says = format!("expected {size} texels, but the file has {}", found.size);
         return Err(WriterFault::new("2.3/1", says));
     }
     Ok(())
@@ -110,7 +110,7 @@ fn compare_numbers(
     };
     let [all, instead] = [found, wanted].map(|numbers| join_texts(numbers, " "));
     let says = format!(
-        "{name} {i}: expected {}, the file has {} (all of them: {all} instead of {instead})",
+        "{name} {i}: expected {}, the file has {} (all values: {all} instead of {instead})",
         wanted[i], found[i],
     );
     Err(WriterFault::new(clause, says))

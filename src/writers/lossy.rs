@@ -86,12 +86,11 @@ impl<'a> LossyPlane<'a> {
         let pairs = self.wanted.iter().zip(&self.found).enumerate();
         for (index, (&wanted, &found)) in pairs {
             if self.corrected.contains(&index) && wanted != found {
-                let why = "its record of side information has another value";
+                let why = "the record of side information for the texel has another value";
                 return Err(self.fault("2.9.8/8", index, why));
             }
             if wanted.abs_diff(found) > 128 {
-                let why =
-                    "the loss makes it wrap around, and no record of side information corrects it";
+                let why = "the texel wraps around because of lossy compression, and no record of side information corrects it";
                 return Err(self.fault("2.9.8/4", index, why));
             }
         }
@@ -125,7 +124,7 @@ impl<'a> LossyPlane<'a> {
         let index = block / columns * 8 * width + block % columns * 8;
         let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
         let why = format!(
-            "its block of 8 × 8 is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
+            "the block of 8 × 8 samples is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
         );
         Err(self.fault("2.9.1/1", index, &why))
     }

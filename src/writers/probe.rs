@@ -29,7 +29,9 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 list.answers = true;
                 check_file(&mut list, case, file);
             }
-            Answer::Unsupported => list.add_absent(format!("it does not write {format}: 69")),
+            Answer::Unsupported => {
+                list.add_absent(format!("the writer does not write {format} (status 69)"))
+            }
             _ => {
                 let (says, next) = explain_answer(&reply);
                 list.add_bad(format!("{format}: {says}"), next);
@@ -42,7 +44,10 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     }
     if !list.answers && list.faults() == 0 {
         let next = "write at least one format; most readers support LRGB";
-        list.add_bad("it answers every request with 69 (unsupported)", next);
+        list.add_bad(
+            "the writer answers every request with 69 (unsupported)",
+            next,
+        );
     }
     Ok(list)
 }
@@ -73,13 +78,15 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
             "write to the file OUT, not to standard output"
         }
         Answer::ProtocolError(_) => "write the file to OUT, the last argument",
-        Answer::Crashed(_) => "exit with 0, 65 or 69; any other status is a crash",
+        Answer::Crashed(_) => "exit with 0, 65 or 69; any other status counts as a crash",
         Answer::Hung(_) => "exit after writing the file, without waiting for input",
-        Answer::Rejected => "the request is ordinary; see its standard error",
+        Answer::Rejected => {
+            "the request is ordinary, so it must be written; fix the error that the writer prints to standard error"
+        }
         Answer::Flooded(_) => "write only this file",
         Answer::OutOfMemory(_) => "allocate buffers for the sizes in the request",
         Answer::Tampered(_) => "open the request and the planes for reading only",
-        _ => "run it by hand from another directory",
+        _ => "run the writer by hand from another directory",
     };
     let what = reply.answer.violation().unwrap_or(reply.answer.name());
     let last = last_message(&reply.stderr).map_or(String::new(), |line| {

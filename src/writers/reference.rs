@@ -63,7 +63,10 @@ fn compression(request: &WriteRequest, format: Format) -> Result<Compression, No
         plan.motion_y.clone_from(&prediction.motion_y);
         let lists = [plan.references.len(), plan.order.len()];
         if lists.iter().any(|&length| length != format.channels()) {
-            let says = format!("every list of {format} has {} numbers", format.channels());
+            let says = format!(
+                "every list of {format} must have {} numbers",
+                format.channels()
+            );
             return Err(NotWritten::Impossible(says));
         }
     }

@@ -105,7 +105,7 @@ impl RequestHeader {
         let frame =
             npy::read(array, ViewKind::Raw).map_err(|error| format!("the planes: {error}"))?;
         let Samples::U8(samples) = frame.samples else {
-            return Err("the planes: their type is not u8".to_owned());
+            return Err("the planes: the type is not u8".to_owned());
         };
         let shape = (frame.height, frame.width, frame.channels);
         let expected = (self.height, self.width, format.channels() as u32);
@@ -211,13 +211,15 @@ impl WriteRequest {
             }
         }
         if header.width == 0 || header.height == 0 {
-            return Err("a map has at least one texel".to_owned());
+            return Err("a map must have at least one texel".to_owned());
         }
         if !header.scale.iter().all(|scale| scale.is_finite()) {
-            return Err("a scale is a finite number".to_owned());
+            return Err("a scale must be a finite number".to_owned());
         }
         if header.prediction.is_some() && format.coding().is_none() {
-            return Err(format!("{format} has no planes that predict each other"));
+            return Err(format!(
+                "{format} has no planes that can be predicted from each other"
+            ));
         }
         Ok(self)
     }

@@ -60,7 +60,7 @@ impl Phase {
                 "compare the number of channels and the sample type with the expected frame",
             ],
             Phase::Choice => [
-                "follows another reading of an open question than in its other images",
+                "follows a different reading of an open question than in other images",
                 "use one reading of the question in all files",
             ],
             Phase::NoReading => [
@@ -73,15 +73,15 @@ impl Phase {
             ],
             Phase::Stream => [
                 "shows wrong values in planes that are neither predicted nor corrected",
-                "decode the example's stream with another JPEG or JPEG-LS decoder and compare; try the test images of the standard",
+                "decode the stream of the example with another JPEG or JPEG-LS decoder and compare the samples; try the test images of the standard",
             ],
             Phase::Prediction => [
                 "shows wrong values in predicted planes; planes that are not predicted are correct",
-                "compute the example's sample by hand from its residual and its reference",
+                "compute the sample of the example by hand from the residual and the reference",
             ],
             Phase::Correction => [
                 "shows wrong values only at texels that side information corrects",
-                "read the example's record by hand: bytes, position, value",
+                "read the record of the example by hand, and check the bytes, the position and the value",
             ],
             Phase::StoredValue => [
                 "shows wrong stored values",
@@ -89,7 +89,7 @@ impl Phase {
             ],
             Phase::FinalValue => [
                 "shows wrong final values",
-                "compute the example by hand: stored value, scale, bias",
+                "compute the example by hand from the stored value, the scale and the bias",
             ],
             Phase::Color => [
                 "shows wrong colors",

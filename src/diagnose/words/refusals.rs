@@ -56,7 +56,7 @@ fn refusal_text(
             "read these legal files, or exit with 69 for all files of this kind"
         }
         FailureMode::Hangs => "find the loop that does not end",
-        _ => "run the example under a debugger: these files are legal",
+        _ => "run the example in a debugger; these files are legal, so the decoder must not crash",
     };
     let words = CauseWords {
         effect,
@@ -217,7 +217,7 @@ pub(in crate::diagnose) fn describe_unexplained(
         let effect = match indices.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
-                "{mode} {count} legal files; it reads too few others to find a property that separates them"
+                "{mode} {count} legal files; the decoder reads too few other files to find a property that separates them"
             ),
             _ => format!("{mode} {}", share_text(witnesses, &indices)),
         };

@@ -68,7 +68,7 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         false => "exit with status 65",
     };
     if *mode == FailureMode::Unsupported {
-        return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that it reads no such files"
+        return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that the decoder reads no files of this kind"
             .to_owned();
     }
     let status = match mode {

@@ -125,7 +125,7 @@ pub(super) fn failures<C: Reported>(
             } @else if evidence.len() < failures {
                 p.note {
                     "Images and bytes are shown for " (evidence.len()) " of " (failures)
-                    " failures, the first of each cause before the second: a page holds " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
+                    " failures, beginning with one failure of each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
@@ -174,7 +174,7 @@ fn card<C: Reported>(
                 @if let Some(known) = suite.case(&case.id) { p.because { (known.because()) } }
                 p.clauses { "Clauses " (clauses(report.suite, &case.clauses)) }
                 p {
-                    "Asked for " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
+                    "Requested: " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
                     (long) "."
                 }
                 @match evidence {

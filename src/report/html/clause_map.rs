@@ -101,8 +101,8 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
             }
             p.legend {
                 span.tile data-state="fail" { "✗" } " a case failed "
-                span.tile data-state="pass" { "✓" } " all judged passed "
-                span.tile data-state="open" { "?" } " nothing judged "
+                span.tile data-state="pass" { "✓" } " all judged cases passed "
+                span.tile data-state="open" { "?" } " no case was judged "
                 span.tile data-state="none" { "·" } " not testable"
             }
             div.map {

@@ -29,7 +29,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
                         p.share { b { (group.cases.len()) } " of " (failures) " failures" }
                         div {
                             h3 { "Unexplained failures" }
-                            p { a href={ "#" (group.anchor()) } { "See them" } ", in the order of the text." }
+                            p { a href={ "#" (group.anchor()) } { "See the cases" } ", in the order of the text." }
                         }
                     },
                 }

@@ -54,7 +54,7 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
             @if file.len() <= MAX_DOWNLOAD_BYTES {
                 a download=(name) href={ "data:application/octet-stream;base64," (BASE64.encode(file)) } { "Download " (name) }
                 ", " (file.len()) " bytes"
-            } @else { (name) " has " (file.len()) " bytes: too large for this page." }
+            } @else { (name) " has " (file.len()) " bytes, which is too large for this page." }
         }
     }
 }
@@ -74,7 +74,7 @@ pub(in crate::report) fn question_evidence(
             pre.bytes tabindex="0" { (text) }
         }
         @if !case.relevant_axes().is_empty() {
-            p.note { "The specification leaves open how to read this. Several answers are correct; the reference's answer is shown." }
+            p.note { "The chapter leaves open how to answer this question. Several answers are correct; the reference's answer is shown." }
         }
         @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
         (download(&format!("{}.json", case.id), case.question().to_string().as_bytes()))
@@ -87,7 +87,7 @@ pub(crate) fn standard_error(stderr: &str) -> Markup {
     let skipped = stderr.chars().count().saturating_sub(MAX_CHARS);
     let end: String = stderr.chars().skip(skipped).collect();
     html! {
-        p.label { "Its standard error" @if skipped > 0 { ", the end" } }
+        p.label { "Standard error" @if skipped > 0 { ", the end" } }
         pre.stderr tabindex="0" { (end) }
     }
 }

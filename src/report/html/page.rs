@@ -58,7 +58,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
             }
             p.kicker { (report.suite.title()) }
             @if let Some(name) = &report.decoder.name {
-                p.kicker { (name) @if let Some(version) = &report.decoder.version { " " (version) } ", asked as" }
+                p.kicker { (name) @if let Some(version) = &report.decoder.version { " " (version) } ", called as" }
             }
             h1 {
                 code { (report.decoder.command) }
@@ -82,8 +82,8 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
     let of = report.cases.len();
     html! {
         dl.scores {
-            (score("Correctness", report.scores.correctness, "cases passed, of the judged cases that it supports"))
-            (score("Breadth", report.scores.breadth, "features decoded, of those in the suite"))
+            (score("Correctness", report.scores.correctness, "passed cases among the judged cases that the decoder supports"))
+            (score("Breadth", report.scores.breadth, "decoded features among those in the suite"))
             (score("Robustness", report.scores.robustness, "calls that ended with an image or a refusal"))
         }
         p.counts {
@@ -96,7 +96,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
                 }
             }
             @if let Some(news) = &report.baseline {
-                span.quiet { "of the failures " (news.known.len()) " known, " (news.new.len()) " new; " (news.stale.len()) " fixed" } " "
+                span.quiet { (news.known.len()) " known failures, " (news.new.len()) " new failures; " (news.stale.len()) " fixed" } " "
             }
             @if of < suite.cases.len() { span.quiet { (of) " of " (suite.cases.len()) " cases were selected" } }
         }

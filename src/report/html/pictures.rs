@@ -124,7 +124,7 @@ impl ImageComparison<'_> {
                 figcaption {
                     (self.cropped_area())
                     @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is correct. " }
-                    "The frame marks texel (" (self.spot.0) ", " (self.spot.1) "), the first that differs."
+                    "The frame marks texel (" (self.spot.0) ", " (self.spot.1) "), the first texel that differs."
                 }
             }
         }
@@ -147,7 +147,7 @@ impl ImageComparison<'_> {
             view if view.sample_type() == "u8" => ("1", "255"),
             _ => ("a little", "the range of the plane"),
         };
-        html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: near enough" } }
+        html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: within the tolerance" } }
     }
 
     /// Returns the sample indices of a plane.

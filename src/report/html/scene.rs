@@ -22,8 +22,8 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (images.markup("this decoder"))
             figcaption {
-                b { (describe_fault(scene)) } " A ball lit from the upper left, in " (scene.format.short_name())
-                ", asked for " code { (scene.view) } ". The scene is for illustration and is not judged."
+                b { (describe_fault(scene)) } " The scene is a ball lit from the upper left, in " (scene.format.short_name())
+                ", requested as " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
     }
@@ -37,9 +37,11 @@ const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
     ("This decoder shows it almost correctly.", |x, y, c| {
         (x, y, c)
     }),
-    ("It is upside down.", |x, y, c| (x, LAST_INDEX - y, c)),
-    ("It is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
-    ("It is turned by 180°.", |x, y, c| {
+    ("The image is upside down.", |x, y, c| {
+        (x, LAST_INDEX - y, c)
+    }),
+    ("The image is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
+    ("The image is rotated by 180°.", |x, y, c| {
         (LAST_INDEX - x, LAST_INDEX - y, c)
     }),
     ("Rows and columns are exchanged.", |x, y, c| (y, x, c)),
@@ -51,17 +53,21 @@ const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
         (x, y, [0, 2, 1][c])
     }),
     (
-        "It is upside down, and red and blue are exchanged.",
+        "The image is upside down, and red and blue are exchanged.",
         |x, y, c| (x, LAST_INDEX - y, 2 - c),
     ),
 ];
 
 /// Common changes of the light direction: a description, and factors of u and v.
 const LIGHTS: &[(&str, f64, f64)] = &[
-    ("It is lit from below: v points down.", 1.0, -1.0),
-    ("It is lit from the right: u points to the left.", -1.0, 1.0),
+    ("The image is lit from below, so v points down.", 1.0, -1.0),
     (
-        "It is lit from the lower right: u and v are both negated.",
+        "The image is lit from the right, so u points to the left.",
+        -1.0,
+        1.0,
+    ),
+    (
+        "The image is lit from the lower right, so u and v are both negated.",
         -1.0,
         -1.0,
     ),
@@ -93,9 +99,9 @@ fn describe_fault(scene: &LitScene) -> &'static str {
     }
     let mean = |image: &[u8]| image.iter().map(|&byte| f64::from(byte)).sum::<f64>();
     match mean(received) / mean(right) {
-        ..0.85 => "It is too dark, at least in part.",
-        1.15.. => "It is too bright, at least in part.",
-        _ => "It is wrong.",
+        ..0.85 => "The image is too dark, at least in part.",
+        1.15.. => "The image is too bright, at least in part.",
+        _ => "The image is wrong.",
     }
 }
 

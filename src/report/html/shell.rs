@@ -34,7 +34,7 @@ pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                a.skip href="#main" { "To the results" }
+                a.skip href="#main" { "Skip to the results" }
                 (body)
                 script { (PreEscaped(SCRIPT)) }
             }

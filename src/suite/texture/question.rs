@@ -85,7 +85,7 @@ impl Question {
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
         let op = value["op"]
             .as_str()
-            .ok_or_else(|| malformed("a question has an op"))?;
+            .ok_or_else(|| malformed("a question must have an op"))?;
         if !OPERATIONS.contains(&op) {
             return Err(Refusal::Unsupported(format!("unknown op {op:?}")));
         }
@@ -294,7 +294,7 @@ impl TextureStep {
                 json!({ "depth": number(depth), "mode": mode })
             }
             TextureStep::Index { size, .. } if !(1..=1 << 31).contains(size) => {
-                return Err(malformed("size: from 1 to 2^31").into());
+                return Err(malformed("size: expected a number from 1 to 2^31").into());
             }
             TextureStep::Index { boundary, size, t } => {
                 let index = |&t: &f64| texture::texel_index(*boundary, t, *size, rules);
@@ -577,7 +577,7 @@ impl MapGiven {
 impl PtmGiven {
     fn map(&self, rules: &Rules) -> Result<TextureMap, Refusal> {
         let file = HEXLOWER_PERMISSIVE.decode(self.ptm.as_bytes());
-        let file = file.map_err(|_| malformed("ptm: not hexadecimal digits"))?;
+        let file = file.map_err(|_| malformed("ptm: expected hexadecimal digits"))?;
         let ptm = crate::decode(&file).map_err(|error| malformed(error.to_string()))?;
         let rounding = match self.texel.as_deref() {
             None | Some("rgb_float") => Rounding::None,
@@ -629,7 +629,7 @@ impl TexelGiven {
             TexelGiven::Word(_) => None,
         };
         let texel = texel.map(Fetched::Texel);
-        texel.ok_or_else(|| malformed("texel: [kind, components] or \"discontinue\""))
+        texel.ok_or_else(|| malformed("texel: expected [kind, components] or \"discontinue\""))
     }
 }
 

@@ -49,7 +49,7 @@ impl TestCase for TextureCase {
         let lost = match (self.basis, &self.ruling) {
             (Basis::Inferred, Some(ruling)) => {
                 format!(
-                    "\nThe chapter's formula is lost; ruling {ruling} gives a replacement and its reasons."
+                    "\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
                 )
             }
             _ => String::new(),

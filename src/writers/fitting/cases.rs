@@ -40,7 +40,11 @@ impl Suite<FitCase> {
         let cases = sources.flat_map(|source| {
             let (name, because, clause) = match &source {
                 ImageSource::Generated(plan) => (plan.name, plan.because, plan.clause),
-                ImageSource::Given(_) => ("own", "The images that --lp names.", "1.0/1"),
+                ImageSource::Given(_) => (
+                    "own",
+                    "The request contains the images that --lp names.",
+                    "1.0/1",
+                ),
             };
             FORMATS.map(|format| FitCase {
                 id: format!("fit-{}-{name}", format.short_name().to_lowercase()),

@@ -102,7 +102,7 @@ impl ImageSet {
         let count: usize = lines
             .next()
             .and_then(|line| line.trim().parse().ok())
-            .ok_or_else(|| at(&"its first line is not the number of images"))?;
+            .ok_or_else(|| at(&"the first line is not the number of images"))?;
         let mut size = None;
         let photographs: Vec<Photograph> = lines
             .map(|line| read_photograph(line, folder, &mut size))
@@ -111,7 +111,7 @@ impl ImageSet {
         match size {
             Some(size) if photographs.len() == count => Ok(ImageSet { size, photographs }),
             _ => Err(at(&format!(
-                "its first line announces {count} images, but it lists {}",
+                "the first line announces {count} images, but the file lists {}",
                 photographs.len()
             ))),
         }
@@ -133,7 +133,7 @@ fn read_photograph(
         *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(wrong)?;
     }
     if light == [0.0; 3] {
-        return Err(format!("{line:?}: a light has a direction"));
+        return Err(format!("{line:?}: a light must have a direction"));
     }
     let name = words.next().ok_or_else(wrong)?.trim();
     let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
@@ -144,7 +144,9 @@ fn read_photograph(
         height: image.height(),
     };
     if *size.get_or_insert(found) != found {
-        return Err(named(&"its size differs from the size of the first image"));
+        return Err(named(
+            &"the size of the image differs from that of the first image",
+        ));
     }
     Ok(Photograph {
         name: name.to_owned(),

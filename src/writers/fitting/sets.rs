@@ -32,7 +32,7 @@ pub struct SetPlan {
 
 const ORDINARY_SET: SetPlan = SetPlan {
     name: "ordinary",
-    because: "Twelve lights from all directions, and images that a map reproduces exactly.",
+    because: "There are twelve lights from all directions, and a map can reproduce the images exactly.",
     clause: "1.0/1",
     size: (5, 4),
     lights: 12,
@@ -55,7 +55,7 @@ pub const SETS: [SetPlan; 9] = [
     },
     SetPlan {
         name: "few-lights",
-        because: "Five lights do not determine six coefficients: many maps fit, and the one with small coefficients is expected.",
+        because: "Five lights do not determine six coefficients, so many maps fit; the map with small coefficients is expected.",
         lights: 5,
         ..ORDINARY_SET
     },
@@ -95,7 +95,7 @@ pub const SETS: [SetPlan; 9] = [
     },
     SetPlan {
         name: "many-lights",
-        because: "Sixty lights, and images of 17 × 3.",
+        because: "There are sixty lights, and the images have 17 × 3 pixels.",
         lights: 60,
         size: (17, 3),
         noise: 5,

@@ -101,12 +101,12 @@ fn netpbm_files_are_images() {
 fn malformed_netpbm_files_are_refused() {
     for (file, says) in [
         (&b"P6\n2 1\n255\n12345"[..], ""),
-        (b"P6\n2 1\n255\n1234567", "1 bytes follow its end"),
+        (b"P6\n2 1\n255\n1234567", "1 bytes follow the end"),
         (b"P6\n4294967295 4294967295\n255\n1", ""),
         (b"P6\n60000 60000\n255\n1", "than the requested file has"),
         (b"P6\n99999999999 1\n255\n1", ""),
         (b"P6\n2 1\n65535\n123456123456", "16 bits per sample"),
-        (b"P6\n2 1\n15\n123456", "its largest value is 15, not 255"),
+        (b"P6\n2 1\n15\n123456", "the largest value is 15, not 255"),
         (b"P6\n2 1 255", ""),
         (b"P6 # no end", ""),
         (b"P3\n1 1\n255\n1 2\n", ""),
@@ -328,8 +328,8 @@ fn pngs_of_every_color_type_are_images() {
 fn malformed_pngs_are_refused() {
     use png::{BitDepth, ColorType};
     let sound = png(ColorType::Rgb, BitDepth::Eight, (2, 1), b"123456");
-    refuses(&[&sound[..], b"x"].concat(), "1 bytes follow its end");
-    refuses(&[&sound[..], &sound[..]].concat(), "bytes follow its end");
+    refuses(&[&sound[..], b"x"].concat(), "1 bytes follow the end");
+    refuses(&[&sound[..], &sound[..]].concat(), "bytes follow the end");
     for length in 0..sound.len() {
         let found = read(&sound[..length], &rgb(), MAX_DECOMPRESSED_BYTES);
         assert!(found.is_err(), "{length} bytes");

@@ -128,7 +128,7 @@ fn images_contain_the_generated_samples() {
         let Values::Painted(model) = &built.values else {
             continue;
         };
-        let is_raw = part.contains("Asked for <code>raw</code>");
+        let is_raw = part.contains("Requested: <code>raw</code>");
         let is_large = model.size.width > 48 || model.size.height > 48;
         if !is_raw || model.format.channels() == 18 || is_large {
             continue;

@@ -106,13 +106,13 @@ fn outputs_that_are_not_regular_files_are_not_followed() {
     let here = Workspace::new();
     for [deed, says] in rows(
         r#"
-ln -s /etc/passwd "$2" | its output file is a link
-mkfifo "$2" | its output file is not a regular file
-mkdir "$2" | its output file is not a regular file
-: | its output file is missing
-: > "$2" | its output file is empty
+ln -s /etc/passwd "$2" | the output file is a link
+mkfifo "$2" | the output file is not a regular file
+mkdir "$2" | the output file is not a regular file
+: | the output file is missing
+: > "$2" | the output file is empty
 dd if=/dev/zero of="$2" bs=1 count=1 seek=1000000000 2> /dev/null | flood
-w=$(pwd) && cd / && mv "$w" "$w.old" && ln -s /etc "$w" && : | its output file is missing
+w=$(pwd) && cd / && mv "$w" "$w.old" && ln -s /etc "$w" && : | the output file is missing
 printf 'P6 1 1 255 x' > "$2" | a Netpbm file:"#,
     ) {
         here.write_program("deed", format!("#!/bin/sh\n{deed}\n"));

@@ -42,7 +42,7 @@ cuts-frame adds-a-byte | 3 | | not judged | announces
 announces-too-much | 3 | | not judged | more bytes than can be counted
 number-out-of-range | 3 | | not judged | is not a number
 floods | 3 | | not judged | flood: more than
-deletes-its-input | 3 | | not judged | tampering: its input file was changed or removed
+deletes-its-input | 3 | | not judged | tampering: the input file was changed or removed
 overwrites-its-input links-its-input input-becomes-a-pipe | 3 | | not judged | tampering
 accepts-all | 1 | | 17 | received raw 1x1
 accepts-malformed | 1 | | 2 | accepted a file that must be refused
@@ -52,12 +52,12 @@ crashes-on-malformed
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
-upside-down | 1 | | none | raw, coef, rgb: its rows are upside down, in all first files
+upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all first files
 blue-first | 1 | | none | rgb: red and blue are exchanged (BGR), in all first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
 brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
-high-byte-first | 1 | | not judged | coef: its f32 samples are big-endian && see it again:↵  $
-cuts-large-frames | 1 | | not judged | it exits before all bytes are written && see it again:↵  $
+high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && see it again:↵  $
+cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && see it again:↵  $
 unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB
@@ -72,7 +72,7 @@ declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a r
 const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
-hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: its processes held more than 150 MiB
+hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes held more than 150 MiB
 hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
@@ -82,8 +82,8 @@ serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass
 serves-not | 1 | --serve | none | serve mode failed && ended (exit status 64) without an answer
 declares-serve-and-lacks-it | 1 | | none | serve mode failed && ended (exit status 64) without an answer
-serves-the-number-before | 1 | --serve | none | serve mode failed && its answer to request 1 has the number 0
-serves-the-wrong-number | 1 | --serve | none | serve mode failed && its answer to request 1 has the number 4711
+serves-the-number-before | 1 | --serve | none | serve mode failed && the answer to request 1 has the number 0
+serves-the-wrong-number | 1 | --serve | none | serve mode failed && the answer to request 1 has the number 4711
 serves-interleaved | 1 | --serve | none | serve mode failed && protocol error
 serves-huge-numbers
   | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, but no frame
@@ -103,7 +103,7 @@ serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | hang: no answer within 2 s
-serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: its processes held more than 250 MiB
+serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes held more than 250 MiB
 serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
 serves-with-leaks | 1 | --serve --jobs 1 | 11 | state leaks between files && alone, with an image
 serves-other-answers

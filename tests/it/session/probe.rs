@@ -100,18 +100,18 @@ fn commands_that_cannot_be_started() {
 no-such-decoder-in-path | no program with this name is in PATH | name the decoder
 in-this-directory | looked up in PATH only | write ./in-this-directory
 'python3 plain.py' | no program with this name
-  | several words: write them without quotation marks, -- python3 plain.py
+  | several words; write them without quotation marks: -- python3 plain.py
 sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
-. | is a directory | name the program in it
+. | is a directory | name the program in the directory
 ./plain.py | is not executable | chmod +x ./plain.py, or name the interpreter too: -- python3 ./plain.py
 ./no-line | has no #! line | #!/usr/bin/env python3
 ./crlf | ends in CR LF | dos2unix
-./bom | byte order mark | without byte order mark
+./bom | byte order mark | without a byte order mark
 ./lost | "/usr/bin/no-such-interpreter", which does not exist | #!/usr/bin/env
 ./empty | is empty | write the decoder
 ./windows.exe | is a Windows program | wine
 ./some.jar | is an archive | java -jar
-./elsewhere | a program for another machine: | build it for this machine"#,
+./elsewhere | a program for another machine: | build the program for this machine"#,
     ) {
         let output = here.exits(3, &format!("probe -- {decoder}"));
         assert_says(&output, &format!("{says} && {next}"));
@@ -128,13 +128,13 @@ fn decoders_that_expect_another_call() {
     assert_scripts_probed(
         r#"
 3 | [ -f decoder ] || { echo "no tables beside me" >&2; exit 1; }↵right "$@"
-  | it works only in your directory && next to itself
+  | the decoder works only in your directory && next to itself
 3 | cat > in.ptm↵right "$1" in.ptm || exit 1 | reads the PTM from standard input && last argument
 3 | [ $# = 1 ] || exit 1↵cat > in.ptm↵right "$1" in.ptm | takes no FILE
 3 | [ $# = 0 ] || exit 1↵cat > in.ptm↵right raw in.ptm | takes no arguments
-3 | right "$2" "$1" || exit 1 | arguments in reverse order && VIEW comes first
+3 | right "$2" "$1" || exit 1 | arguments in reverse order && take VIEW first
 3 | case $2 in raw|coef|rgb:*) right "$2" "$1" || exit 65;; *) exit 69;; esac | arguments in reverse order
-3 | [ $# = 1 ] || exit 64↵right raw "$1" | it takes no VIEW
+3 | [ $# = 1 ] || exit 64↵right raw "$1" | the decoder takes no VIEW
 3 | no-such-program-at-all "$2" | exit status 127 && absolute paths
 3 | exec ./no-such/file "$2" | exit status 12"#,
     );
@@ -148,13 +148,16 @@ fn decoders_that_show_nothing() {
 3 | exit 65 | rejected && this is an ordinary file
 3 | echo Traceback >&2; exit 1 | crash: exit status 1↵  its standard error ends: Traceback
 3 | exit 0 | standard output is empty && flush it
-3 | right "$@" >&2 | it prints the frame on standard error
+3 | right "$@" >&2 | not to standard error
 3 | kill -SEGV $$ | killed by signal 11 && in a debugger
-3 | echo unknown command | begins with "unknown command && begin with "PTM1 VIEW"#,
+3 | echo unknown command | begins with "unknown command && begin the output with "PTM1 VIEW"#,
     );
     let (status, output) = probe(&shell("sleep 1000.75"), "--timeout 1");
     assert_eq!(status, 3, "{output}");
-    assert_says(&output, "hang: no end within 1 s && no window, no prompt");
+    assert_says(
+        &output,
+        "hang: no end within 1 s && open no window, show no prompt",
+    );
 }
 
 /// A Perl script changes the correct bytes.
@@ -166,11 +169,11 @@ fn frames_that_are_damaged_on_their_way() {
     for [status, act, says] in rows(
         r#"
 3 | s/\n/\r\n/g | converted to CR LF (text mode) && _O_BINARY
-3 | s/\n/\r\n/ | its first line ends in CR LF && a line feed alone
+3 | s/\n/\r\n/ | the first line ends in CR LF && a line feed alone
 3 | utf8::encode($_) | (UTF-8) && write bytes, not characters
 3 | $_ = "\xff\xfe" . join("", map { "$_\0" } split(//)) | UTF-16
 3 | $_ = "Loading file...\n$_" | text before the frame: "Loading file...\n" && standard error
-3 | $_ .= "\n" | it prints "\n" after the samples && not println
+3 | $_ .= "\n" | the decoder prints "\n" after the samples && instead of println
 3 | s/ /  / | not separated by single spaces
 3 | s/(u8|f32)/$1 == "u8" ? "uint8" : "float32"/e | the type is uint8 instead of u8
 3 | chop | announces 135 bytes of samples, but 134 follow && exactly as many bytes
@@ -193,17 +196,17 @@ fn frames_with_samples_in_wrong_places() {
     let rows_of_texels =
         "[ptm.texels[y * ptm.width:(y + 1) * ptm.width] for y in range(ptm.height)]";
     let table = r#"
-b"".join(b"".join(row) for row in reversed(ROWS)) | its rows are upside down && start with the top row
-b"".join(b"".join(reversed(row)) for row in ROWS) | its rows are mirrored, right to left
-b"".join(reversed(ptm.texels)) | its rows are upside down; and its rows are mirrored, right to left
+b"".join(b"".join(row) for row in reversed(ROWS)) | the rows are upside down && start the frame with the top row
+b"".join(b"".join(reversed(row)) for row in ROWS) | the rows are mirrored, right to left
+b"".join(reversed(ptm.texels)) | the rows are upside down; and the rows are mirrored, right to left
 b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
 b"".join(bytes(c) for row in ROWS for c in zip(*row)) | planar within each row
 b"".join(t for column in zip(*ROWS) for t in column) | column-major order
 b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are exchanged (BGR)
 b"".join(t[6:] + t[:6] for t in ptm.texels) | the color comes before the coefficients
-b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and its rows are upside down
+b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and the rows are upside down
 b"".join(bytes(255 - x for x in t) for t in ptm.texels)
-  | the image is wrong: texel (0, 0) && check names the misread clause"#;
+  | the image is wrong: texel (0, 0) && which names the misread clause"#;
     for [samples, says] in rows(&table.replace("ROWS", rows_of_texels)) {
         let samples = format!("samples = {samples}");
         let copy = edited(&decoder, "samples = b\"\".join(ptm.texels)", &samples);
@@ -221,16 +224,16 @@ b"".join(bytes(255 - x for x in t) for t in ptm.texels)
 fn frames_of_the_wrong_type_view_or_size() {
     assert_copies_probed(
         r#"
-1 | if sys.byteorder == "big": | if True: | its f32 samples are big-endian && '<f4'
-1 | array.array("f") | array.array("d") | its samples are f64 (low byte first)
+1 | if sys.byteorder == "big": | if True: | the f32 samples are big-endian && '<f4'
+1 | array.array("f") | array.array("d") | the samples are f64 (low byte first)
 1 | kind, samples = "f32" | kind, samples = "f64" | says the type is f64 instead of f32
 1 | (view.decode(), ptm.width | (os.fsdecode(sys.argv[1]), ptm.width
-  | its first line says "rgb:0.3125,-0.4375" && without the light
+  | the first line says "rgb:0.3125,-0.4375" && without the light
 1 | (view.decode(), ptm.width, ptm.height, | (view.decode(), ptm.height, ptm.width, | width and height swapped
 1 | (view.decode(), ptm.width, ptm.height, | ("raw", ptm.width, ptm.height, | says "raw", but coef was requested
 1 | samples = b"".join(ptm.texels)
   | samples = array.array("f", (float(c) for t in ptm.texels for c in t)).tobytes(); kind = "f32"
-  | its samples are f32 (low byte first), but u8 was requested"#,
+  | the samples are f32 (low byte first), but u8 was requested"#,
     );
 }
 
@@ -240,10 +243,10 @@ fn wrong_refusals() {
         r#"
 1 | right "$@" || exit 1 | an empty file: exit status 1 counts as a crash && --reject-exit 1
 1 | right "$@" || exit 69 | exited with 69 (unsupported) instead of 65
-1 | right "$@" || exit 0 | it exits with 0 and prints no frame
-1 | right "$@" || printf 'PTM1 raw 1 1 9 u8\n123456789' | it prints a frame anyway && exit with 65
+1 | right "$@" || exit 0 | the decoder exits with 0 and prints no frame
+1 | right "$@" || printf 'PTM1 raw 1 1 9 u8\n123456789' | the decoder prints a frame anyway && exit with 65
 1 | case $1 in no-*) set raw "$2";; esac↵right "$@" || exit 65
-  | an unknown view: it prints a frame anyway"#,
+  | an unknown view: the decoder prints a frame anyway"#,
     );
 }
 
@@ -268,17 +271,17 @@ fn serve_modes_that_go_wrong() {
     };
     let copy = edited(&decoder, "answers.flush()", "pass");
     let (status, output) = probe(&copy, "--timeout 8");
-    let says = "serve: it answers only when its standard input ends && flush standard output after each answer";
+    let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
     assert_says(&output, says);
     assert_copies_probed(
         r#"
-1 | answers.flush() | answers.flush(); sys.exit(0) | serve: it exits on a malformed file
+1 | answers.flush() | answers.flush(); sys.exit(0) | serve: the decoder exits on a malformed file
 1 | b"%s ok %d\n" % (sequence, len(answer)) | b"%s ok %d\n" % (sequence, len(answer) - 20)
-  | NBYTES counts the PTM1 line
-1 | b"%s ok %d\n" % (sequence, | b"ok %d %d\n" % (0, | it answers "ok 0
+  | count the PTM1 line
+1 | b"%s ok %d\n" % (sequence, | b"ok %d %d\n" % (0, | the decoder answers "ok 0
 1 | answers.write(sequence + b" reject 65\n") | answers.write(sequence + b" unsupported x\n")
-  | a malformed file is answered "2 unsupported x""#,
+  | the decoder answers "2 unsupported x" to a malformed file"#,
     );
 }
 
@@ -291,7 +294,7 @@ fn serve_mode_is_compared_with_one_shot_mode() {
     assert_copies_probed(
         "
 1 | for y in reversed(range(height)) for | for y in range(height) for
-  | its rows are upside down && ✓ serve: the first request is answered at once, as in one-shot mode",
+  | the rows are upside down && ✓ serve: the first request is answered at once, as in one-shot mode",
     );
     let copy = edited(
         &decoder,

@@ -176,7 +176,7 @@ fn search_finds_documents_terms_and_the_protocol() {
 
 #[test]
 fn ruling_page_lists_its_cases_with_expected_results() {
-    let says = "Its cases marked lenient";
+    let says = "Cases of this ruling that are marked lenient";
     assert!(page("rulings/numbers.html").contains(says));
     assert!(!page("rulings/dimensions.html").contains(says));
     let version = page("rulings/version.html");

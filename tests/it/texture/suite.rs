@@ -304,7 +304,7 @@ fn malformed_questions_name_the_faulty_field() {
     for [question, says] in rows(
         r#"
 | EOF
-[] | a question has an op
+[] | a question must have an op
 {"op":"orient","given":{"t":[1,2,3]}} | matrix
 {"op":"sample","given":{"map":"none such","t":[0,0,0]}} | no map "none such"
 {"op":"sample","given":{"map":{"kind":"L","levels":[]},"t":[0,0,0]}} | dimensions

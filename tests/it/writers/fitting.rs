@@ -82,7 +82,7 @@ fn image_sets_round_trip_through_files() {
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
     let error = ImageSet::read(&lp).expect_err("one is missing");
     assert!(
-        error.ends_with("its first line announces 2 images, but it lists 1"),
+        error.ends_with("the first line announces 2 images, but the file lists 1"),
         "{error}"
     );
 }

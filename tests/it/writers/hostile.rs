@@ -6,21 +6,21 @@ use crate::common::{Workspace, outcome, rows};
 
 /// Writers in `sh`, with the request in `$2` and the output path in `$3`, and a part of the expected message.
 const WRITERS: &str = r#"
-true | its output file is missing, although it exits with 0
-: > "$3" | its output file is empty
-mkdir "$3" | its output file is not a regular file
-mkfifo "$3" | its output file is not a regular file
-ln -s /etc/hostname "$3" | its output file is a link
-ln -s ../../.. "$3" | its output file is a link
-d=$(dirname "$3"); cd /; rm -r "$d" && ln -s /etc "$d" | its output file is missing
+true | the output file is missing, although the program exits with 0
+: > "$3" | the output file is empty
+mkdir "$3" | the output file is not a regular file
+mkfifo "$3" | the output file is not a regular file
+ln -s /etc/hostname "$3" | the output file is a link
+ln -s ../../.. "$3" | the output file is a link
+d=$(dirname "$3"); cd /; rm -r "$d" && ln -s /etc "$d" | the output file is missing
 printf 'PTM_1.2\nPTM_FORMAT_RGB\n3\n2\n' > "$3" | the reference refuses the file
 chmod u+w "$2"; echo x >> "$2" | tampering
 p=$(dirname "$2")/planes.npy; chmod u+w "$p" && echo x >> "$p" | tampering
-head -c 10000000000 /dev/zero > "$3" | in its output file
+head -c 10000000000 /dev/zero > "$3" | in the output file
 truncate -s 10G "$3" || exit 1 |
-truncate -s 60M "$3" | in its output file
+truncate -s 60M "$3" | in the output file
 sleep 1000 | no end within
-yes > "$3" | in its output file
+yes > "$3" | in the output file
 "#;
 
 #[test]
