@@ -30,7 +30,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 check_file(&mut list, case, file);
             }
             Answer::Unsupported => {
-                list.add_absent(format!("the writer does not write {format} (status 69)"))
+                list.add_absent(format!("the writer does not write {format} (status 69)"));
             }
             _ => {
                 let (says, next) = explain_answer(&reply);
