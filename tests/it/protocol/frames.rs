@@ -110,7 +110,7 @@ fn malformed_netpbm_files_are_refused() {
         (b"P6\n2 1 255", ""),
         (b"P6 # no end", ""),
         (b"P3\n1 1\n255\n1 2\n", ""),
-        (b"P3\n1 1\n255\n1 2 3\n4\n", "follow its end"),
+        (b"P3\n1 1\n255\n1 2 3\n4\n", "follow the end"),
     ] {
         refuses(file, "a Netpbm file: ");
         refuses(file, says);
