@@ -27,14 +27,6 @@ fn number_of_kills() -> u32 {
         .unwrap_or(4)
 }
 
-/// Returns a random time below 1500 ms.
-fn random_delay() -> Duration {
-    let now = SystemTime::now()
-        .duration_since(SystemTime::UNIX_EPOCH)
-        .expect("it is later");
-    Duration::from_millis(u64::from(now.subsec_micros() % 1500))
-}
-
 /// Starts a check in the background.
 fn start(here: &Workspace, environment: &[(&str, &str)], line: &str) -> Child {
     let temporary = here.path("tmp");
@@ -64,7 +56,9 @@ fn killed_run_leaves_results_and_no_process() {
         let nap = format!("1001.{}", std::process::id());
         let line = format!("--report report.yaml -- {}", zoo(kind));
         let mut run = start(&here, &[("ZOO_NAP", &nap)], &line);
-        let after = random_delay();
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let micros = now.expect("it is later").subsec_micros();
+        let after = Duration::from_millis(u64::from(micros % 1500));
         std::thread::sleep(after);
         let finished = run.try_wait().expect("it can be asked").is_some();
         kill(&mut run);

@@ -182,17 +182,12 @@ fn hangs_on_optional_files_do_not_end_a_run() {
     );
 }
 
-/// Returns the indices of the first legal cases after the first files and the spellings.
-fn some_legal(suite: &Suite) -> Vec<usize> {
-    let cases = suite.cases.iter().enumerate();
-    let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);
-    legal.map(|(place, _)| place).skip(40).collect()
-}
-
 #[test]
 fn three_hangs_end_a_run_for_any_number_of_jobs() {
     let suite = suite();
-    let legal = some_legal(&suite);
+    let cases = suite.cases.iter().enumerate();
+    let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);
+    let legal: Vec<usize> = legal.map(|(place, _)| place).skip(40).collect();
     let hanging = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
     let reports = [1, 4].map(|jobs| {
         let plan = RunPlan::new(&suite, jobs);

@@ -55,13 +55,6 @@ fn entry() -> impl Strategy<Value = Entry> {
     )
 }
 
-fn with_pre_light(entry: Entry) -> Entry {
-    Entry {
-        rendering_control: RenderingControl::PreLight,
-        ..entry
-    }
-}
-
 fn sample_components(entry: &Entry, map: &TextureMap, t: [f64; 3], depth: f64) -> Vec<f64> {
     let fetched = fetch(entry, map, t, depth, false, RULES);
     fetched.components().unwrap_or_default().to_vec()
@@ -151,8 +144,11 @@ proptest! {
     ) {
         let maps: Vec<(Entry, Fetched)> = maps
             .into_iter()
-            .map(|(entry, texel, post)| {
-                (if post { entry } else { with_pre_light(entry) }, Fetched::Texel(texel))
+            .map(|(mut entry, texel, is_pre_light)| {
+                if is_pre_light {
+                    entry.rendering_control = RenderingControl::PreLight;
+                }
+                (entry, Fetched::Texel(texel))
             })
             .collect();
         let lit = LitPrimitive { surface: Shade { color: surface, alpha }, white, specular };

@@ -2,8 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use ptm_conform::diagnose::Cause;
 use ptm_conform::diagnose::texture::diagnose;
-use ptm_conform::diagnose::{Cause, Diagnosis};
 use ptm_conform::misreadings::texture::{self as misreadings, Change};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::Request;
@@ -44,17 +44,8 @@ fn cases_with_outcome(
     run: &Run<TextureCase>,
     wanted: Outcome,
 ) -> Vec<String> {
-    let cases_with_outcome = run.judgement.with_outcome(wanted);
-    cases_with_outcome
-        .map(|i| suite.cases[i].id.clone())
-        .collect()
-}
-
-fn diagnosis_name(diagnosis: &Diagnosis<Change>) -> &'static str {
-    match &diagnosis.cause {
-        Cause::Misreading { misreading, .. } => misreading.slug,
-        Cause::Described { .. } => "in words",
-    }
+    let cases = run.judgement.with_outcome(wanted);
+    cases.map(|i| suite.cases[i].id.clone()).collect()
 }
 
 #[test]
@@ -107,7 +98,10 @@ fn every_misreading_is_diagnosed() {
         let rules = misreading.change(Rules::SPEC);
         let run = run(&suite, |case| case.answer(&rules));
         let diagnoses = diagnose(&suite, &run);
-        let first = diagnoses.first().map(diagnosis_name);
+        let first = diagnoses.first().map(|first| match &first.cause {
+            Cause::Misreading { misreading, .. } => misreading.slug,
+            Cause::Described { .. } => "in words",
+        });
         if first != Some(misreading.slug) {
             unnamed.push((misreading.slug, first));
         }
