@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use ptm_conform::diagnose::Cause;
 use ptm_conform::diagnose::texture::diagnose;
-use ptm_conform::misreadings::texture::{self as misreadings, Change};
+use ptm_conform::misreadings::texture as misreadings;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::outcome::Outcome;
