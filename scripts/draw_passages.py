@@ -29,7 +29,7 @@ def paragraphs():
             if not block.startswith(("    ", "|", "#", "[!", "<")) and len(block.split()) >= 6:
                 yield f"{path.relative_to(root)}: {' '.join(block.split())}"
     for path in files("spec-cases/site/*.yaml", "spec-cases/annotated/*.yaml"):
-        for value in re.findall(r"(?:intro|text|notes?|rule): >-\n((?: +(?!(?:clauses|examples|formula|steps|table):).*\n)+)", text_of(path)):
+        for value in re.findall(r"(?:intro|text|notes?|rule): >-\n((?: +(?! |- |(?:clauses|examples|formula|steps|table):).*\n)+)", text_of(path)):
             yield f"{path.relative_to(root)}: {' '.join(value.split())}"
 
 
