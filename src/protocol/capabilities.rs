@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(capabilities.reject_exit, Some(1));
         assert_eq!(
             capabilities.remarks,
-            ["it declares an unknown view: \"png\""]
+            ["the decoder declares an unknown view: \"png\""]
         );
     }
 
