@@ -12,7 +12,7 @@ use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 
 /// Flag that is set when the user ends a run.
-pub type Stop = Arc<AtomicBool>;
+pub type StopFlag = Arc<AtomicBool>;
 
 /// Options for running a suite.
 #[derive(Args)]
@@ -41,7 +41,7 @@ pub struct LimitArgs {
 
 impl LimitArgs {
     /// Applies the limits to a program, and makes it stop when `stop` is set.
-    pub fn apply_limits(&self, program: &mut Decoder, stop: &Stop) -> Result<(), String> {
+    pub fn apply_limits(&self, program: &mut Decoder, stop: &StopFlag) -> Result<(), String> {
         program.timeout = positive_seconds(self.timeout)?;
         program.memory = self.memory;
         program.stop = Arc::clone(stop);
@@ -73,7 +73,7 @@ pub struct CallArgs {
 
 impl CallArgs {
     /// Creates the decoder for `command`. Its calls end when `stop` is set.
-    pub fn decoder(&self, command: &[OsString], stop: &Stop) -> Result<Decoder, String> {
+    pub fn decoder(&self, command: &[OsString], stop: &StopFlag) -> Result<Decoder, String> {
         processes::prepare();
         let mut decoder = Decoder::new(command).map_err(|error| error.to_string())?;
         self.limits.apply_limits(&mut decoder, stop)?;

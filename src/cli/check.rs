@@ -75,21 +75,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         return own_files::check(directory, &args.views, &args.run.report, decoder, scratch);
     }
     let serves = args.serve || capabilities.serves && !args.one_shot;
-    let precomputed = matches!(subject.answers, Answers::Precomputed(_));
-    let plan = RunPlan {
-        selected,
-        soonest: smoke::selection(&suite)?,
-        views: subject.views.clone(),
-        withheld: subject.withheld.clone(),
-        precomputed,
-        repeat: match (precomputed, serves) {
-            (true, _) => Repeat::Nothing,
-            (false, true) => Repeat::FailuresAndSample,
-            (false, false) => Repeat::Failures,
-        },
-        stop: Arc::clone(stop),
-        ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?).declared_by(&capabilities)
-    };
+    let mut plan = plan(args, &suite, &subject, serves)?.declared_by(&capabilities);
+    (plan.selected, plan.stop) = (selected, Arc::clone(stop));
     let served = subject.program().filter(|_| serves);
     let servers = served.map(|decoder| Servers::new(decoder, scratch, plan.jobs));
     let ask = |request: &Request<'_>, job: usize| {
@@ -214,6 +201,28 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
         _ => return Ok(()),
     };
     Err(format!("{option} works only with the suite of PTM files"))
+}
+
+/// Returns the plan for all cases.
+fn plan(
+    args: &CheckArgs,
+    suite: &Suite,
+    subject: &Subject,
+    serves: bool,
+) -> Result<RunPlan, String> {
+    let precomputed = matches!(subject.answers, Answers::Precomputed(_));
+    Ok(RunPlan {
+        soonest: smoke::selection(suite)?,
+        views: subject.views.clone(),
+        withheld: subject.withheld.clone(),
+        precomputed,
+        repeat: match (precomputed, serves) {
+            (true, _) => Repeat::Nothing,
+            (false, true) => Repeat::FailuresAndSample,
+            (false, false) => Repeat::Failures,
+        },
+        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
+    })
 }
 
 /// Requests the capabilities of a program. Most programs do not declare any.

@@ -47,15 +47,15 @@ pub type NamedPath = (PathBuf, bool);
 /// Step of a walk: an item, or (as the error) a folder to enter.
 type WalkStep = Result<WalkItem, PathBuf>;
 
-/// Entry of a folder.
-type Entry = io::Result<(OsString, FileType)>;
+/// FolderEntry of a folder.
+type FolderEntry = io::Result<(OsString, FileType)>;
 
 /// Returns the named files and the files in the named folders. Subfolders are included if `recursive` is true.
 pub fn walk(
     mut named: impl Iterator<Item = NamedPath> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = WalkItem> + Send {
-    let mut folders: Vec<(PathBuf, Box<dyn Iterator<Item = Entry> + Send>)> = Vec::new();
+    let mut folders: Vec<(PathBuf, Box<dyn Iterator<Item = FolderEntry> + Send>)> = Vec::new();
     std::iter::from_fn(move || {
         loop {
             let step = match folders.last_mut() {
@@ -93,7 +93,7 @@ fn classify_named_path((path, is_listed): NamedPath) -> WalkStep {
 }
 
 /// Classifies an entry of a folder.
-fn classify_entry(folder: &Path, entry: Entry) -> WalkStep {
+fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
     let (path, kind) = match entry {
         Ok((name, kind)) => (folder.join(name), kind),
         Err(error) => return Ok(WalkItem::Unreadable(folder.to_owned(), error)),
@@ -108,8 +108,8 @@ fn classify_entry(folder: &Path, entry: Entry) -> WalkStep {
 
 /// Returns the entries of a folder, sorted by name within chunks. The folder is closed as soon as all names are read, so a
 /// deep walk keeps few folders open.
-fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = Entry> + Send {
-    let (mut folder, mut chunk) = (Some(folder), VecDeque::<Entry>::new());
+fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = FolderEntry> + Send {
+    let (mut folder, mut chunk) = (Some(folder), VecDeque::<FolderEntry>::new());
     std::iter::from_fn(move || {
         if chunk.is_empty()
             && let Some(open) = &mut folder

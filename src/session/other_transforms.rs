@@ -26,10 +26,10 @@ use crate::suite::test_case::Allowance;
 static COUNTS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// Samples of a stream.
-type Decoded = crate::error::Result<Vec<u8>>;
+type DecodedStream = crate::error::Result<Vec<u8>>;
 
 /// Returns the samples of `decode` if both the reference and `decode` return some.
-fn decode_with(stream: &PlaneStream, decode: fn(&[u8]) -> Option<Vec<u8>>) -> Decoded {
+fn decode_with(stream: &PlaneStream, decode: fn(&[u8]) -> Option<Vec<u8>>) -> DecodedStream {
     let own = planes::decode_stream(stream)?;
     if stream.coding != Coding::Jpeg {
         return Ok(own);
@@ -58,7 +58,7 @@ fn samples_of_other_decoders_pass() {
 
 /// Checks that the reference passes with these samples.
 #[track_caller]
-fn assert_passes(stream: fn(&PlaneStream) -> Decoded) {
+fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
     let mut reading = Reading::SPEC;
     reading.stream = stream;
     let suite = Suite::load().expect("the suite loads");
