@@ -146,7 +146,7 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
     };
     let count = cases.len();
     print(&format!(
-        "{out}{count} cases: {held} answers are correct, {wrong} are wrong{aside}\n"
+        "{out}{count} cases: {held} correct, {wrong} wrong{aside}\n"
     ));
     Ok(match count {
         0 => EXIT_NOTHING_SELECTED,

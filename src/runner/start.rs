@@ -268,7 +268,7 @@ fn interpreter_for(text: &str) -> Option<&'static str> {
 fn source_code_obstacle(text: &str, language: &str) -> Obstacle {
     (
         format!("{text} is {language} source code, not a program"),
-        "compile the source code, and name the resulting program".to_owned(),
+        "compile it, and name the resulting program".to_owned(),
     )
 }
 

@@ -130,9 +130,8 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         }
         run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
-            let what = format!(
-                "a run of {run} samples does not fit in the {left} samples left in the line"
-            );
+            let what =
+                format!("the line has {left} samples left, too few to interrupt a run of {run}");
             return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)

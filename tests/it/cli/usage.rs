@@ -136,7 +136,7 @@ fn files_that_cannot_be_executed_are_described() {
     for (decoder, says) in [
         (
             &*format!("-- {source}"),
-            "main.rs is Rust source code, not a program; build it",
+            "main.rs is Rust source code, not a program; compile it",
         ),
         ("-- /dev/null", "null is a device, a pipe or a socket"),
         (missing, "no program with this name is in PATH"),

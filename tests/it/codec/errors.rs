@@ -258,7 +258,7 @@ fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 1, 1, interrupted);
     // Four samples, then a run that ends: one more sample, and another one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
-        | byte 25: a run of 5 samples and its end in a line with 5 to go";
+        | byte 25: the line has 5 samples left, too few to interrupt a run of 5";
     check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";

@@ -136,7 +136,7 @@ cases:
     for says in [
         "pass A-01: index: [3]",
         "FAIL A-02: index: expected [0], received [3]",
-        "2 cases: 1 answers hold, 1 do not, 1 under unknown readings",
+        "2 cases: 1 correct, 1 wrong, 1 under unknown readings",
     ] {
         assert!(text.contains(says), "{text}");
     }
