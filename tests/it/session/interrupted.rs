@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
@@ -17,15 +17,9 @@ use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::{Case, Suite};
 use serde_json::Value;
 
-use crate::common::{PROGRAM, Workspace, assert_conforms, eventually, have_proc, processes, zoo};
-
-/// Returns the number of runs to kill; `PTM_KILLS=20` sets another one.
-fn number_of_kills() -> u32 {
-    std::env::var("PTM_KILLS")
-        .ok()
-        .and_then(|number_of_kills| number_of_kills.parse().ok())
-        .unwrap_or(4)
-}
+use crate::common::{
+    PROGRAM, Workspace, assert_conforms, eventually, have_proc, processes, stdout, zoo,
+};
 
 /// Starts a check in the background.
 fn start(here: &Workspace, environment: &[(&str, &str)], line: &str) -> Child {
@@ -50,9 +44,11 @@ fn killed_run_leaves_results_and_no_process() {
     if !have_proc() {
         return;
     }
-    for turn in 0..number_of_kills() {
+    // `PTM_KILLS=20` kills more runs.
+    let kills = std::env::var("PTM_KILLS").map_or(4, |count| count.parse().expect("a number"));
+    for turn in 0..kills {
         let here = Workspace::new();
-        let kind = ["right", "leaves-a-grandchild", "serves", "hangs"][turn as usize % 4];
+        let kind = ["right", "leaves-a-grandchild", "serves", "hangs"][turn % 4];
         let nap = format!("1001.{}", std::process::id());
         let line = format!("--report report.yaml -- {}", zoo(kind));
         let mut run = start(&here, &[("ZOO_NAP", &nap)], &line);
@@ -187,6 +183,15 @@ fn long_suite(count: usize) -> Suite {
 #[test]
 fn memory_does_not_grow_with_the_number_of_cases() {
     const COUNT: usize = 10_000;
+    const ALONE: &str = "PTM_TEST_ALONE";
+    if std::env::var_os(ALONE).is_none() {
+        // The memory of this process depends on the other tests.
+        let alone = &mut Command::new(std::env::current_exe().expect("a path"));
+        return print!(
+            "{}",
+            stdout(alone.arg("memory_does_not_grow").env(ALONE, "1"))
+        );
+    }
     let command = [PROGRAM.into(), "reference".into()];
     let mut decoder = Decoder::new(&command).expect("a directory");
     decoder.timeout = Duration::from_secs(60);
