@@ -95,7 +95,6 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         assumed: args.assumed.clone(),
         limits: args.limits(serves),
     };
-
     let ending = ReportWriter::new(&suite, &args.run.report, &args.written)?;
     let mut check = Check::new(&plan, circumstances, ending, args.shard)?;
     if !serves && args.cmd.is_none() {

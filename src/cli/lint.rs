@@ -100,13 +100,7 @@ type Row = (PathBuf, Lint, bool);
 
 pub fn run(args: &LintArgs) -> CommandResult {
     if args.codes {
-        if !args.machine.print(&*ALL)? {
-            for code in ALL.iter() {
-                let (id, clause, says) = (code.id, code.clause, code.says);
-                output::print(&format!("{id}  {clause:<8} {says}\n"));
-            }
-        }
-        return Ok(0);
+        return list_codes(args);
     }
     let settings = settings(args)?;
     let jobs = output::jobs(args.jobs)?;
@@ -282,6 +276,16 @@ impl Judge<'_> {
             Ok(lint)
         })
     }
+}
+
+fn list_codes(args: &LintArgs) -> CommandResult {
+    if !args.machine.print(&*ALL)? {
+        for code in ALL.iter() {
+            let (id, clause, says) = (code.id, code.clause, code.says);
+            output::print(&format!("{id}  {clause:<8} {says}\n"));
+        }
+    }
+    Ok(0)
 }
 
 /// Parses `PTM-W301=error`.
