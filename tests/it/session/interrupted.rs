@@ -134,12 +134,11 @@ fn killed_run_leaves_no_hidden_process() {
         let naps = naps_of_watcher(run.id());
         eventually(60, || naps_of_watcher(run.id()) >= naps + 3);
         kill(&mut run);
-        let is_gone = || {
+        let is_gone = eventually(10, || {
             let left = sleepers();
             !early.iter().any(|pid| left.contains(pid))
-        };
-        let is_gone = eventually(10, is_gone);
-        let _ = std::process::Command::new("kill").args(sleepers()).status();
+        });
+        let _ = Command::new("kill").args(sleepers()).status();
         assert!(is_gone, "{kind}: some of {early:?} survive");
     }
 }
@@ -186,11 +185,9 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     const ALONE: &str = "PTM_TEST_ALONE";
     if std::env::var_os(ALONE).is_none() {
         // The memory of this process depends on the other tests.
-        let alone = &mut Command::new(std::env::current_exe().expect("a path"));
-        return print!(
-            "{}",
-            stdout(alone.arg("memory_does_not_grow").env(ALONE, "1"))
-        );
+        let mut alone = Command::new(std::env::current_exe().expect("a path"));
+        stdout(alone.arg("memory_does_not_grow").env(ALONE, "1"));
+        return;
     }
     let command = [PROGRAM.into(), "reference".into()];
     let mut decoder = Decoder::new(&command).expect("a directory");
