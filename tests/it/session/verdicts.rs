@@ -62,13 +62,13 @@ fn documents_show_the_verdict_table() {
     ];
     let rows: [(&str, ResponseKind, &[bool]); 7] = [
         ("the expected image", Expected, &[true, false]),
-        ("another image", Different, &[true, false]),
+        ("a different image", Different, &[true, false]),
         ("65, features supported", Rejected, &[true]),
         ("69, features supported", Unsupported, &[true]),
         ("65, a feature not supported", Rejected, &[false]),
         ("69, a feature not supported", Unsupported, &[false]),
         (
-            "a crash, a hang or another violation",
+            "a crash, a hang, or any other violation",
             Violation,
             &[true, false],
         ),
