@@ -619,24 +619,12 @@ pub(crate) fn image(
             })
         }
         Shape::Lum(matrix) => {
-            let own = evaluate::lum_color(
-                &matrix,
-                polynomial(&texel[..6]),
-                texel[6],
-                texel[7],
-                reading,
-            );
+            let (y, cr, cb) = (polynomial(&texel[..6]), texel[6], texel[7]);
             if !edits.is_edited(Formula::MatrixRow) {
-                return own;
+                return evaluate::lum_color(&matrix, y, cr, cb, reading);
             }
-            let y = polynomial(&texel[..6]);
-            [0.0, 1.0, 2.0].map(|k| {
-                edits.value(
-                    Formula::MatrixRow,
-                    &[y, texel[6], texel[7], k],
-                    &[&matrix.0],
-                )
-            })
+            let row = |k| edits.value(Formula::MatrixRow, &[y, cr, cb, k], &[&matrix.0]);
+            [0.0, 1.0, 2.0].map(row)
         }
     };
     let shown = |value: f64| {

@@ -55,9 +55,6 @@ fn files_contain_no_machine_paths() {
     }
 }
 
-/// Exceptions: functions of over 80 lines.
-const ALLOWED_LONG_FUNCTIONS: &[&str] = &[];
-
 #[test]
 fn functions_are_short() {
     let mut lengths: Vec<(usize, String)> = sources()
@@ -74,9 +71,7 @@ fn functions_are_short() {
         "a tenth of all functions has more than {most} lines"
     );
     let long = |limit: usize| -> Vec<String> {
-        let long = lengths.iter().filter(|(lines, name)| {
-            *lines > limit && !ALLOWED_LONG_FUNCTIONS.contains(&name.as_str())
-        });
+        let long = lengths.iter().filter(|(lines, _)| *lines > limit);
         long.map(|(lines, name)| format!("{name}: {lines} lines"))
             .collect()
     };
