@@ -325,7 +325,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
             "with {} records in one plane",
             records.map(|n| n as f64),
         ),
-        ("2.9.8/5", "with a record at position {}", position),
+        ("2.9.8/5", "with a record whose position is {}", position),
         ("2.9.1/1", "of JPEG quality {}", parameter(Coding::Jpeg)),
         ("2.9.1/1", "whose maximum loss is {}", loss),
         ("1.0/2", "under a light where |(u, v)| is {}", distance),

@@ -80,13 +80,12 @@ impl FileScope {
                     true => bound.to_string(),
                     false => format!("{bound:e}"),
                 });
-                let [side, rest] = if *is_more {
-                    ["more", "less"]
-                } else {
-                    ["less", "more"]
+                let [here, there] = match is_more {
+                    true => ["least", "most"],
+                    false => ["most", "least"],
                 };
-                let words = words.replace("{}", &format!("{nearest} or {side}"));
-                format!("{words} (but not {edge} or {rest})")
+                let words = words.replace("{}", &format!("at {here} {nearest}"));
+                format!("{words} (other files: at {there} {edge})")
             }
         }
     }
@@ -187,7 +186,8 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
         ] {
             let is_apart = match is_more {
                 true => nearest > edge,
-                false => nearest < edge,
+                // No reader has trouble with short lines.
+                false => nearest < edge && clause != "2.0/1",
             };
             if is_apart {
                 found.push(FileScope::Beyond {

@@ -49,7 +49,7 @@ pub(super) struct Witness<'a> {
 /// The clause about a property and text that completes "files …", separated by a space; true if the file has the property.
 pub(super) type Property = (&'static str, bool);
 
-/// A numeric property of a file: the clause about it, text in which {} stands for "17 or more", and the value.
+/// A numeric property of a file: the clause about it, text in which {} stands for "at least 17", and the value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 /// Properties and quantities of a file.
