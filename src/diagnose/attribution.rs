@@ -84,15 +84,20 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
 }
 
 /// Returns true if most of the explained failures are images of legal files, but they are less than a quarter of the
-/// wrong images of their formats that have no other cause. A larger mistake may explain them as well.
+/// wrong images of their formats and views that have no other cause. A larger mistake may explain them as well. Images in
+/// later views do not count, because a mistake in a later step may explain these.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
+    let kind = |w: &usize| witnesses[*w].observation.view.kind();
+    let earliest = explained.iter().map(kind).min();
     let format = |w: &usize| witnesses[*w].case.format();
     let is_image = |w: &usize| {
         let witness = &witnesses[*w];
         witness.case.expect == Expect::Decode && FailureMode::new(witness).is_none()
     };
-    let is_open =
-        |w: &&usize| is_image(w) && explained.iter().any(|indices| format(indices) == format(w));
+    let is_open = |w: &&usize| {
+        let is_same_format = || explained.iter().any(|other| format(other) == format(w));
+        is_image(w) && Some(kind(w)) <= earliest && is_same_format()
+    };
     let open = left.iter().filter(is_open).count();
     let images = explained.iter().filter(|w| is_image(w)).count();
     is_most(images, explained.len()) && !is_substantial(images, images + open)
