@@ -360,15 +360,20 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.at.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices if the inferred choices of the decoder differ from them.
+/// Returns the reference's choices if the inferred choices of the decoder differ from them. A line feed after tables
+/// is kept unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
     let mut followed = judgement.dialect.0.iter().zip(&judgement.certain);
-    let is_other = run.table.newline
-        || followed.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
-    is_other.then_some(Reading {
+    let is_other = followed.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
+    let reading = match run.table.newline {
+        true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
+        newline if newline || is_other => Reading::SPEC,
+        _ => return None,
+    };
+    Some(Reading {
         stream: stream_once,
-        ..Reading::SPEC
+        ..reading
     })
 }
 

@@ -217,7 +217,7 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "refused" => "writes files that no reader can decode",
         "1.0/1" => "fits the images worse than the best map",
         "2.2/1" => "writes another format than requested",
-        "2.3/1" => "writes another size than requested",
+        "2.3/1" => "writes a different size than requested",
         "2.4/3" => "writes other scales than requested",
         "2.4/4" => "writes other biases than requested",
         "2.6/2" => "writes another matrix than requested",

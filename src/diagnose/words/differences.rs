@@ -52,15 +52,15 @@ impl Phase {
     fn effect_and_fix(self) -> [&'static str; 2] {
         match self {
             Phase::Size => [
-                "shows an image of another size",
+                "shows an image of a different size",
                 "compare width and height with the header of the file",
             ],
             Phase::Channels => [
-                "shows an image with another number of channels or another sample type",
+                "shows an image with a different number of channels or a different sample type",
                 "compare the number of channels and the sample type with the expected frame",
             ],
             Phase::Choice => [
-                "follows a different reading of an open question than in other images",
+                "shows an image of a different reading of an open question than for other files",
                 "use one reading of the question in all files",
             ],
             Phase::NoReading => [
