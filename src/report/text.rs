@@ -137,8 +137,8 @@ impl<C: TestCase> Page<'_, C> {
         let (count, all) = (cause.explains.len(), self.failing.len());
         let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
         writeln!(out, "{count} of {all} failures: the {subject} {behavior}.")?;
-        for detail in details(cause, self.report.suite) {
-            writeln!(out, "  {}{}{}", detail.before, detail.name, detail.after)?;
+        for (before, name, after, _) in details(cause, self.report.suite) {
+            writeln!(out, "  {before}{name}{after}")?;
         }
         if let Some(example) = &cause.example {
             writeln!(out, "  {}", capitalize(example))?;
@@ -303,6 +303,7 @@ fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<AlikeFailures<'a>>, Vec<
     let mut single = Vec::new();
     for &case in all {
         let says = case.says.as_str();
+        let is_start = |prefix| says.starts_with(prefix);
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
             Some((_, cases)) => cases.push(case),
             None if VIOLATION_PREFIXES.split('|').any(is_start) => {

@@ -65,12 +65,8 @@ impl ClauseTally {
 
 /// Counts the results of `report` by clause.
 pub(super) fn tallies(report: &Report) -> BTreeMap<&str, ClauseTally> {
-    ClauseTally::count(
-        report
-            .cases
-            .iter()
-            .map(|case| (&case.clauses, case.outcome)),
-    )
+    let cases = report.cases.iter();
+    ClauseTally::count(cases.map(|case| (&case.clauses, case.outcome)))
 }
 
 /// Groups clauses by section, in order.

@@ -34,9 +34,7 @@ pub fn page<C: Reported>(
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
-            } @else {
-                (diagnosis(report, &groups, &clauses))
-            }
+            } @else { (diagnosis(report, &groups, &clauses)) }
             @if !report.cases.is_empty() {
                 (failures(suite, report, &groups, run.is_some(), &evidence))
                 (clause_map::section(report, &clauses))
@@ -65,9 +63,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
                 " "
                 span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) }
             }
-            @if let Some(reason) = &report.reason {
-                pre.reason tabindex="0" { (reason) }
-            }
+            @if let Some(reason) = &report.reason { pre.reason tabindex="0" { (reason) } }
             @for remark in &report.remarks {
                 p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.says) }
             }
