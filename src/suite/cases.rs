@@ -2,13 +2,12 @@
 //!
 //! A case is stored as a recipe. Its bytes and values are generated on demand, so a large suite needs little memory.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 use serde::Deserialize;
 
 use super::compare::Expected;
-use super::features::Feature;
 use super::values::{HandValues, Piece, Values};
 use crate::generate::plan::Compression;
 use crate::generate::spelling::Count;
@@ -91,15 +90,8 @@ pub struct Case {
 
 #[derive(Clone, Debug)]
 pub(super) enum Source {
-    Recipe {
-        recipe: Recipe,
-        damage: Option<&'static Damage>,
-    },
-    Hand {
-        format: Format,
-        pieces: Vec<Piece>,
-        values: Option<HandValues>,
-    },
+    Recipe(Recipe, Option<&'static Damage>),
+    Hand(Format, Vec<Piece>, Option<HandValues>),
 }
 
 /// The file of a case with its fields and values.
@@ -145,8 +137,8 @@ impl Case {
     #[must_use]
     pub fn format(&self) -> Format {
         match &self.source {
-            Source::Recipe { recipe, .. } => recipe.format,
-            Source::Hand { format, .. } => *format,
+            Source::Recipe(recipe, _) => recipe.format,
+            Source::Hand(format, ..) => *format,
         }
     }
 
@@ -154,8 +146,8 @@ impl Case {
     #[must_use]
     pub fn recipe(&self) -> Option<&Recipe> {
         match &self.source {
-            Source::Recipe { recipe, .. } => Some(recipe),
-            Source::Hand { .. } => None,
+            Source::Recipe(recipe, _) => Some(recipe),
+            Source::Hand(..) => None,
         }
     }
 
@@ -163,8 +155,8 @@ impl Case {
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
-            Source::Recipe { damage, .. } => *damage,
-            Source::Hand { .. } => None,
+            Source::Recipe(_, damage) => *damage,
+            Source::Hand(..) => None,
         }
     }
 
@@ -174,35 +166,11 @@ impl Case {
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn pieces(&self) -> Vec<(&str, Vec<u8>)> {
-        let Source::Hand { pieces, .. } = &self.source else {
+        let Source::Hand(_, pieces, _) = &self.source else {
             return Vec::new();
         };
         let part = |piece| checked(piece, TableSpelling::default());
         (pieces.iter().map(|piece| (&*piece.is, part(piece)))).collect()
-    }
-
-    /// Returns the features that a decoder needs to decode the file in `view`.
-    #[must_use]
-    pub fn features(&self, view: &View) -> BTreeSet<Feature> {
-        let large = |recipe: &Recipe| recipe.format.has_table() && recipe.entries > 256;
-        let plan = |asked: fn(&Compression) -> bool| self.compression().is_some_and(asked);
-        let needs = [
-            (Feature::Format(self.format()), true),
-            (Feature::LargeTables, self.recipe().is_some_and(large)),
-            (
-                Feature::LumColor,
-                self.format() == Format::Lum && matches!(view, View::Rgb(_)),
-            ),
-            (Feature::Prediction, plan(Compression::predicts)),
-            (Feature::Inversion, plan(Compression::inverts)),
-            (Feature::Motion, plan(Compression::moves)),
-            (
-                Feature::SideInformation,
-                plan(|plan| !plan.records.is_empty()),
-            ),
-        ];
-        let needed = needs.into_iter().filter(|&(_, needed)| needed);
-        needed.map(|(feature, _)| feature).collect()
     }
 
     /// Returns the compression of a generated compressed file.
@@ -219,10 +187,7 @@ impl Case {
     pub fn axes(&self) -> Vec<&str> {
         match &self.shows {
             Some(shows) => shows.iter().map(String::as_str).collect(),
-            None => self
-                .compression()
-                .map(Compression::axes)
-                .unwrap_or_default(),
+            None => self.compression().map_or_else(Vec::new, Compression::axes),
         }
     }
 
@@ -256,43 +221,12 @@ impl Case {
     }
 
     fn make(&self, table: TableSpelling) -> Built {
-        match &self.source {
-            Source::Recipe { recipe, damage } => self.build_recipe(recipe.clone(), *damage, table),
-            Source::Hand { pieces, values, .. } => {
+        let (file, fields, values) = match &self.source {
+            Source::Recipe(recipe, damage) => self.write(recipe.clone(), *damage, table),
+            Source::Hand(_, pieces, values) => {
                 let bytes = pieces.iter().flat_map(|piece| checked(piece, table));
-                Built {
-                    file: bytes.collect(),
-                    fields: Vec::new(),
-                    values: values.clone().map_or(Values::None, Values::Hand),
-                    pictures: Mutex::default(),
-                }
-            }
-        }
-    }
-
-    fn build_recipe(
-        &self,
-        mut recipe: Recipe,
-        damage: Option<&Damage>,
-        table: TableSpelling,
-    ) -> Built {
-        if self.expect != Expect::Spelling {
-            recipe.spelling.count = table.count;
-            recipe.spelling.newline_after_table = table.newline;
-        }
-        let model = Model::paint(&recipe);
-        let written = write(&recipe, &model);
-        let values = match (damage, self.expect) {
-            (Some(_), Expect::Reject | Expect::Refuse) => Values::None,
-            (_, Expect::Robust) => Values::Any,
-            (Some(damage), _) => Values::Painted(damage.values(&model)),
-            (None, _) => Values::Painted(model.clone()),
-        };
-        let (file, fields) = match damage {
-            None => (written.bytes, written.fields),
-            Some(damage) => {
-                let file = damage.apply(&written, &model);
-                (file.expect("checked when the suite was loaded"), Vec::new())
+                let values = values.clone().map_or(Values::None, Values::Hand);
+                (bytes.collect(), Vec::new(), values)
             }
         };
         Built {
@@ -301,6 +235,36 @@ impl Case {
             values,
             pictures: Mutex::default(),
         }
+    }
+
+    /// Returns the file of a recipe, its fields and its values.
+    fn write(
+        &self,
+        mut recipe: Recipe,
+        damage: Option<&Damage>,
+        table: TableSpelling,
+    ) -> (Vec<u8>, Vec<Field>, Values) {
+        if self.expect != Expect::Spelling {
+            recipe.spelling.count = table.count;
+            recipe.spelling.newline_after_table = table.newline;
+        }
+        let model = Model::paint(&recipe);
+        let written = write(&recipe, &model);
+        let Some(damage) = damage else {
+            let values = match self.expect {
+                Expect::Robust => Values::Any,
+                _ => Values::Painted(model),
+            };
+            return (written.bytes, written.fields, values);
+        };
+        let values = match self.expect {
+            Expect::Reject | Expect::Refuse => Values::None,
+            Expect::Robust => Values::Any,
+            _ => Values::Painted(damage.values(&model)),
+        };
+        let file = damage.apply(&written, &model);
+        let file = file.expect("checked when the suite was loaded");
+        (file, Vec::new(), values)
     }
 }
 

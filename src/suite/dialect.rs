@@ -80,17 +80,14 @@ impl<R> Choices<R> {
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
     #[must_use]
     pub fn place(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
-        axes.iter().fold(0, |place, &axis| {
-            place * self[axis].readings.len() + dialect.0[axis]
-        })
+        let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
+        axes.iter().fold(0, step)
     }
 
     /// Returns the axes of these rulings, in the order of the text.
     #[must_use]
     pub fn axes(&self, rulings: &[&str]) -> Vec<Axis> {
-        (0..self.len())
-            .filter(|&axis| rulings.contains(&self[axis].ruling))
-            .collect()
+        ((0..self.len()).filter(|&axis| rulings.contains(&self[axis].ruling))).collect()
     }
 
     /// Returns true if an answer is right in a dialect.
