@@ -94,7 +94,7 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> fmt:
         }
         match in_full {
             true => pairs.iter().try_for_each(|pair| write_change(out, pair))?,
-            false => write_counts(out, pairs, |pair| group_key(old, new, pair))?,
+            false => write_counts(out, pairs, old, new)?,
         }
     }
     if out.is_empty() && old != new {
@@ -149,11 +149,13 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
 fn write_counts(
     out: &mut String,
     pairs: &[ChangedCase],
-    key: impl Fn(&ChangedCase) -> String,
+    old: &Report,
+    new: &Report,
 ) -> fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
     for pair in pairs {
-        groups.entry(key(pair)).or_default().push(pair.1);
+        let group = groups.entry(group_key(old, new, pair));
+        group.or_default().push(pair.1);
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));

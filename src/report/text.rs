@@ -32,14 +32,10 @@ impl Report {
 
     /// Formats the results of the cases whose ids satisfy `is`.
     #[must_use]
-    pub fn cases_to_text<C: TestCase>(
-        &self,
-        suite: &Suite<C>,
-        is: impl Fn(&str) -> bool,
-    ) -> String {
+    pub fn cases_to_text<C: TestCase>(&self, of: &Suite<C>, is: impl Fn(&str) -> bool) -> String {
         let mut text = String::new();
         for case in self.cases.iter().filter(|case| is(&case.id)) {
-            write_case(case, suite, &mut text).expect("writing to memory does not fail");
+            write_case(case, of, &mut text).expect("writing to memory does not fail");
         }
         text
     }

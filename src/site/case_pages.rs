@@ -41,7 +41,7 @@ fn list_page(paper: PageContext) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
         p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
-        (PageContext::descriptions(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
+        (PageContext::descriptions(&paper.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
         (filter_box("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {

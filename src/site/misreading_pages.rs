@@ -75,17 +75,13 @@ fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(
-    paper: PageContext,
-    misreading: &Misreading,
-    witness: &MisreadingWitness,
-) -> Markup {
-    let case = &paper.library.suite.cases[witness.case];
+fn witness_markup(paper: PageContext, misreading: &Misreading, seen: &MisreadingWitness) -> Markup {
+    let case = &paper.library.suite.cases[seen.case];
     let built = case.build(TableSpelling::default());
     html! {
-        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (witness.view) } ": " (case.because) }
+        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (seen.view) } ": " (case.because) }
         (image_pair(paper, misreading))
-        @if let Some(difference) = &witness.difference { p { "In " code { (witness.view) } ": " (difference) "." } }
+        @if let Some(difference) = &seen.difference { p { "In " code { (seen.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
 }

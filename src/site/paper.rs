@@ -92,12 +92,9 @@ impl PageContext<'_> {
     }
 
     /// Renders a list of descriptions, selected by name.
-    pub(super) fn descriptions<'b>(
-        texts: &NamedTexts,
-        names: impl IntoIterator<Item = &'b str>,
-    ) -> Markup {
+    pub(super) fn descriptions(texts: &NamedTexts, names: &[&str]) -> Markup {
         html! {
-            dl.kinds { @for name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
+            dl.kinds { @for &name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
         }
     }
 

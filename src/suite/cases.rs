@@ -222,7 +222,14 @@ impl Case {
 
     fn make(&self, table: TableSpelling) -> Built {
         let (file, fields, values) = match &self.source {
-            Source::Recipe(recipe, damage) => self.write(recipe.clone(), *damage, table),
+            Source::Recipe(recipe, damage) => {
+                let mut recipe = recipe.clone();
+                if self.expect != Expect::Spelling {
+                    recipe.spelling.count = table.count;
+                    recipe.spelling.newline_after_table = table.newline;
+                }
+                self.write(&recipe, *damage)
+            }
             Source::Hand(_, pieces, values) => {
                 let bytes = pieces.iter().flat_map(|piece| checked(piece, table));
                 let values = values.clone().map_or(Values::None, Values::Hand);
@@ -238,29 +245,17 @@ impl Case {
     }
 
     /// Returns the file of a recipe, its fields and its values.
-    fn write(
-        &self,
-        mut recipe: Recipe,
-        damage: Option<&Damage>,
-        table: TableSpelling,
-    ) -> (Vec<u8>, Vec<Field>, Values) {
-        if self.expect != Expect::Spelling {
-            recipe.spelling.count = table.count;
-            recipe.spelling.newline_after_table = table.newline;
-        }
-        let model = Model::paint(&recipe);
-        let written = write(&recipe, &model);
-        let Some(damage) = damage else {
-            let values = match self.expect {
-                Expect::Robust => Values::Any,
-                _ => Values::Painted(model),
-            };
-            return (written.bytes, written.fields, values);
+    fn write(&self, recipe: &Recipe, damage: Option<&Damage>) -> (Vec<u8>, Vec<Field>, Values) {
+        let model = Model::paint(recipe);
+        let written = write(recipe, &model);
+        let values = match (damage, self.expect) {
+            (Some(_), Expect::Reject | Expect::Refuse) => Values::None,
+            (_, Expect::Robust) => Values::Any,
+            (Some(damage), _) => Values::Painted(damage.values(&model)),
+            (None, _) => Values::Painted(model.clone()),
         };
-        let values = match self.expect {
-            Expect::Reject | Expect::Refuse => Values::None,
-            Expect::Robust => Values::Any,
-            _ => Values::Painted(damage.values(&model)),
+        let Some(damage) = damage else {
+            return (written.bytes, written.fields, values);
         };
         let file = damage.apply(&written, &model);
         let file = file.expect("checked when the suite was loaded");

@@ -12,8 +12,17 @@ pub type Axis = usize;
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// Readings, the reference's first, each with a description and a change of the decisions.
-    pub readings: &'static [(&'static str, fn(&mut R))],
+    /// Its readings.
+    pub readings: Readings<R>,
+}
+
+/// Readings of a choice, the reference's first, each with a description and a change of the decisions.
+pub(crate) type Readings<R> = &'static [(&'static str, fn(&mut R))];
+
+impl<R> Choice<R> {
+    pub(super) const fn new(ruling: &'static str, readings: Readings<R>) -> Choice<R> {
+        Choice { ruling, readings }
+    }
 }
 
 /// All open questions of a suite, in the order of its text.

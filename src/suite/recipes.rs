@@ -51,7 +51,7 @@ impl MakeRecord {
         words.set(&mut recipe.entries, self.entries.as_ref(), entries)?;
         words.set(&mut recipe.indices, self.indices.as_ref(), parse_indices)?;
         words.set(&mut recipe.first, self.first_byte.as_ref(), first)?;
-        apply_compression(&self.compression, words, &mut recipe.compression)?;
+        set_compression(&self.compression, words, &mut recipe.compression)?;
         for (name, text) in &self.spelling {
             set_spelling(&mut recipe.spelling, name, &words.fill(text))?;
         }
@@ -83,7 +83,7 @@ fn set_spelling(to: &mut Spelling, name: &str, text: &str) -> Result<(), String>
 /// Settings that others depend on, in the order in which they apply.
 const FIRST_SETTINGS: [&str; 4] = ["structure", "references", "order", "everywhere"];
 
-fn apply_compression(
+fn set_compression(
     settings: &Settings,
     words: &Words,
     plan: &mut Compression,

@@ -29,7 +29,7 @@ pub(super) struct CaseRecord {
     make: Option<MakeRecord>,
     bytes: Option<Vec<Piece>>,
     values: Option<HandValues>,
-    twin_of: Option<String>,
+    pub twin_of: Option<String>,
     damage: Option<String>,
     /// Rulings, separated by spaces; `none` for none.
     shows: Option<String>,
@@ -41,13 +41,7 @@ pub(super) struct CaseRecord {
 
 impl CaseRecord {
     /// Builds the case with the given words filled in. `twin` is the case that `twin_of` names, if it precedes this one.
-    pub fn case<'a>(
-        &self,
-        words: &Words,
-        twin: impl Fn(&str) -> Option<&'a Case>,
-    ) -> Result<Case, String> {
-        let twin_of = self.twin_of.as_ref().map(|twin| words.id(twin));
-        let twin = twin_of.as_deref().and_then(twin);
+    pub fn case(&self, words: &Words, twin: Option<&Case>) -> Result<Case, String> {
         let source = self.source(words, twin)?;
         if self.expect == Expect::Spelling && self.make.is_none() {
             return Err("a case with `expect: spelling` must have a recipe (`make`)".to_owned());
@@ -68,7 +62,7 @@ impl CaseRecord {
             views,
             first: self.first,
             shows: shows.or_else(|| twin?.shows.clone()),
-            twin_of,
+            twin_of: self.twin_of.as_ref().map(|twin| words.id(twin)),
             source,
             prepared: None,
             digest: OnceLock::new(),
