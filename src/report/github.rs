@@ -25,11 +25,9 @@ pub fn annotations(report: &Report) -> String {
         let _ = writeln!(text, "::error title={title}::{message}");
     }
     if left_out > 0 {
-        let title = escape_property(report.suite.short()) + " conformance";
-        let _ = writeln!(
-            text,
-            "::notice title={title}::see the report for {left_out} more errors"
-        );
+        let suite = escape_property(report.suite.short());
+        let says = format!("see the report for {left_out} more errors");
+        let _ = writeln!(text, "::notice title={suite} conformance::{says}");
     }
     text
 }

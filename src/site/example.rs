@@ -92,11 +92,8 @@ fn numbers(text: &str) -> Result<Vec<usize>, String> {
 /// Returns a message with one line per failing example.
 pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
     let mut errors = Vec::new();
-    for clause in annotated
-        .chapters
-        .iter()
-        .flat_map(|chapter| &chapter.clauses)
-    {
+    let chapters = annotated.chapters.iter();
+    for clause in chapters.flat_map(|chapter| &chapter.clauses) {
         errors.extend(execute(clause, None, &annotated.files).err());
     }
     match errors.is_empty() {

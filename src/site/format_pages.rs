@@ -205,10 +205,11 @@ fn as_text(bytes: &[u8]) -> String {
 }
 
 /// Renders the rulings of a clause. A ruling that is already in `known` is abbreviated to its reading.
-fn ruling_markup<'a>(paper: PageContext<'a>, id: &String, known: &mut BTreeSet<&'a str>) -> Markup {
+fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, known: &mut BTreeSet<&'a str>) -> Markup {
     let rulings = paper.library.rulings.iter();
+    let rulings = rulings.filter(|ruling| ruling.clauses.iter().any(|clause| clause == id));
     html! {
-        @for ruling in rulings.filter(|ruling| ruling.clauses.contains(id)) {
+        @for ruling in rulings {
             aside.ruling aria-label={ "Ruling " (ruling.id) " at " (id) } {
                 p { b { "Where the text is silent: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
                 @if known.insert(&ruling.id) { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
@@ -241,10 +242,8 @@ fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Mark
 }
 
 fn test_markup(paper: PageContext, clause: &Clause) -> Markup {
-    let cases = paper.library.suite.cases.iter();
-    let cases: Vec<_> = cases
-        .filter(|case| case.clauses.contains(&clause.id))
-        .collect();
+    let mut cases: Vec<_> = paper.library.suite.cases.iter().collect();
+    cases.retain(|case| case.clauses.contains(&clause.id));
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {

@@ -124,20 +124,17 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
         true => (light, wrong_lit),
         false => (View::Raw, wrong(&View::Raw)),
     };
-    html! {
-        div.pair {
-            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
-            figure { (image_or_text(wrong.as_ref(), "wrong", describe_answer(&witness.answer))) figcaption { "with the mistake" } }
-        }
-        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
-    }
-}
-
-fn describe_answer(answer: &Answer) -> &'static str {
-    match answer {
+    let answer = match &witness.answer {
         Answer::Rejected => "refused",
         Answer::Unsupported => "unsupported",
         _ => "no image",
+    };
+    html! {
+        div.pair {
+            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
+            figure { (image_or_text(wrong.as_ref(), "wrong", answer)) figcaption { "with the mistake" } }
+        }
+        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
     }
 }
 

@@ -55,18 +55,13 @@ impl PageContext<'_> {
 
     /// Renders text with `code`, *emphasis*, and links for all ids in it.
     pub(super) fn prose(&self, text: &str) -> Markup {
-        let parts = text.split('`').enumerate();
         html! {
-            @for (i, part) in parts {
-                @if i % 2 == 1 { (self.link(part)) } @else { (self.render_emphasis(part)) }
-            }
-        }
-    }
-
-    fn render_emphasis(&self, text: &str) -> Markup {
-        html! {
-            @for (i, part) in text.split('*').enumerate() {
-                @if i % 2 == 1 { em { (part) } } @else { (self.link_clauses(part)) }
+            @for (i, part) in text.split('`').enumerate() {
+                @if i % 2 == 1 { (self.link(part)) } @else {
+                    @for (i, part) in part.split('*').enumerate() {
+                        @if i % 2 == 1 { em { (part) } } @else { (self.link_clauses(part)) }
+                    }
+                }
             }
         }
     }

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::compare::Expected;
 use super::values::{HandValues, Piece, Values};
@@ -16,8 +16,8 @@ use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
-/// The expected result of a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// The expected result of a case. It is serialized as its name in cases and manifests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {
     /// The image.
@@ -37,15 +37,6 @@ pub enum Expect {
 }
 
 impl Expect {
-    /// Returns the name used in cases and manifests.
-    #[must_use]
-    pub const fn manifest_name(self) -> &'static str {
-        match self {
-            Expect::Robust => "robust",
-            _ => self.name(),
-        }
-    }
-
     /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -126,9 +117,8 @@ pub struct TableSpelling {
 impl TableSpelling {
     /// Returns all six spellings, in the order in which `check` tries them.
     pub fn all() -> impl Iterator<Item = TableSpelling> {
-        Count::ALL
-            .into_iter()
-            .flat_map(|count| [false, true].map(|newline| TableSpelling { count, newline }))
+        let both = |count| [false, true].map(|newline| TableSpelling { count, newline });
+        Count::ALL.into_iter().flat_map(both)
     }
 }
 
@@ -176,9 +166,8 @@ impl Case {
     /// Returns the compression of a generated compressed file.
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
-        self.recipe()
-            .filter(|recipe| recipe.format.coding().is_some())
-            .map(|recipe| &recipe.compression)
+        let recipe = self.recipe().filter(|of| of.format.coding().is_some())?;
+        Some(&recipe.compression)
     }
 
     /// Returns the open choices of 2.9 that affect the stored values of this file: rulings of kind *choice*. Under all readings

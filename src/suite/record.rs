@@ -139,10 +139,9 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
         return Ok(());
     }
     let model = Model::paint(recipe);
-    for (&sample, &slack) in model.samples.iter().zip(&model.slack) {
-        if slack > 0 && (sample < slack || 255 - sample < slack) {
-            return Err("the samples are too close to 0 or 255 for any view except raw".to_owned());
-        }
+    let mut samples = model.samples.iter().zip(&model.slack);
+    match samples.any(|(&sample, &slack)| slack > 0 && sample.min(255 - sample) < slack) {
+        true => Err("the samples are too close to 0 or 255 for any view except raw".to_owned()),
+        false => Ok(()),
     }
-    Ok(())
 }

@@ -97,11 +97,7 @@ pub(super) fn flag(name: &str, text: &str) -> Result<bool, String> {
 /// Converts a word to the form of ids: lowercase, with hyphens, and with the sign of a number as a word.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
-    let word = if signed {
-        word.replace('-', "minus ")
-    } else {
-        word.to_owned()
-    };
-    word.to_lowercase()
-        .replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+    let minus = if signed { "minus " } else { "-" };
+    let word = word.replace('-', minus).to_lowercase();
+    word.replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

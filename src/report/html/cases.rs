@@ -65,9 +65,8 @@ pub(super) fn evidence<'a, C: Reported>(
     run: Option<&Run<C>>,
     groups: &[Group<'a>],
 ) -> HashMap<&'a str, Markup> {
-    let Some(run) = run else {
-        return HashMap::new();
-    };
+    let mut evidence = HashMap::new();
+    let Some(run) = run else { return evidence };
     let mut observed = HashMap::new();
     for (case, observation) in suite.cases.iter().zip(&run.observations) {
         observed.insert(case.id(), (case, observation));
@@ -76,7 +75,6 @@ pub(super) fn evidence<'a, C: Reported>(
     let in_turn = (0..longest.unwrap_or_default())
         .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
     let mut left = MAX_EVIDENCE_BYTES;
-    let mut evidence = HashMap::new();
     for case in in_turn {
         let Some((known, Some(observation))) = observed.get(case.id.as_str()) else {
             continue;

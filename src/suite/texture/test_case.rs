@@ -46,15 +46,13 @@ impl TestCase for TextureCase {
     }
 
     fn because(&self) -> String {
-        let lost = match (self.basis, &self.ruling) {
-            (Basis::Inferred, Some(ruling)) => {
-                format!(
-                    "\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
-                )
-            }
-            _ => String::new(),
-        };
-        format!("{}: {}{lost}", self.op, self.because)
+        let mut text = format!("{}: {}", self.op, self.because);
+        if let (Basis::Inferred, Some(ruling)) = (self.basis, &self.ruling) {
+            text += &format!(
+                "\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
+            );
+        }
+        text
     }
 
     fn ruling(&self) -> Option<&str> {
