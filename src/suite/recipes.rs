@@ -26,13 +26,13 @@ pub(crate) struct MakeRecord {
     indices: Option<String>,
     first_byte: Option<String>,
     #[serde(default)]
-    compression: Settings,
+    compression: SettingTexts,
     #[serde(default)]
-    spelling: Settings,
+    spelling: SettingTexts,
 }
 
 /// Differences from the default compression or spelling, by name.
-type Settings = BTreeMap<String, String>;
+type SettingTexts = BTreeMap<String, String>;
 
 impl MakeRecord {
     /// Builds the recipe with the given words filled in.
@@ -84,7 +84,7 @@ fn set_spelling(to: &mut Spelling, name: &str, text: &str) -> Result<(), String>
 const FIRST_SETTINGS: [&str; 4] = ["structure", "references", "order", "everywhere"];
 
 fn set_compression(
-    settings: &Settings,
+    settings: &SettingTexts,
     words: &Words,
     plan: &mut Compression,
 ) -> Result<(), String> {

@@ -9,7 +9,7 @@ use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
 use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::ptm::{Shape, channel_name};
-use crate::report::html::pictures::{self, Spot};
+use crate::report::html::pictures::{self, SamplePosition};
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
@@ -131,7 +131,12 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
 }
 
 /// Returns the byte ranges that a sample of `view` is computed from.
-fn sample_origins(case: &Case, file: &[u8], expected: &Expected, spot: Spot) -> Vec<Origin> {
+fn sample_origins(
+    case: &Case,
+    file: &[u8],
+    expected: &Expected,
+    spot: SamplePosition,
+) -> Vec<Origin> {
     let (x, y, channel) = spot;
     let stored = |channels| origin_of_samples(case, file, expected.size, (x, y), channels);
     let shape = decode(file).map(|ptm| ptm.planes.shape);

@@ -17,14 +17,14 @@ use crate::suite::compare::Expected;
 const MAX_SIDE: usize = 48;
 
 /// Position of a sample: column, row and channel.
-pub(super) type Spot = (usize, usize, usize);
+pub(super) type SamplePosition = (usize, usize, usize);
 
 /// Two frames of the same shape that are compared sample by sample.
 struct ImageComparison<'a> {
     expected: &'a Expected,
     received: Vec<f64>,
     /// Position of the first difference.
-    spot: Spot,
+    spot: SamplePosition,
     /// Columns that are displayed.
     columns: Range<usize>,
     /// Rows that are displayed.
@@ -35,7 +35,7 @@ struct ImageComparison<'a> {
 
 /// Renders the images of a frame whose first difference from the expected frame is at `spot`. Returns `None` if the frames
 /// have different shapes.
-pub(super) fn figure(expected: &Expected, frame: &Frame, spot: Spot) -> Option<Markup> {
+pub(super) fn figure(expected: &Expected, frame: &Frame, spot: SamplePosition) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();
     if (width, height, channels) != (expected.size.width, expected.size.height, expected.channels)

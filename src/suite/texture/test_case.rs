@@ -46,13 +46,13 @@ impl TestCase for TextureCase {
     }
 
     fn because(&self) -> String {
-        let mut text = format!("{}: {}", self.op, self.because);
-        if let (Basis::Inferred, Some(ruling)) = (self.basis, &self.ruling) {
-            text += &format!(
-                "\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
-            );
+        let text = format!("{}: {}", self.op, self.because);
+        match (self.basis, &self.ruling) {
+            (Basis::Inferred, Some(ruling)) => format!(
+                "{text}\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
+            ),
+            _ => text,
         }
-        text
     }
 
     fn ruling(&self) -> Option<&str> {
