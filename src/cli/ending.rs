@@ -102,7 +102,7 @@ impl<'a, C: Reported> ReportWriter<'a, C> {
     /// Compares the report with the baseline and writes it atomically as YAML.
     pub fn write(&self, run: &Run<C>, report: &mut Report) -> Result<(), String> {
         let known = self.known.as_ref();
-        report.baseline = known.map(|known| known.compare(self.suite, &run.judgement.cases));
+        report.baseline = known.map(|known| known.compare(self.suite, run));
         let text = match self.args.short {
             true => report.clone().without_passing_cases()?.to_yaml(),
             false => report.to_yaml(),
@@ -180,7 +180,7 @@ impl<'a, C: Reported> ReportWriter<'a, C> {
             return Ok(());
         }
         let list = self.known.clone().unwrap_or_default();
-        write_atomically(path, list.to_updated_yaml(self.suite, &run.judgement.cases))?;
+        write_atomically(path, list.to_updated_yaml(self.suite, run))?;
         print(&format!("known failures: {}\n", path.display()));
         Ok(())
     }

@@ -159,7 +159,8 @@ pub fn answer(file: &Path) -> CommandResult {
     let question = Question::read(&files::read(file)?);
     let answer = question.and_then(|question| question.answer(&Rules::SPEC));
     let answer = answer.map_err(|refusal| {
-        CommandError::refused(file, refusal.exit_status() as u8, refusal.message())
+        let (status, reason) = refusal.status_and_reason();
+        CommandError::refused(file, status as u8, reason)
     });
     print(&format!("{}\n", answer?));
     Ok(0)

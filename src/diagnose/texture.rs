@@ -46,7 +46,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
             // An answer that equals the reference's is not stored. A field that only one of the answers has counts as
             // a difference.
             let shown = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&expected_fields(case, &made), shown, case.tolerance());
+            let differs = difference(&expected_fields(case, &made), shown, case.tol);
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -67,7 +67,7 @@ fn is_wrong(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
     match case.answer(rules) {
         Answer::Decoded(made) => {
             let expected = case.expected(&run.judgement.dialect);
-            must_refuse || difference(&expected, &made, case.tolerance()).is_some()
+            must_refuse || difference(&expected, &made, case.tol).is_some()
         }
         Answer::Rejected => !must_refuse,
         _ => true,

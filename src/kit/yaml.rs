@@ -64,6 +64,16 @@ pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(&parse(text)?).map_err(|error| error.to_string())
 }
 
+/// Parses embedded files, given as names and texts.
+///
+/// # Errors
+/// Returns a message that names the file and the offending line.
+pub fn from_files<T: DeserializeOwned>(files: &[(&str, &str)]) -> Result<Vec<T>, String> {
+    let read =
+        |(name, text): &(&str, &str)| from_yaml(text).map_err(|error| format!("{name}: {error}"));
+    files.iter().map(read).collect()
+}
+
 /// Parses a list of records, each with its first line. An empty file is an empty list.
 ///
 /// # Errors

@@ -15,7 +15,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::yaml::{read_text, records, to_yaml};
-use crate::session::outcome::{Judged, Outcome};
+use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
@@ -76,15 +76,11 @@ impl Baseline {
         Ok(Baseline(listed))
     }
 
-    /// Compares a run with the baseline. `judged` contains one slot per case of `suite`.
+    /// Compares a run with the baseline.
     #[must_use]
-    pub fn compare<C: TestCase>(
-        &self,
-        suite: &Suite<C>,
-        judged: &[Option<Judged>],
-    ) -> BaselineComparison {
+    pub fn compare<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> BaselineComparison {
         let mut comparison = BaselineComparison::default();
-        for (case, judged) in suite.cases.iter().zip(judged) {
+        for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
             let Some(judged) = judged else { continue };
             let list = match (judged.outcome, self.0.contains_key(case.id())) {
                 (Outcome::Fail, true) => &mut comparison.known,
@@ -100,13 +96,9 @@ impl Baseline {
     /// Returns the YAML of an updated baseline that lists the failures of this run in suite order. Reasons are preserved,
     /// and so are entries of cases that neither passed nor failed.
     #[must_use]
-    pub fn to_updated_yaml<C: TestCase>(
-        &self,
-        suite: &Suite<C>,
-        judged: &[Option<Judged>],
-    ) -> String {
+    pub fn to_updated_yaml<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> String {
         let mut known = Vec::new();
-        for (case, judged) in suite.cases.iter().zip(judged) {
+        for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
             let listed = self.0.get(case.id());
             let stays = match judged.as_ref().map(|judged| judged.outcome) {
                 Some(Outcome::Fail) => true,
@@ -114,10 +106,8 @@ impl Baseline {
                 _ => listed.is_some(),
             };
             if stays {
-                known.push(KnownFailure {
-                    id: case.id().to_owned(),
-                    reason: listed.cloned().flatten(),
-                });
+                let (id, reason) = (case.id().to_owned(), listed.cloned().flatten());
+                known.push(KnownFailure { id, reason });
             }
         }
         let list = match known.is_empty() {

@@ -4,7 +4,7 @@
 //! caller requests every case.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use serde::Serialize;
 use similar::{Algorithm, DiffTag, capture_diff_slices};
@@ -55,9 +55,10 @@ fn kind_of_change(old: &CaseResult, new: &CaseResult) -> Option<&'static str> {
 /// Groups the cases that differ between two reports by kind of change.
 fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<ChangedCase<'a>>); 6] {
     // If an id is duplicated, the last case with that id is used.
-    let [before, after] = [old, new].map(|report| -> HashMap<&str, &CaseResult> {
+    let by_id = |report: &'a Report| -> HashMap<&str, &CaseResult> {
         (report.cases.iter().map(|case| (&*case.id, case))).collect()
-    });
+    };
+    let [before, after] = [old, new].map(by_id);
     let mut groups = KINDS.map(|kind| (kind, Vec::new()));
     let mut add = |kind: &str, pair| {
         let group = groups.iter_mut().find(|(name, _)| *name == kind);
@@ -76,7 +77,7 @@ fn groups<'a>(old: &'a Report, new: &'a Report) -> [(&'static str, Vec<ChangedCa
     groups
 }
 
-fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std::fmt::Result {
+fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> fmt::Result {
     let groups = groups(old, new);
     let changed = groups.iter().map(|(_, pairs)| pairs.len()).sum::<usize>();
     let in_full = every_case || changed <= MAX_FULL_DESCRIPTIONS;
@@ -93,10 +94,7 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> std:
         }
         match in_full {
             true => pairs.iter().try_for_each(|pair| write_change(out, pair))?,
-            false => write_counts(
-                out,
-                pairs.iter().map(|pair| (group_key(old, new, pair), pair.1)),
-            )?,
+            false => write_counts(out, pairs, old, new)?,
         }
     }
     if out.is_empty() && old != new {
@@ -129,11 +127,9 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
     if before == after {
         return after.outcome.to_string();
     }
+    let fields = differing_fields(before, after).join(", ");
     let how = match before.outcome == after.outcome {
-        true => {
-            let fields = differing_fields(before, after).join(", ");
-            format!("{} ({fields})", after.outcome)
-        }
+        true => format!("{} ({fields})", after.outcome),
         false => format!("{} → {}", before.outcome, after.outcome),
     };
     let fails = |case: &CaseResult| case.outcome == Outcome::Fail;
@@ -150,32 +146,36 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
 }
 
 /// Writes the number of cases and one example for each key, most frequent key first.
-fn write_counts<'a>(
+fn write_counts(
     out: &mut String,
-    keyed: impl Iterator<Item = (String, &'a CaseResult)>,
-) -> std::fmt::Result {
+    pairs: &[ChangedCase],
+    old: &Report,
+    new: &Report,
+) -> fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
-    for (group_key, case) in keyed {
-        groups.entry(group_key).or_default().push(case);
+    for pair in pairs {
+        let group = groups.entry(group_key(old, new, pair));
+        group.or_default().push(pair.1);
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));
-    groups.iter().try_for_each(|(group_key, cases)| {
+    groups.iter().try_for_each(|(key, cases)| {
         let example = &cases[0].id;
         match cases.len() {
-            1 => writeln!(out, "  {:>5}  {group_key}: {example}", 1),
-            count => writeln!(out, "  {count:>5}  {group_key}, for example {example}"),
+            1 => writeln!(out, "  {:>5}  {key}: {example}", 1),
+            count => writeln!(out, "  {count:>5}  {key}, for example {example}"),
         }
     })
 }
 
 /// Writes the full description of a change.
-fn write_change(out: &mut String, (old, new): &ChangedCase) -> std::fmt::Result {
-    if old.outcome == new.outcome {
-        writeln!(out, "  {}: {}", new.id, new.outcome)?;
-    } else {
-        writeln!(out, "  {}: {} → {}", new.id, old.outcome, new.outcome)?;
+fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
+    match old.outcome == new.outcome {
+        true => writeln!(out, "  {}: {}", new.id, new.outcome)?,
+        false => writeln!(out, "  {}: {} → {}", new.id, old.outcome, new.outcome)?,
     }
+    // All fields except the id and the outcome.
+    let details = |case| -> String { yaml(case).split_inclusive('\n').skip(2).collect() };
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
@@ -208,13 +208,7 @@ fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
 }
 
 /// Writes the lines that differ between two texts.
-fn write_lines(
-    out: &mut String,
-    indent: &str,
-    name: &str,
-    old: &str,
-    new: &str,
-) -> std::fmt::Result {
+fn write_lines(out: &mut String, indent: &str, name: &str, old: &str, new: &str) -> fmt::Result {
     if old == new {
         return Ok(());
     }
@@ -233,17 +227,6 @@ fn write_lines(
         }
     }
     Ok(())
-}
-
-/// Returns the YAML of all fields of a case except the id and the outcome.
-fn details(case: &CaseResult) -> String {
-    let (id, outcome) = (String::new(), Outcome::Pass);
-    let text = yaml(&CaseResult {
-        id,
-        outcome,
-        ..case.clone()
-    });
-    text.split_inclusive('\n').skip(2).collect()
 }
 
 fn yaml(value: &impl Serialize) -> String {

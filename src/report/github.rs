@@ -2,12 +2,11 @@
 //!
 //! A runner treats output lines that begin with `::` as commands, so all output of the decoder is escaped.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
-use crate::suite::name::SuiteName;
 
 /// Maximum number of errors that a runner displays for a step.
 const MAX_ANNOTATIONS: usize = 10;
@@ -22,19 +21,13 @@ pub fn annotations(report: &Report) -> String {
     let left_out = errors.len().saturating_sub(MAX_ANNOTATIONS);
     let mut text = String::new();
     for (title, message) in errors.iter().take(MAX_ANNOTATIONS) {
-        let _ = writeln!(
-            text,
-            "::error title={}::{}",
-            escape_property(title),
-            escape_data(message)
-        );
+        let (title, message) = (escape_property(title), escape_data(message));
+        let _ = writeln!(text, "::error title={title}::{message}");
     }
     if left_out > 0 {
-        let _ = writeln!(
-            text,
-            "::notice title={} conformance::see the report for {left_out} more errors",
-            escape_property(report.suite.short())
-        );
+        let suite = escape_property(report.suite.short());
+        let says = format!("see the report for {left_out} more errors");
+        let _ = writeln!(text, "::notice title={suite} conformance::{says}");
     }
     text
 }
@@ -84,13 +77,9 @@ pub fn summary(report: &Report, all: usize) -> String {
 }
 
 /// Writes the verdict, the scores and the remarks.
-fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
+fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     let (suite, command) = (report.suite.short(), inline_code(&report.decoder.command));
-    let sign = if report.verdict == "pass" {
-        "✅"
-    } else {
-        "❌"
-    };
+    let sign = ["❌", "✅"][usize::from(report.verdict == "pass")];
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {
         for line in reason.lines() {
@@ -99,13 +88,9 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
         writeln!(out)?;
     }
     let scores = &report.scores;
-    let (correctness, breadth) = (scores.correctness, scores.breadth);
+    let parts = [scores.correctness, scores.breadth, scores.robustness];
     writeln!(out, "| correctness | breadth | robustness |\n|--:|--:|--:|")?;
-    writeln!(
-        out,
-        "| {correctness} | {breadth} | {} |\n",
-        scores.robustness
-    )?;
+    writeln!(out, "| {} | {} | {} |\n", parts[0], parts[1], parts[2])?;
     for remark in &report.remarks {
         writeln!(out, "> {}\n", escape_markdown(&remark.says))?;
     }
@@ -113,11 +98,7 @@ fn write_head(report: &Report, out: &mut String) -> std::fmt::Result {
 }
 
 /// Writes the comparison with the baseline, the causes, and the number of failures without a cause.
-fn write_diagnoses(
-    report: &Report,
-    failures: &[&CaseResult],
-    out: &mut String,
-) -> std::fmt::Result {
+fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     let all = failures.len();
     if let Some(news) = &report.baseline {
         let [known, new, fixed] = [&news.known, &news.new, &news.stale].map(Vec::len);
@@ -130,7 +111,7 @@ fn write_diagnoses(
         writeln!(out, "### Diagnosis\n")?;
     }
     for cause in &report.diagnoses {
-        write_cause(cause, report.suite, all, out)?;
+        write_cause(cause, report, all, out)?;
     }
     let is_unexplained = |case: &&&CaseResult| report.cause_of(case).is_none();
     match failures.iter().filter(is_unexplained).count() {
@@ -139,22 +120,12 @@ fn write_diagnoses(
     }
 }
 
-fn write_cause(
-    cause: &LikelyCause,
-    suite: SuiteName,
-    all: usize,
-    out: &mut String,
-) -> std::fmt::Result {
-    let (subject, count) = (suite.subject(), cause.explains.len());
-    let (effect, fix) = (escape_markdown(&cause.effect), escape_markdown(&cause.fix));
-    let clause = linked(
-        &escape_markdown(&cause.clause),
-        suite.clause_page(&cause.clause),
-    );
-    writeln!(
-        out,
-        "- **{count} of {all} failures:** the {subject} {effect} (clause {clause}).  "
-    )?;
+fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut String) -> fmt::Result {
+    let (suite, count) = (report.suite, cause.explains.len());
+    let [clause, effect, fix] = [&cause.clause, &cause.effect, &cause.fix].map(escape_markdown);
+    let clause = linked(&clause, suite.clause_page(&cause.clause));
+    write!(out, "- **{count} of {all} failures:** the ")?;
+    writeln!(out, "{} {effect} (clause {clause}).  ", suite.subject())?;
     writeln!(out, "  Fix: {fix}.")?;
     match &cause.misreading {
         Some(slug) => {
@@ -169,18 +140,15 @@ fn write_cause(
 /// Wraps Markdown in a link to a page of the site. Returns the Markdown unchanged if there is no page or its name contains
 /// unexpected characters, since names in a report are untrusted.
 fn linked(markdown: &str, page: Option<String>) -> String {
-    let is_plain = |page: &String| {
-        page.chars()
-            .all(|c| c.is_ascii_alphanumeric() || "-./#".contains(c))
-    };
-    match page.filter(is_plain) {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-./#".contains(c);
+    match page.filter(|page| page.chars().all(is_plain)) {
         Some(page) => format!("[{markdown}]({})", published_url(&page)),
         None => markdown.to_owned(),
     }
 }
 
 /// Writes a table of the failing cases.
-fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Result {
+fn write_failures(failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     if failures.is_empty() {
         return Ok(());
     }
@@ -189,18 +157,11 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
     writeln!(out, "| case | clauses | result |\n|---|---|---|")?;
     for case in failures.iter().take(MAX_LISTED_FAILURES) {
         let says: String = case.says.chars().take(300).collect();
-        let (id, clauses) = (
-            inline_code(&case.id),
-            escape_markdown(&case.clauses.join(", ")),
-        );
-        writeln!(out, "| {id} | {clauses} | {} |", escape_markdown(&says))?;
+        let [clauses, says] = [&case.clauses.join(", "), &says].map(escape_markdown);
+        writeln!(out, "| {} | {clauses} | {says} |", inline_code(&case.id))?;
     }
-    if failures.len() > MAX_LISTED_FAILURES {
-        writeln!(
-            out,
-            "\n… and {} more.",
-            failures.len() - MAX_LISTED_FAILURES
-        )?;
+    if count > MAX_LISTED_FAILURES {
+        writeln!(out, "\n… and {} more.", count - MAX_LISTED_FAILURES)?;
     }
     writeln!(out, "\n</details>")
 }
@@ -208,20 +169,17 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> std::fmt::Resul
 /// Quotes the lines of `text` that a runner would treat as commands.
 #[must_use]
 pub fn quote_commands(text: &str) -> String {
-    text.split_inclusive('\n')
-        .map(|line| {
-            let begins = line.trim_start();
-            let is_command = begins.starts_with("::") || begins.starts_with("##[");
-            format!("{}{line}", if is_command { "> " } else { "" })
-        })
-        .collect()
+    let quote = |line: &str| {
+        let begins = line.trim_start();
+        let is_command = begins.starts_with("::") || begins.starts_with("##[");
+        format!("{}{line}", if is_command { "> " } else { "" })
+    };
+    text.split_inclusive('\n').map(quote).collect()
 }
 
 /// Escapes text for use as the message of a workflow command.
 fn escape_data(text: &str) -> String {
-    text.replace('%', "%25")
-        .replace('\r', "%0D")
-        .replace('\n', "%0A")
+    (text.replace('%', "%25").replace('\r', "%0D")).replace('\n', "%0A")
 }
 
 /// Escapes text for use as a property of a workflow command.
@@ -230,8 +188,8 @@ fn escape_property(text: &str) -> String {
 }
 
 /// Escapes Markdown and HTML in `text` and joins its lines.
-fn escape_markdown(text: &str) -> String {
-    escape_with(text, |c| format!("\\{c}"))
+fn escape_markdown(text: impl AsRef<str>) -> String {
+    escape_with(text.as_ref(), |c| format!("\\{c}"))
 }
 
 /// Formats `text` as inline code; any characters are allowed.

@@ -67,10 +67,8 @@ pub fn junit(report: &Report) -> String {
     };
     // XML allows no other control characters, not even escaped ones.
     let allowed = |c: char| !c.is_control() || matches!(c, '\n' | '\r' | '\t');
-    xml.0.replace(
-        |c| !allowed(c) || c == '\u{fffe}' || c == '\u{ffff}',
-        "\u{fffd}",
-    )
+    let replaced = |c: char| !allowed(c) || matches!(c, '\u{fffe}' | '\u{ffff}');
+    xml.0.replace(replaced, "\u{fffd}")
 }
 
 /// Returns the name and the markup of the element for a case, or `None` if the case passed.

@@ -52,19 +52,17 @@ impl Leniency {
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
-        let (Expect::Lenient | Expect::Robust, Some(ruling)) = (case.expect(), case.ruling())
-        else {
-            continue;
-        };
-        let (Some(observation), Some(judged)) = (&run.observations[i], &run.judgement.cases[i])
-        else {
+        let is_lenient = matches!(case.expect(), Expect::Lenient | Expect::Robust);
+        let ruling = case.ruling().filter(|_| is_lenient);
+        let seen = run.observations[i].as_ref().zip(ruling);
+        let Some(((seen, ruling), judged)) = seen.zip(run.judgement.cases[i].as_ref()) else {
             continue;
         };
         let of = rulings.entry(ruling).or_insert_with(|| Leniency {
             ruling: ruling.to_owned(),
             ..Leniency::default()
         });
-        match (&observation.response, judged.outcome) {
+        match (&seen.response, judged.outcome) {
             (Response::Rejected, _) => of.refused += 1,
             (Response::Unsupported, _) => of.unsupported += 1,
             (Response::Image { .. }, Outcome::Pass) => of.decoded += 1,

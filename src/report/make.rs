@@ -37,9 +37,9 @@ impl Report {
             _ => "not a decoder",
         };
         let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
-        let words = command.iter().map(|word| name(word).to_string_lossy());
-        let words: Vec<_> = words.collect();
+        let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
         let views = run.offer.views.iter();
+        let decoded = run.judgement.decoded.iter();
         let remarks = run.remarks.iter().cloned();
         Report {
             schema: SCHEMA,
@@ -56,9 +56,7 @@ impl Report {
                 version: None,
                 mode: "one-shot".to_owned(),
                 views: views.map(|&view| view.to_owned()).collect(),
-                decodes: (run.judgement.decoded.iter())
-                    .map(ToString::to_string)
-                    .collect(),
+                decodes: decoded.map(ToString::to_string).collect(),
                 unsupported: unsupported(run),
             },
             verdict: verdict.to_owned(),
@@ -91,34 +89,29 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
     let observed = run.judgement.cases.iter().zip(&run.observations);
     for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
         let Some(judged) = judged else { continue };
-        let mut result = CaseResult {
+        let seen = observation.as_ref();
+        let failed = seen.filter(|_| judged.outcome == Outcome::Fail);
+        results.push(CaseResult {
             id: case.id().to_owned(),
             outcome: judged.outcome,
-            view: String::new(),
+            view: seen.map_or_else(String::new, |seen| seen.view.to_string()),
             expect: case.expectation().to_owned(),
             clauses: case.clauses().to_vec(),
             says: judged.says.clone(),
-            weak: false,
-            stderr: String::new(),
-        };
-        if let Some(observation) = observation {
-            result.view = observation.view.to_string();
-            result.weak = observation.weak;
-            if judged.outcome == Outcome::Fail {
-                result.stderr.clone_from(&observation.stderr);
-            }
-        }
-        results.push(result);
+            weak: seen.is_some_and(|seen| seen.weak),
+            stderr: failed.map_or_else(String::new, |seen| seen.stderr.clone()),
+        });
     }
     results
 }
 
 /// Returns the decoder's reading of each choice that the run settled, with the cases that demonstrate it.
 fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
-    let followed = run.judgement.dialect.0.iter().zip(&run.judgement.certain);
-    let choices = followed.zip(C::CHOICES.iter()).enumerate();
-    let choices = choices.filter(|(_, ((_, certain), _))| **certain == Certainty::Settled);
-    let choices = choices.map(|(axis, ((&reading, _), choice))| {
+    let mut readings = C::readings_of_files(suite, run);
+    for (axis, choice) in C::CHOICES.iter().enumerate() {
+        if run.judgement.certain[axis] != Certainty::Settled {
+            continue;
+        }
         let shows = |i: usize| {
             let observation = run.observations[i].as_ref();
             matches!(
@@ -126,14 +119,12 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
                 Some(Response::Image { right: Right::In { axes, .. }, .. }) if axes.contains(&axis)
             )
         };
-        FollowedReading {
+        readings.push(FollowedReading {
             ruling: choice.ruling.to_owned(),
-            reading: choice.readings[reading].0.to_owned(),
+            reading: choice.readings[run.judgement.dialect.0[axis]].0.to_owned(),
             shown_by: passing_case_ids(suite, run, shows),
-        }
-    });
-    let mut readings = C::readings_of_files(suite, run);
-    readings.extend(choices);
+        });
+    }
     readings
 }
 

@@ -44,20 +44,17 @@ impl<C: Reported> RecordedAnswers<C> {
         for report in reports {
             let (kept, end) = read(&shards::answers_path(report))
                 .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
-            known.extend(kept.into_iter().map(|kept| {
-                let key = (kept.file.clone(), kept.view.clone(), kept.alone);
-                (key, kept)
-            }));
+            for kept in kept {
+                known.insert((kept.file.clone(), kept.view.clone(), kept.alone), kept);
+            }
             ends.push((report, end));
         }
         check_parts(&ends)?;
         ends.sort_by_key(|(_, end)| end.part.number);
         let (first, mut whole) = ends.remove(0);
         if whole.corpus != C::digest(suite) {
-            let first = first.display();
-            return Err(format!(
-                "{first}: made with another suite than that of this program"
-            ));
+            let says = "made with another suite than that of this program";
+            return Err(format!("{}: {says}", first.display()));
         }
         for (_, part) in &ends {
             add_new(&mut whole.remarks.before, &part.remarks.before);
@@ -84,7 +81,7 @@ impl<C: Reported> RecordedAnswers<C> {
         plan.jobs = jobs;
         let missing = OnceLock::new();
         let ask = |request: &Request<'_, C::View>, _: usize| {
-            self.recorded_reply(suite, request).unwrap_or_else(|| {
+            self.find_reply(suite, request).unwrap_or_else(|| {
                 missing.get_or_init(|| format!("{} in {}", request.name, request.view));
                 Answer::NotStarted("no part of the run contains this request".to_owned()).into()
             })
@@ -107,16 +104,10 @@ impl<C: Reported> RecordedAnswers<C> {
 
     /// Returns the recorded answer to a request. If no part repeated the request, the first answer is used again, because
     /// its verdict did not require a repetition.
-    fn recorded_reply(
-        &self,
-        suite: &Suite<C>,
-        request: &Request<'_, C::View>,
-    ) -> Option<ReplyTo<C>> {
+    fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
-        let known = |alone| {
-            self.known
-                .get(&(file.clone(), request.view.to_string(), alone))
-        };
+        let key = |alone| (file.clone(), request.view.to_string(), alone);
+        let known = |alone| self.known.get(&key(alone));
         let again = known(true).filter(|_| request.needs_new_process);
         let kept = again.or_else(|| known(false))?;
         let answer = match &kept.answer {
@@ -181,10 +172,8 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
             return named(&format!("from another run than {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {
-            let part = end.part;
-            return named(&format!(
-                "part {part} did not finish: {why}. Run this part again"
-            ));
+            let says = format!("part {} did not finish: {why}", end.part);
+            return named(&format!("{says}. Run this part again"));
         }
     }
     for number in 1..=first.part.of {

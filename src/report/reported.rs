@@ -56,13 +56,8 @@ pub trait Reported: TestCase {
     ///
     /// # Errors
     /// Returns a message that names the first unknown misreading.
-    fn assume(
-        _: &Suite<Self>,
-        _: &mut Run<Self>,
-        slugs: &[String],
-        _: usize,
-    ) -> Result<(), String> {
-        match slugs {
+    fn assume(_: &Suite<Self>, _: &mut Run<Self>, of: &[String], _: usize) -> Result<(), String> {
+        match of {
             [] => Ok(()),
             _ => Err("--assume works only with the suite of PTM files".to_owned()),
         }
@@ -104,16 +99,12 @@ impl Reported for Case {
     }
 
     fn readings_of_files(suite: &Suite, run: &Run) -> Vec<FollowedReading> {
-        let decoded = &run.judgement.decoded;
         let is_table =
             |feature: &Feature| matches!(feature, Feature::Format(format) if format.has_table());
-        if !decoded.iter().any(is_table) {
+        if !run.judgement.decoded.iter().any(is_table) {
             return Vec::new();
         }
-        let newline = match run.table.newline {
-            true => "one line feed",
-            false => "nothing",
-        };
+        let newline = ["nothing", "one line feed"][usize::from(run.table.newline)];
         let reading = |ruling: &str, reading: &str| FollowedReading {
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
@@ -122,10 +113,8 @@ impl Reported for Case {
                 case.expect == Expect::Spelling && case.ruling.as_deref() == Some(ruling)
             }),
         };
-        vec![
-            reading("lut-count", run.table.count.name()),
-            reading("lut-newline", newline),
-        ]
+        let count = reading("lut-count", run.table.count.name());
+        vec![count, reading("lut-newline", newline)]
     }
 
     fn evidence(&self, table: TableSpelling, observation: &Observation) -> Markup {
@@ -163,23 +152,15 @@ impl Reported for TextureCase {
     }
 
     fn digest(suite: &Suite<TextureCase>) -> String {
-        let cases = suite.cases.iter();
-        let all: String = cases
-            .map(|case| format!("{}{}{}", case.id, case.question(), case.expect))
-            .collect();
-        sha256(all.as_bytes())
+        let text = |case: &TextureCase| format!("{}{}{}", case.id, case.question(), case.expect);
+        sha256(suite.cases.iter().map(text).collect::<String>().as_bytes())
     }
 
     fn evidence(&self, _: TableSpelling, observation: &Observation<TextureCase>) -> Markup {
         evidence::question_evidence(self, observation)
     }
 
-    fn diagnose(
-        suite: &Suite<TextureCase>,
-        run: &Run<TextureCase>,
-        _: &[String],
-        _: usize,
-    ) -> Causes<Change> {
+    fn diagnose(suite: &Suite<Self>, run: &Run<Self>, _: &[String], _: usize) -> Causes<Change> {
         diagnose::texture::diagnose(suite, run).into()
     }
 }

@@ -241,10 +241,7 @@ impl<C: TestCase> AnswerRecorder<C> {
             state.write(&kept);
         }
         state.write(end);
-        match state.failed {
-            Some(error) => Err(error),
-            None => state.out.flush(),
-        }
+        state.failed.map_or_else(|| state.out.flush(), Err)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Reports as text for a terminal.
 
 use std::collections::BTreeMap;
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use crate::kit::last_message::last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
@@ -25,21 +25,17 @@ impl Report {
             suite,
             failing: self.with_outcome(Outcome::Fail).collect(),
         };
-        page.write(max_failures, &mut text)
-            .expect("writing to memory does not fail");
+        let written = page.write(max_failures, &mut text);
+        written.expect("writing to memory does not fail");
         text
     }
 
-    /// Formats the results of the cases whose ids satisfy `wanted`.
+    /// Formats the results of the cases whose ids satisfy `is`.
     #[must_use]
-    pub fn cases_to_text<C: TestCase>(
-        &self,
-        suite: &Suite<C>,
-        wanted: impl Fn(&str) -> bool,
-    ) -> String {
+    pub fn cases_to_text<C: TestCase>(&self, of: &Suite<C>, is: impl Fn(&str) -> bool) -> String {
         let mut text = String::new();
-        for case in self.cases.iter().filter(|case| wanted(&case.id)) {
-            write_case(case, suite, &mut text).expect("writing to memory does not fail");
+        for case in self.cases.iter().filter(|case| is(&case.id)) {
+            write_case(case, of, &mut text).expect("writing to memory does not fail");
         }
         text
     }
@@ -47,11 +43,13 @@ impl Report {
     /// Returns the number of cases with each outcome as a comma-separated list.
     #[must_use]
     pub fn counts(&self) -> String {
-        let count = |outcome: Outcome| match self.with_outcome(outcome).count() {
-            0 => None,
-            count => Some(format!("{count} {outcome}")),
-        };
-        let counts: Vec<String> = Outcome::ALL.into_iter().filter_map(count).collect();
+        let mut counts = Vec::new();
+        for outcome in Outcome::ALL {
+            match self.with_outcome(outcome).count() {
+                0 => {}
+                count => counts.push(format!("{count} {outcome}")),
+            }
+        }
         counts.join(", ")
     }
 }
@@ -72,14 +70,12 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     let mut lines = vec![format!(
         "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
     )];
-    let (frequent, few): (Vec<&LikelyCause>, Vec<&LikelyCause>) =
-        (causes.iter()).partition(|cause| cause.explains.len() >= MIN_FAILURES_PER_CAUSE);
+    let is_frequent = |cause: &&LikelyCause| cause.explains.len() >= MIN_FAILURES_PER_CAUSE;
+    let (frequent, few): (Vec<_>, Vec<_>) = causes.iter().partition(is_frequent);
     for cause in frequent.iter().take(MAX_FIRST_CAUSES) {
-        let (count, behavior) = (cause.explains.len(), behavior(cause));
-        lines.push(format!(
-            "{count} of {failed} failures: the decoder {behavior}."
-        ));
-        lines.push(format!("  Fix: {}.", cause.fix));
+        let (count, does, fix) = (cause.explains.len(), behavior(cause), &cause.fix);
+        lines.push(format!("{count} of {failed} failures: the decoder {does}."));
+        lines.push(format!("  Fix: {fix}."));
     }
     if frequent.len() > MAX_FIRST_CAUSES {
         lines.push(format!("… and {} more", frequent.len() - MAX_FIRST_CAUSES));
@@ -111,7 +107,7 @@ struct Page<'a, C: TestCase> {
 }
 
 impl<C: TestCase> Page<'_, C> {
-    fn write(&self, max_failures: usize, out: &mut String) -> std::fmt::Result {
+    fn write(&self, max_failures: usize, out: &mut String) -> fmt::Result {
         if let Some(reason) = &self.report.reason {
             let command = &self.report.decoder.command;
             let subject = self.report.suite.subject();
@@ -133,12 +129,12 @@ impl<C: TestCase> Page<'_, C> {
     }
 
     /// Writes a cause, the suggested fix, and a few failures that it explains.
-    fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> std::fmt::Result {
+    fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
         let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
         writeln!(out, "{count} of {all} failures: the {subject} {behavior}.")?;
-        for detail in details(cause, self.report.suite) {
-            writeln!(out, "  {}{}{}", detail.before, detail.name, detail.after)?;
+        for (before, name, after, _) in details(cause, self.report.suite) {
+            writeln!(out, "  {before}{name}{after}")?;
         }
         if let Some(example) = &cause.example {
             writeln!(out, "  {}", capitalize(example))?;
@@ -156,7 +152,7 @@ impl<C: TestCase> Page<'_, C> {
     }
 
     /// Writes the failures without a cause.
-    fn write_unexplained(&self, max_failures: usize, out: &mut String) -> std::fmt::Result {
+    fn write_unexplained(&self, max_failures: usize, out: &mut String) -> fmt::Result {
         let mut unexplained = self.failing.clone();
         unexplained.retain(|case| self.report.cause_of(case).is_none());
         if unexplained.is_empty() {
@@ -181,7 +177,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out)
     }
 
-    fn write_failure(&self, case: &CaseResult, out: &mut String) -> std::fmt::Result {
+    fn write_failure(&self, case: &CaseResult, out: &mut String) -> fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
         writeln!(out, "    {}: {}", case.view, case.says)?;
         if let Some(case) = self.suite.case(&case.id) {
@@ -196,7 +192,7 @@ impl<C: TestCase> Page<'_, C> {
     }
 
     /// Writes the dialect, the counts and the scores.
-    fn write_summary(&self, out: &mut String) -> std::fmt::Result {
+    fn write_summary(&self, out: &mut String) -> fmt::Result {
         let report = self.report;
         self.write_dialect(out)?;
         let lenient = report.lenient.iter().map(Leniency::to_summary);
@@ -223,22 +219,20 @@ impl<C: TestCase> Page<'_, C> {
     }
 
     /// Writes the number of open questions that the decoder reads like the reference, and its readings of the others.
-    fn write_dialect(&self, out: &mut String) -> std::fmt::Result {
+    fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();
             choices.any(|of| of.ruling == known.ruling && of.readings[0].0 == known.reading)
         };
         let (alike, own): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
+        let has_alike = !alike.is_empty();
         let alike = match alike.len() {
-            0 => None,
-            1 => Some("1 open question is read as the reference reads it".to_owned()),
-            many => Some(format!(
-                "{many} open questions are read as the reference reads them"
-            )),
+            1 => "1 open question is read as the reference reads it".to_owned(),
+            many => format!("{many} open questions are read as the reference reads them"),
         };
-        let own = own.iter();
-        let own = own.map(|known| format!("{}: {}", known.ruling, known.reading));
-        write_list(out, "dialect", alike.into_iter().chain(own))
+        let own = (own.iter()).map(|known| format!("{}: {}", known.ruling, known.reading));
+        let items = has_alike.then_some(alike).into_iter().chain(own);
+        write_list(out, "dialect", items)
     }
 
     /// Counts the reasons why cases were inconclusive or not judged.
@@ -260,11 +254,7 @@ impl<C: TestCase> Page<'_, C> {
     }
 }
 
-fn write_list(
-    out: &mut String,
-    name: &str,
-    items: impl Iterator<Item = String>,
-) -> std::fmt::Result {
+fn write_list(out: &mut String, name: &str, items: impl Iterator<Item = String>) -> fmt::Result {
     let items: Vec<String> = items.collect();
     match items.is_empty() {
         true => Ok(()),
@@ -274,16 +264,11 @@ fn write_list(
 
 fn capitalize(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
+    let first = letters.next().into_iter().flat_map(char::to_uppercase);
+    first.chain(letters).collect()
 }
 
-fn write_case<C: TestCase>(
-    case: &CaseResult,
-    suite: &Suite<C>,
-    out: &mut String,
-) -> std::fmt::Result {
+fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String) -> fmt::Result {
     let weak = if case.weak { ", weakly" } else { "" };
     let CaseResult { id, outcome, .. } = case;
     writeln!(out, "{id}: {outcome}{weak}  ({})", case.clauses.join(", "))?;
@@ -305,20 +290,19 @@ fn write_case<C: TestCase>(
     (case.stderr.lines()).try_for_each(|line| writeln!(out, "    {line}"))
 }
 
-/// Failures grouped by message.
-type FailuresByMessage<'a> = Vec<(&'a str, Vec<&'a CaseResult>)>;
+/// Failures with the same message.
+type AlikeFailures<'a> = (&'a str, Vec<&'a CaseResult>);
 
 /// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.
-fn group_violations<'a>(
-    failures: &[&'a CaseResult],
-) -> (FailuresByMessage<'a>, Vec<&'a CaseResult>) {
-    let mut kinds: FailuresByMessage = Vec::new();
+fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<AlikeFailures<'a>>, Vec<&'a CaseResult>) {
+    let mut kinds: Vec<AlikeFailures> = Vec::new();
     let mut single = Vec::new();
-    for &case in failures {
+    for &case in all {
         let says = case.says.as_str();
+        let is_start = |prefix| says.starts_with(prefix);
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
             Some((_, cases)) => cases.push(case),
-            None if VIOLATION_PREFIXES.iter().any(|name| says.starts_with(name)) => {
+            None if VIOLATION_PREFIXES.split('|').any(is_start) => {
                 kinds.push((says, vec![case]));
             }
             None => single.push(case),
@@ -331,12 +315,5 @@ fn group_violations<'a>(
 
 /// Prefixes of messages about answers that are neither an image nor a refusal; see
 /// [`Answer::name`](crate::protocol::frame::Answer::name).
-const VIOLATION_PREFIXES: [&str; 7] = [
-    "protocol error: ",
-    "crash: ",
-    "hang: ",
-    "flood: ",
-    "out of memory: ",
-    "tampering: ",
-    "not started: ",
-];
+const VIOLATION_PREFIXES: &str =
+    "protocol error: |crash: |hang: |flood: |out of memory: |tampering: |not started: ";

@@ -5,74 +5,52 @@ use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
 /// Looks up slugs in the catalogs of the suite and returns slug, clause and effect of each. Unknown slugs are skipped.
-fn find_misreadings(
-    suite: SuiteName,
-    slugs: &[String],
-) -> impl Iterator<Item = (&str, &str, &str)> {
+fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
-            return writing::find(slug).map(|of| (&**slug, of.clause, of.effect));
+            return writing::find(slug).map(|of| [slug, of.clause, of.effect]);
         }
-        let ptm = misreadings::find(slug).map(|of| (&**slug, of.clause, of.effect));
-        ptm.or_else(|| texture::find(slug).map(|of| (&**slug, of.clause, of.effect)))
+        let ptm = misreadings::find(slug).map(|of| [slug, of.clause, of.effect]);
+        ptm.or_else(|| texture::find(slug).map(|of| [slug, of.clause, of.effect]))
     })
 }
 
 /// Maximum number of misreadings with the same effect that are described. Further ones are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
-/// Additional sentence about a cause, split around a name and without the final period.
-pub(super) struct Detail<'a> {
-    pub before: String,
-    /// Misreading or case; may be empty.
-    pub name: &'a str,
-    pub after: &'static str,
-    /// Page of the misreading on the site.
-    pub page: Option<String>,
-}
+/// Additional sentence about a cause without the final period: the text before a name, the name of a misreading or case
+/// (may be empty), the text after it, and the page of the misreading on the site.
+type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 
 /// Returns the details of a cause: misreadings with the same effect, misreadings that also occur, and cases that the cause
 /// does not explain.
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
-    let detail = |before, name, after| Detail {
-        before,
-        name,
-        after,
-        page: None,
-    };
-    let mut details = Vec::new();
-    for (slug, clause, effect) in
-        find_misreadings(suite, &cause.or).take(MAX_EQUIVALENT_MISREADINGS)
-    {
+    let subject = suite.subject();
+    let mut details: Vec<Detail> = Vec::new();
+    let mut alike = find_misreadings(suite, &cause.or);
+    for [slug, clause, effect] in alike.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
         let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
-        details.push(Detail {
-            page: Some(suite.misreading_page(slug)),
-            ..detail(before, slug, ")")
-        });
+        details.push((before, slug, ")", Some(suite.misreading_page(slug))));
     }
-    let more = find_misreadings(suite, &cause.or)
-        .skip(MAX_EQUIVALENT_MISREADINGS)
-        .count();
+    let more = alike.count();
     if more > 0 {
         let plural = if more == 1 { "" } else { "s" };
         let before = format!("{more} other misreading{plural} would look the same; see the report");
-        details.push(detail(before, "", ""));
+        details.push((before, "", "", None));
     }
-    for (slug, _, effect) in find_misreadings(suite, &cause.with) {
-        let before = format!(
-            "In some of these cases, the {} also {effect} (",
-            suite.subject()
-        );
-        details.push(detail(before, slug, ")"));
+    for [slug, _, effect] in find_misreadings(suite, &cause.with) {
+        let before = format!("In some of these cases, the {subject} also {effect} (");
+        details.push((before, slug, ")", None));
     }
     let partly = match cause.partly.len() {
-        0 => None,
-        1 => Some("1 other failure is explained in part".to_owned()),
-        count => Some(format!("{count} other failures are explained in part")),
+        1 => "1 other failure is explained in part".to_owned(),
+        count => format!("{count} other failures are explained in part"),
     };
-    details.extend(partly.map(|before| detail(before, "", "")));
+    if !cause.partly.is_empty() {
+        details.push((partly, "", "", None));
+    }
     if let Some(passing) = cause.except.first() {
-        let (subject, count) = (suite.subject(), cause.except.len());
+        let count = cause.except.len();
         let passing_cases = match count {
             1 => "1 case that passes".to_owned(),
             _ => format!("{count} cases that pass"),
@@ -80,7 +58,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         let before = format!(
             "However, a {subject} with this mistake would also fail {passing_cases}, for example "
         );
-        details.push(detail(before, passing, ""));
+        details.push((before, passing, "", None));
     }
     details
 }

@@ -32,29 +32,22 @@ impl Report {
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
         let named = |error: String| format!("{}: {error}", path.display());
-        let hint = match text.starts_with("- ") {
-            true => {
-                "\nthe file is a list, like FILE.partial; a report is a mapping that begins with schema:"
-            }
-            false => "",
-        };
+        let list = "\nthe file is a list, like FILE.partial; a report is a mapping that begins with schema:";
+        let hint = if text.starts_with("- ") { list } else { "" };
         let form = from_yaml::<SchemaVersion>(&text).map_err(|error| named(error + hint))?;
-        match form.schema {
+        let error = match form.schema {
             Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(named)? {
-                Report {
-                    results: Some(_), ..
-                } => Err(named(
-                    "a short report does not list the passing cases; run check without --short"
-                        .to_owned(),
-                )),
-                report => Ok(report),
+                report if report.results.is_none() => return Ok(report),
+                _ => "a short report does not list the passing cases; run check without --short"
+                    .to_owned(),
             },
-            Some(other) => Err(named(format!(
+            Some(other) => format!(
                 "line 1: a report of schema {other}, but this program reads schema {SCHEMA}"
-            ))),
-            None => Err(named(format!(
+            ),
+            None => format!(
                 "line 1: not a report of schema {SCHEMA}; if an older version wrote the file, run check again"
-            ))),
-        }
+            ),
+        };
+        Err(named(error))
     }
 }

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use data_encoding::HEXLOWER;
 use serde::Deserialize;
 
-use crate::kit::{embedded, yaml::from_yaml};
+use crate::kit::embedded;
+use crate::kit::yaml::{from_files, from_yaml};
+use crate::suite::values::parse_hex;
 
 /// Chapter of the annotated format, which becomes one page.
 #[derive(Clone, Debug, Deserialize)]
@@ -135,11 +136,8 @@ impl Annotated {
     /// # Errors
     /// Returns a message that names the file and the line.
     pub fn read(chapters: &[(&str, &str)], files: &str) -> Result<Annotated, String> {
-        let read = |(name, text): &(&str, &str)| {
-            from_yaml(text).map_err(|error| format!("{name}: {error}"))
-        };
         Ok(Annotated {
-            chapters: chapters.iter().map(read).collect::<Result<_, _>>()?,
+            chapters: from_files(chapters)?,
             files: from_yaml(files).map_err(|error| format!("files.yaml: {error}"))?,
         })
     }
@@ -178,11 +176,4 @@ impl Files {
         let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.is))?;
         Ok(bytes.repeat(part.times.unwrap_or(1)))
     }
-}
-
-fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
-    let digits: String = text.split_whitespace().collect();
-    HEXLOWER
-        .decode(digits.as_bytes())
-        .map_err(|_| format!("expected pairs of hex digits, found {text:?}"))
 }

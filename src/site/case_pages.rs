@@ -32,16 +32,14 @@ pub(super) fn pages(paper: PageContext, jobs: usize) -> Vec<SiteFile> {
         let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
         std::iter::once(page).chain(file)
     });
-    std::iter::once(list_page(paper))
-        .chain(made.into_iter().flatten())
-        .collect()
+    (std::iter::once(list_page(paper)).chain(made.into_iter().flatten())).collect()
 }
 
 fn list_page(paper: PageContext) -> SiteFile {
     let cases = &paper.library.suite.cases;
     let body = html! {
         p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
-        (PageContext::descriptions(&paper.library.texts.expectations, ["decode", "reject", "refuse", "lenient", "spelling"]))
+        (PageContext::descriptions(&paper.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
         p { "What each exit status means: " (paper.protocol()) "." }
         (filter_box("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
@@ -96,7 +94,7 @@ fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
 
 /// Describes the tolerance for the values of a case.
 fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
-    let view = case.views.first()?;
+    let view = &case.views[0];
     let expected = Expected::new(&built.values, view)?;
     let most = expected.slack.iter().copied().fold(0.0, f64::max);
     let own = tolerance_text(view.kind());
@@ -109,12 +107,9 @@ fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
 fn render_image(case: &Case, built: &Built) -> Markup {
     let ordinary: View = View::ORDINARY_LIGHT.parse().expect("a light");
     let mut views = case.views.iter().chain([&ordinary]);
-    let light = views.find_map(|view| match view {
-        View::Rgb(light) => Some(light),
-        _ => None,
-    });
+    let light = views.find(|view| matches!(view, View::Rgb(_)));
     html! {
-        @if let (Ok(ptm), Some(light)) = (decode(&built.file), light) {
+        @if let (Ok(ptm), Some(View::Rgb(light))) = (decode(&built.file), light) {
             figure.large {
                 (pictures::render_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
@@ -125,9 +120,7 @@ fn render_image(case: &Case, built: &Built) -> Markup {
 
 /// Renders the expected values of the first texels.
 fn values(case: &Case, built: &Built) -> Markup {
-    let Some(view) = case.views.first() else {
-        return html! {};
-    };
+    let view = &case.views[0];
     let Some(expected) = Expected::new(&built.values, view) else {
         return html! {};
     };

@@ -70,10 +70,8 @@ fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
 
 /// Renders the readers that are affected, based on runs and the catalog.
 fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
-    let seen = misreadings::all().filter(|misreading| {
-        misreading.clause == code.clause && !readers_with_mistake(misreading).is_empty()
-    });
-    let seen: Vec<_> = seen.collect();
+    let mut seen: Vec<_> = misreadings::all().collect();
+    seen.retain(|of| of.clause == code.clause && !readers_with_mistake(of).is_empty());
     let runs = &paper.library.runs;
     let tally = |run: &ReaderRun| {
         let mut tally: BTreeMap<&str, usize> = BTreeMap::new();

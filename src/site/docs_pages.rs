@@ -32,12 +32,8 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("CHANGELOG.md", "changelog"),
 ];
 
-/// Image in the README: path in the repository, file name on the site, and bytes.
-const README_IMAGE: (&str, &str, &[u8]) = (
-    "docs/mistakes.png",
-    "mistakes.png",
-    include_bytes!("../../docs/mistakes.png"),
-);
+/// Image in the README: file name on the site, and bytes.
+const README_IMAGE: (&str, &[u8]) = ("mistakes.png", include_bytes!("../../docs/mistakes.png"));
 
 /// Renders a page for each document.
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
@@ -50,7 +46,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
         let path = format!("docs/{name}.html");
         paper.page(&path, "Documentation", &headings[0], &body)
     };
-    let image = SiteFile::new(format!("docs/{}", README_IMAGE.1), README_IMAGE.2);
+    let image = SiteFile::new(format!("docs/{}", README_IMAGE.0), README_IMAGE.1);
     DOCUMENTS.iter().map(page).chain([image]).collect()
 }
 
@@ -86,7 +82,7 @@ fn render_document(file: &str, text: &str) -> (Vec<String>, Markup) {
                 *dest_url = page?.into();
             }
             Event::End(TagEnd::Link) if inside_link.pop() != Some(true) => return None,
-            Event::Start(Tag::Image { dest_url, .. }) => *dest_url = README_IMAGE.1.into(),
+            Event::Start(Tag::Image { dest_url, .. }) => *dest_url = README_IMAGE.0.into(),
             Event::Start(Tag::Heading { level, .. }) => {
                 heading = Some((*level, String::new()));
                 return None;

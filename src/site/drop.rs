@@ -42,24 +42,17 @@ pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<Sit
             p { "This page needs the reference decoder as WebAssembly, which is not part of this build. To add it:" }
             pre.command { (BUILD_COMMANDS) }
         };
-        return Ok(vec![paper.page(
-            "drop.html",
-            "Drop a file",
-            "Drop a file",
-            &body,
-        )]);
+        let title = "Drop a file";
+        return Ok(vec![paper.page("drop.html", title, title, &body)]);
     };
     check_module(module)
         .map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD_COMMANDS}"))?;
     let packed = compress(module).map_err(|error| error.to_string())?;
     let samples = samples(paper);
-    let page = |path: &str, standalone: bool| {
-        SiteFile::new(path, page_text(paper, &packed, &samples, standalone))
-    };
-    Ok(vec![
-        page("drop.html", false),
-        page("ptm-viewer.html", true),
-    ])
+    let pages = [("drop.html", false), ("ptm-viewer.html", true)];
+    let page =
+        |(path, standalone)| SiteFile::new(path, page_text(paper, &packed, &samples, standalone));
+    Ok(pages.map(page).into())
 }
 
 /// Checks that a file is a WebAssembly module with the functions that the page calls.
@@ -85,13 +78,9 @@ fn samples(paper: PageContext) -> String {
         let file = &case.build(TableSpelling::default()).file;
         (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
     };
-    let ball = lit_scene::file(Format::Lrgb, Count::default());
+    let ball = BASE64.encode(&lit_scene::file(Format::Lrgb, Count::default()));
     let samples = [
-        (
-            "a legal file".to_owned(),
-            "ball.ptm".to_owned(),
-            BASE64.encode(&ball),
-        ),
+        ("a legal file".to_owned(), "ball.ptm".to_owned(), ball),
         of_case("a damaged file", "one-byte-short-lrgb"),
         of_case("a file of another kind", "not-a-ptm-lrgb"),
     ];
@@ -146,8 +135,7 @@ fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) 
 
 /// Returns the contents of the page with indentation removed. The standalone page has no link to itself.
 fn contents(standalone: bool) -> String {
+    let is_shown = |line: &&str| !standalone || !line.contains("ptm-viewer.html");
     let lines = CONTENTS.lines().map(str::trim_start);
-    lines
-        .filter(|line| !standalone || !line.contains("ptm-viewer.html"))
-        .collect()
+    lines.filter(is_shown).collect()
 }

@@ -91,10 +91,11 @@ fn numbers(text: &str) -> Result<Vec<usize>, String> {
 /// # Errors
 /// Returns a message with one line per failing example.
 pub fn execute_all(annotated: &Annotated) -> Result<(), String> {
+    let mut errors = Vec::new();
     let chapters = annotated.chapters.iter();
-    let clauses = chapters.flat_map(|chapter| &chapter.clauses);
-    let executed = clauses.map(|clause| execute(clause, None, &annotated.files));
-    let errors: Vec<String> = executed.filter_map(Result::err).collect();
+    for clause in chapters.flat_map(|chapter| &chapter.clauses) {
+        errors.extend(execute(clause, None, &annotated.files).err());
+    }
     match errors.is_empty() {
         true => Ok(()),
         false => Err(errors.join("\n")),
@@ -113,19 +114,15 @@ pub fn execute(
     if clause.examples.is_empty() {
         return Err(format!("clause {}: no example", clause.clause));
     }
-    let numbered = clause.examples.iter().enumerate();
-    let executed = numbered.map(|(i, example)| -> Result<Executed, String> {
-        let named = |error| format!("clause {}, example {}: {error}", clause.clause, i + 1);
-        execute_one(example, ruling, files).map_err(named)
-    });
-    executed.collect()
+    let mut executed = Vec::new();
+    for (i, example) in (1..).zip(&clause.examples) {
+        let named = |error| format!("clause {}, example {i}: {error}", clause.clause);
+        executed.push(run(example, ruling, files).map_err(named)?);
+    }
+    Ok(executed)
 }
 
-fn execute_one(
-    example: &WorkedExample,
-    ruling: Option<&str>,
-    files: &Files,
-) -> Result<Executed, String> {
+fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
     let parts = files.parts(&example.file, &example.with)?;
     let is_missing = |name: &&String| parts.iter().all(|(is, _)| is != *name);
     if let Some(name) = example.look.iter().find(is_missing) {
@@ -134,11 +131,10 @@ fn execute_one(
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();
     let found = example.evaluate(&file)?;
     check_result(example, &found)?;
-    let choices = CHOICES.iter();
-    let choices = choices.filter(|choice| Some(choice.ruling) == ruling);
-    let readings = choices.flat_map(|choice| &choice.readings[1..]);
+    let mut choices = CHOICES.iter();
+    let choice = choices.find(|choice| Some(choice.ruling) == ruling);
     let mut otherwise = Vec::new();
-    for (says, change) in readings {
+    for (says, change) in choice.map_or(&[][..], |choice| &choice.readings[1..]) {
         let mut reading = Reading::SPEC;
         change(&mut reading);
         let other = example.evaluate_under(&file, &reading)?;
@@ -161,9 +157,10 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
         (Found::Refused(clause, why), _, _) => {
             Err(format!("the file is refused (clause {clause}): {why}"))
         }
-        (Found::Values(..), _, Some(expected)) => Err(format!(
-            "the file is decoded instead of refused (clause {expected})"
-        )),
+        (Found::Values(..), _, Some(expected)) => {
+            let says = "the file is decoded instead of refused";
+            Err(format!("{says} (clause {expected})"))
+        }
         (Found::Values(_, rows), Some(value), None) => {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
             let words: Vec<&str> = value.split_whitespace().collect();

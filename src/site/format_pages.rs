@@ -13,7 +13,7 @@ use super::paper::{PageContext, SiteFile};
 use super::readers::readers_with_mistake;
 use super::ruling_pages;
 use crate::misreadings::{self, Misreading};
-use crate::suite::clauses::{Clause, Ruling};
+use crate::suite::clauses::Clause;
 
 /// Maximum number of misreadings per clause that are displayed with images. The others are listed.
 const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
@@ -62,9 +62,10 @@ fn page(
     after: Option<&Chapter>,
 ) -> Result<SiteFile, String> {
     let mut explained = BTreeSet::new();
-    let clauses = chapter.clauses.iter();
-    let clauses = clauses.map(|annotated| clause(paper, annotated, &mut explained));
-    let clauses: Vec<Markup> = clauses.collect::<Result<_, _>>()?;
+    let mut clauses = Vec::new();
+    for annotated in &chapter.clauses {
+        clauses.push(clause(paper, annotated, &mut explained)?);
+    }
     let to = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
     let body = html! {
         p.kicker { a href="index.html" { "The format, annotated" } }
@@ -113,7 +114,7 @@ fn clause<'a>(
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (render_example(paper, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruling_markup(paper, known, explained))
+            (ruling_markup(paper, &known.id, explained))
             (misreading_markup(paper, mistakes.collect()))
             (test_markup(paper, known))
         }
@@ -187,11 +188,8 @@ fn hex(bytes: &[u8]) -> String {
     if words.len() <= MAX_DISPLAYED_BYTES {
         return words.join(" ");
     }
-    let (first, last) = (
-        &words[..MAX_DISPLAYED_BYTES / 2],
-        &words[words.len() - MAX_DISPLAYED_BYTES / 4..],
-    );
-    let (first, last) = (first.join(" "), last.join(" "));
+    let first = words[..MAX_DISPLAYED_BYTES / 2].join(" ");
+    let last = words[words.len() - MAX_DISPLAYED_BYTES / 4..].join(" ");
     format!("{first} … {last} ({} bytes)", words.len())
 }
 
@@ -206,22 +204,15 @@ fn as_text(bytes: &[u8]) -> String {
     text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Renders the rulings of a clause. A ruling that is already in `explained` is abbreviated to its reading.
-fn ruling_markup<'a>(
-    paper: PageContext<'a>,
-    clause: &Clause,
-    explained: &mut BTreeSet<&'a str>,
-) -> Markup {
+/// Renders the rulings of a clause. A ruling that is already in `known` is abbreviated to its reading.
+fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, known: &mut BTreeSet<&'a str>) -> Markup {
     let rulings = paper.library.rulings.iter();
-    let rulings = rulings.filter(|ruling| ruling.clauses.contains(&clause.id));
-    let rulings: Vec<(&Ruling, bool)> = rulings
-        .map(|ruling| (ruling, explained.insert(&ruling.id)))
-        .collect();
+    let rulings = rulings.filter(|ruling| ruling.clauses.iter().any(|clause| clause == id));
     html! {
-        @for (ruling, first) in rulings {
-            aside.ruling aria-label={ "Ruling " (ruling.id) " at " (clause.id) } {
+        @for ruling in rulings {
+            aside.ruling aria-label={ "Ruling " (ruling.id) " at " (id) } {
                 p { b { "Where the text is silent: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
-                @if first { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
+                @if known.insert(&ruling.id) { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
             }
         }
     }
@@ -251,10 +242,8 @@ fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Mark
 }
 
 fn test_markup(paper: PageContext, clause: &Clause) -> Markup {
-    let cases = paper.library.suite.cases.iter();
-    let cases: Vec<_> = cases
-        .filter(|case| case.clauses.contains(&clause.id))
-        .collect();
+    let mut cases: Vec<_> = paper.library.suite.cases.iter().collect();
+    cases.retain(|case| case.clauses.contains(&clause.id));
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {

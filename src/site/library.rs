@@ -25,14 +25,8 @@ pub(super) const PROTOCOL: &str = "PTM-CP 1";
 const PROTOCOL_DESCRIPTION: &str =
     "the requests to a decoder, and the meaning of exit status 0, 65, 69 and others";
 
-/// Subject of a page, as listed in the search index.
-pub(super) struct PageSubject<'a> {
-    pub id: &'a str,
-    pub kind: &'static str,
-    /// URL of the page, relative to the root of the site.
-    pub place: String,
-    pub words: &'a str,
-}
+/// Subject of a page in the search index: id, kind, URL relative to the root of the site, and description.
+type PageSubject<'a> = (&'a str, &'static str, String, &'a str);
 
 /// Data from which pages are generated.
 pub(super) struct Library {
@@ -70,12 +64,9 @@ impl Library {
             runs: reader_runs()?,
             page_urls: HashMap::new(),
         };
-        let mut page_urls = HashMap::new();
-        for PageSubject { id, place, .. } in library.subjects() {
-            // If two subjects have the same id, links lead to the first.
-            page_urls.entry(id.to_owned()).or_insert(place);
-        }
-        library.page_urls = page_urls;
+        // If two subjects have the same id, links lead to the first.
+        let subjects = library.subjects().into_iter().rev();
+        library.page_urls = (subjects.map(|(id, _, place, _)| (id.to_owned(), place))).collect();
         Ok(library)
     }
 
@@ -84,13 +75,7 @@ impl Library {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         let mut subjects = Vec::new();
         let mut put = |id, kind, place: Option<String>, words| {
-            let subject = |place| PageSubject {
-                id,
-                kind,
-                place,
-                words,
-            };
-            subjects.extend(place.map(subject));
+            subjects.extend(place.map(|place| (id, kind, place, words)));
         };
         let protocol = ptm.protocol_page().to_owned();
         put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_DESCRIPTION);
@@ -120,12 +105,12 @@ impl Library {
             put(id, "texture", texture.clause_page(id), rule);
         }
         for Ruling { id, question, .. } in &self.texture_rulings {
-            let page = texture.ruling_page(id);
-            put(id, "texture ruling", Some(page), question.trim());
+            let page = Some(texture.ruling_page(id));
+            put(id, "texture ruling", page, question.trim());
         }
         for Misreading { slug, effect, .. } in misreadings::texture::all() {
-            let page = texture.misreading_page(slug);
-            put(slug, "texture misreading", Some(page), effect);
+            let page = Some(texture.misreading_page(slug));
+            put(slug, "texture misreading", page, effect);
         }
         for TextureCase { id, because, .. } in &self.textures.cases {
             put(id, "texture case", texture.case_page(id), because);

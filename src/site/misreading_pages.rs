@@ -75,17 +75,13 @@ fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(
-    paper: PageContext,
-    misreading: &Misreading,
-    witness: &MisreadingWitness,
-) -> Markup {
-    let case = &paper.library.suite.cases[witness.case];
+fn witness_markup(paper: PageContext, misreading: &Misreading, seen: &MisreadingWitness) -> Markup {
+    let case = &paper.library.suite.cases[seen.case];
     let built = case.build(TableSpelling::default());
     html! {
-        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (witness.view) } ": " (case.because) }
+        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (seen.view) } ": " (case.because) }
         (image_pair(paper, misreading))
-        @if let Some(difference) = &witness.difference { p { "In " code { (witness.view) } ": " (difference) "." } }
+        @if let Some(difference) = &seen.difference { p { "In " code { (seen.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
 }
@@ -128,20 +124,17 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
         true => (light, wrong_lit),
         false => (View::Raw, wrong(&View::Raw)),
     };
-    html! {
-        div.pair {
-            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
-            figure { (image_or_text(wrong.as_ref(), "wrong", describe_answer(&witness.answer))) figcaption { "with the mistake" } }
-        }
-        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
-    }
-}
-
-fn describe_answer(answer: &Answer) -> &'static str {
-    match answer {
+    let answer = match &witness.answer {
         Answer::Rejected => "refused",
         Answer::Unsupported => "unsupported",
         _ => "no image",
+    };
+    html! {
+        div.pair {
+            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
+            figure { (image_or_text(wrong.as_ref(), "wrong", answer)) figcaption { "with the mistake" } }
+        }
+        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
     }
 }
 

@@ -55,18 +55,13 @@ impl PageContext<'_> {
 
     /// Renders text with `code`, *emphasis*, and links for all ids in it.
     pub(super) fn prose(&self, text: &str) -> Markup {
-        let parts = text.split('`').enumerate();
         html! {
-            @for (i, part) in parts {
-                @if i % 2 == 1 { (self.link(part)) } @else { (self.render_emphasis(part)) }
-            }
-        }
-    }
-
-    fn render_emphasis(&self, text: &str) -> Markup {
-        html! {
-            @for (i, part) in text.split('*').enumerate() {
-                @if i % 2 == 1 { em { (part) } } @else { (self.link_clauses(part)) }
+            @for (i, part) in text.split('`').enumerate() {
+                @if i % 2 == 1 { (self.link(part)) } @else {
+                    @for (i, part) in part.split('*').enumerate() {
+                        @if i % 2 == 1 { em { (part) } } @else { (self.link_clauses(part)) }
+                    }
+                }
             }
         }
     }
@@ -92,12 +87,9 @@ impl PageContext<'_> {
     }
 
     /// Renders a list of descriptions, selected by name.
-    pub(super) fn descriptions<'b>(
-        texts: &NamedTexts,
-        names: impl IntoIterator<Item = &'b str>,
-    ) -> Markup {
+    pub(super) fn descriptions(texts: &NamedTexts, names: &[&str]) -> Markup {
         html! {
-            dl.kinds { @for name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
+            dl.kinds { @for &name in names { dt { span.chip { (name) } } dd { (texts[name]) } } }
         }
     }
 

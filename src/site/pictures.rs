@@ -1,10 +1,8 @@
 //! Embedded images of maps: small PNGs that are displayed enlarged with hard edges.
 
 use data_encoding::BASE64;
-use image::{
-    DynamicImage, GenericImageView, GrayImage, ImageBuffer, ImageFormat, Luma, Pixel, RgbImage,
-    imageops,
-};
+use image::{DynamicImage, GenericImageView, GrayImage, ImageBuffer, ImageFormat, imageops};
+use image::{Luma, Pixel, RgbImage};
 use maud::{Markup, html};
 
 use crate::evaluate::Coefficients;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Deserialize;
 
-use crate::kit::{embedded, yaml::from_yaml};
+use crate::kit::{embedded, yaml::from_files};
 use crate::misreadings::Misreading;
 use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
@@ -84,19 +84,17 @@ const FILES: &[(&str, &str)] = embedded![
 /// # Errors
 /// Returns a message that names the file and the error.
 pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
-    let read = |(name, text): &(&str, &str)| {
-        let mut run: ReaderRun = from_yaml(text).map_err(|error| format!("{name}: {error}"))?;
+    let mut runs: Vec<ReaderRun> = from_files(FILES)?;
+    for (run, (name, _)) in runs.iter_mut().zip(FILES) {
         for (outcome, cases) in &run.outcomes {
-            let known = Outcome::ALL
-                .into_iter()
-                .find(|known| known.name() == outcome);
+            let mut all = Outcome::ALL.into_iter();
+            let known = all.find(|known| known.name() == outcome);
             let known = known.ok_or_else(|| format!("{name}: unknown outcome {outcome:?}"))?;
-            run.by_case
-                .extend(cases.iter().map(|case| (case.clone(), known)));
+            let cases = cases.iter().map(|case| (case.clone(), known));
+            run.by_case.extend(cases);
         }
-        Ok(run)
-    };
-    FILES.iter().map(read).collect()
+    }
+    Ok(runs)
 }
 
 /// Returns the public readers that make a mistake, with the examined versions, based on profiles and sightings.

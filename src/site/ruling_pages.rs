@@ -11,7 +11,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
         p.lead { "Rulings answer the questions that the text leaves open. Each page states the reading of this suite, the readings of public readers, and whether another reading fails." }
-        (PageContext::descriptions(&paper.library.texts.ruling_kinds, ["must", "choice", "lenient"]))
+        (PageContext::descriptions(&paper.library.texts.ruling_kinds, &["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }
             tbody { @for ruling in rulings { tr { td { (paper.link(&ruling.id)) } td { (ruling.kind.name()) } td { (ruling.question.trim()) } } } }
@@ -51,7 +51,7 @@ fn page(paper: PageContext, ruling: &Ruling) -> SiteFile {
         ul { @for clause in &ruling.clauses { li { (paper.link(clause)) " " @if let Some(clause) = paper.library.clause(clause) { (clause.rule) } } } }
         @if !cases.is_empty() {
             h2 { "Cases that depend on this ruling" }
-            (PageContext::descriptions(&paper.library.texts.expectations, kinds))
+            (PageContext::descriptions(&paper.library.texts.expectations, &kinds))
             ul.columns { @for case in cases { li { (paper.link(&case.id)) " " span.quiet { (case.expect.name()) } } } }
         }
     };

@@ -9,9 +9,7 @@ use super::paper::SiteFile;
 
 /// Generates the index: id, kind, URL and description of each page.
 pub(super) fn index(library: &Library) -> SiteFile {
-    let subjects = library.subjects().into_iter();
-    let subjects =
-        subjects.map(|subject| json!([subject.id, subject.kind, subject.place, subject.words]));
+    let subjects = library.subjects().into_iter().map(|subject| json!(subject));
     let headings = docs_pages::headings()
         .map(|(heading, place, document)| json!([heading, "document", place, document]));
     let words = library.texts.glossary.iter().map(|(word, means)| {

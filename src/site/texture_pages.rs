@@ -14,12 +14,8 @@ use crate::suite::texture::verify::verify;
 /// # Errors
 /// Returns a message if the reference does not give the expected answer of a case.
 pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
-    Ok(vec![
-        chapter(paper)?,
-        rulings(paper),
-        cases(paper),
-        mistakes(paper),
-    ])
+    let chapter = chapter(paper)?;
+    Ok(vec![chapter, rulings(paper), cases(paper), mistakes(paper)])
 }
 
 fn chapter(paper: PageContext) -> Result<SiteFile, String> {

@@ -35,8 +35,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
         let witness = places.find_map(|&place| witness(all[i], place, &suite.cases[place]));
         (all[i].slug, witness)
     });
-    let found = found.into_iter();
-    let found = found.filter_map(|(slug, witness)| Some((slug, witness?)));
+    let found = found.into_iter().filter_map(|(slug, of)| Some((slug, of?)));
     found.collect()
 }
 

@@ -2,13 +2,12 @@
 //!
 //! A case is stored as a recipe. Its bytes and values are generated on demand, so a large suite needs little memory.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::compare::Expected;
-use super::features::Feature;
 use super::values::{HandValues, Piece, Values};
 use crate::generate::plan::Compression;
 use crate::generate::spelling::Count;
@@ -17,8 +16,8 @@ use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
-/// The expected result of a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// The expected result of a case. It is serialized as its name in cases and manifests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {
     /// The image.
@@ -38,15 +37,6 @@ pub enum Expect {
 }
 
 impl Expect {
-    /// Returns the name used in cases and manifests.
-    #[must_use]
-    pub const fn manifest_name(self) -> &'static str {
-        match self {
-            Expect::Robust => "robust",
-            _ => self.name(),
-        }
-    }
-
     /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -91,15 +81,8 @@ pub struct Case {
 
 #[derive(Clone, Debug)]
 pub(super) enum Source {
-    Recipe {
-        recipe: Recipe,
-        damage: Option<&'static Damage>,
-    },
-    Hand {
-        format: Format,
-        pieces: Vec<Piece>,
-        values: Option<HandValues>,
-    },
+    Recipe(Recipe, Option<&'static Damage>),
+    Hand(Format, Vec<Piece>, Option<HandValues>),
 }
 
 /// The file of a case with its fields and values.
@@ -134,9 +117,8 @@ pub struct TableSpelling {
 impl TableSpelling {
     /// Returns all six spellings, in the order in which `check` tries them.
     pub fn all() -> impl Iterator<Item = TableSpelling> {
-        Count::ALL
-            .into_iter()
-            .flat_map(|count| [false, true].map(|newline| TableSpelling { count, newline }))
+        let both = |count| [false, true].map(|newline| TableSpelling { count, newline });
+        Count::ALL.into_iter().flat_map(both)
     }
 }
 
@@ -145,8 +127,8 @@ impl Case {
     #[must_use]
     pub fn format(&self) -> Format {
         match &self.source {
-            Source::Recipe { recipe, .. } => recipe.format,
-            Source::Hand { format, .. } => *format,
+            Source::Recipe(recipe, _) => recipe.format,
+            Source::Hand(format, ..) => *format,
         }
     }
 
@@ -154,8 +136,8 @@ impl Case {
     #[must_use]
     pub fn recipe(&self) -> Option<&Recipe> {
         match &self.source {
-            Source::Recipe { recipe, .. } => Some(recipe),
-            Source::Hand { .. } => None,
+            Source::Recipe(recipe, _) => Some(recipe),
+            Source::Hand(..) => None,
         }
     }
 
@@ -163,8 +145,8 @@ impl Case {
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
-            Source::Recipe { damage, .. } => *damage,
-            Source::Hand { .. } => None,
+            Source::Recipe(_, damage) => *damage,
+            Source::Hand(..) => None,
         }
     }
 
@@ -174,43 +156,18 @@ impl Case {
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn pieces(&self) -> Vec<(&str, Vec<u8>)> {
-        let Source::Hand { pieces, .. } = &self.source else {
+        let Source::Hand(_, pieces, _) = &self.source else {
             return Vec::new();
         };
         let part = |piece| checked(piece, TableSpelling::default());
         (pieces.iter().map(|piece| (&*piece.is, part(piece)))).collect()
     }
 
-    /// Returns the features that a decoder needs to decode the file in `view`.
-    #[must_use]
-    pub fn features(&self, view: &View) -> BTreeSet<Feature> {
-        let large = |recipe: &Recipe| recipe.format.has_table() && recipe.entries > 256;
-        let plan = |asked: fn(&Compression) -> bool| self.compression().is_some_and(asked);
-        let needs = [
-            (Feature::Format(self.format()), true),
-            (Feature::LargeTables, self.recipe().is_some_and(large)),
-            (
-                Feature::LumColor,
-                self.format() == Format::Lum && matches!(view, View::Rgb(_)),
-            ),
-            (Feature::Prediction, plan(Compression::predicts)),
-            (Feature::Inversion, plan(Compression::inverts)),
-            (Feature::Motion, plan(Compression::moves)),
-            (
-                Feature::SideInformation,
-                plan(|plan| !plan.records.is_empty()),
-            ),
-        ];
-        let needed = needs.into_iter().filter(|&(_, needed)| needed);
-        needed.map(|(feature, _)| feature).collect()
-    }
-
     /// Returns the compression of a generated compressed file.
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
-        self.recipe()
-            .filter(|recipe| recipe.format.coding().is_some())
-            .map(|recipe| &recipe.compression)
+        let recipe = self.recipe().filter(|of| of.format.coding().is_some())?;
+        Some(&recipe.compression)
     }
 
     /// Returns the open choices of 2.9 that affect the stored values of this file: rulings of kind *choice*. Under all readings
@@ -219,10 +176,7 @@ impl Case {
     pub fn axes(&self) -> Vec<&str> {
         match &self.shows {
             Some(shows) => shows.iter().map(String::as_str).collect(),
-            None => self
-                .compression()
-                .map(Compression::axes)
-                .unwrap_or_default(),
+            None => self.compression().map_or_else(Vec::new, Compression::axes),
         }
     }
 
@@ -256,43 +210,19 @@ impl Case {
     }
 
     fn make(&self, table: TableSpelling) -> Built {
-        match &self.source {
-            Source::Recipe { recipe, damage } => self.build_recipe(recipe.clone(), *damage, table),
-            Source::Hand { pieces, values, .. } => {
-                let bytes = pieces.iter().flat_map(|piece| checked(piece, table));
-                Built {
-                    file: bytes.collect(),
-                    fields: Vec::new(),
-                    values: values.clone().map_or(Values::None, Values::Hand),
-                    pictures: Mutex::default(),
+        let (file, fields, values) = match &self.source {
+            Source::Recipe(recipe, damage) => {
+                let mut recipe = recipe.clone();
+                if self.expect != Expect::Spelling {
+                    recipe.spelling.count = table.count;
+                    recipe.spelling.newline_after_table = table.newline;
                 }
+                self.write(&recipe, *damage)
             }
-        }
-    }
-
-    fn build_recipe(
-        &self,
-        mut recipe: Recipe,
-        damage: Option<&Damage>,
-        table: TableSpelling,
-    ) -> Built {
-        if self.expect != Expect::Spelling {
-            recipe.spelling.count = table.count;
-            recipe.spelling.newline_after_table = table.newline;
-        }
-        let model = Model::paint(&recipe);
-        let written = write(&recipe, &model);
-        let values = match (damage, self.expect) {
-            (Some(_), Expect::Reject | Expect::Refuse) => Values::None,
-            (_, Expect::Robust) => Values::Any,
-            (Some(damage), _) => Values::Painted(damage.values(&model)),
-            (None, _) => Values::Painted(model.clone()),
-        };
-        let (file, fields) = match damage {
-            None => (written.bytes, written.fields),
-            Some(damage) => {
-                let file = damage.apply(&written, &model);
-                (file.expect("checked when the suite was loaded"), Vec::new())
+            Source::Hand(_, pieces, values) => {
+                let bytes = pieces.iter().flat_map(|piece| checked(piece, table));
+                let values = values.clone().map_or(Values::None, Values::Hand);
+                (bytes.collect(), Vec::new(), values)
             }
         };
         Built {
@@ -301,6 +231,24 @@ impl Case {
             values,
             pictures: Mutex::default(),
         }
+    }
+
+    /// Returns the file of a recipe, its fields and its values.
+    fn write(&self, recipe: &Recipe, damage: Option<&Damage>) -> (Vec<u8>, Vec<Field>, Values) {
+        let model = Model::paint(recipe);
+        let written = write(recipe, &model);
+        let values = match (damage, self.expect) {
+            (Some(_), Expect::Reject | Expect::Refuse) => Values::None,
+            (_, Expect::Robust) => Values::Any,
+            (Some(damage), _) => Values::Painted(damage.values(&model)),
+            (None, _) => Values::Painted(model.clone()),
+        };
+        let Some(damage) = damage else {
+            return (written.bytes, written.fields, values);
+        };
+        let file = damage.apply(&written, &model);
+        let file = file.expect("checked when the suite was loaded");
+        (file, Vec::new(), values)
     }
 }
 

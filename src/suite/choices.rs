@@ -14,93 +14,74 @@ use crate::ptm::Format;
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Pictures};
 use crate::suite::compare::Expected;
-use crate::suite::dialect::{Axis, Choice, Choices};
+use crate::suite::dialect::{Axis, Choice, Choices, Readings};
+
+const LUM_VECTOR: Readings<Reading> = &[
+    ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
+    ("the matrix multiplies (Cr, Y, Cb, 1)", |r| r.set(CrFirst)),
+];
+const LUM_MAJOR: Readings<Reading> = &[
+    ("columns first", |_| {}),
+    ("rows first", |r| r.set(RowsFirst)),
+];
+const LUM_RANGE: Readings<Reading> = &[
+    ("values and translation from 0 to 255", |_| {}),
+    ("values and translation from 0 to 1", |r| r.set(UnitRange)),
+];
+const MOTION_INVERSION: Readings<Reading> = &[
+    ("the reference is inverted, then displaced", |_| {}),
+    ("the reference is displaced, then inverted", |r| {
+        r.set(InversionAfterMotion);
+    }),
+];
+const MOTION_SIGN: Readings<Reading> = &[
+    ("vectors point from a texel to its predictor", |_| {}),
+    ("vectors point from the predictor to its texel", |r| {
+        r.set(MotionMinus);
+    }),
+];
+const MOTION_VERTICAL: Readings<Reading> = &[
+    ("y increases with the stored rows", |_| {}),
+    ("y increases against the stored rows", |r| {
+        r.set(MotionAgainstRows);
+    }),
+];
+const MOTION_HALF: Readings<Reading> = &[
+    ("means that end in one half are rounded up", |_| {}),
+    ("means are rounded down", |r| r.set(HalvesRoundedDown)),
+];
+const MOTION_BORDER: Readings<Reading> = &[
+    ("samples outside a plane repeat its edge", |_| {}),
+    ("samples outside a plane come from its opposite side", |r| {
+        r.set(BorderWrapped);
+    }),
+    ("samples outside a plane are 128", |r| r.set(BorderGray)),
+];
+const JPEG_LS_OFFSET: Readings<Reading> = &[
+    ("JPEG-LS residuals are 128 more than the difference", |_| {}),
+    ("JPEG-LS residuals are the difference modulo 256", |r| {
+        r.set(NoJpegLsOffset);
+    }),
+];
+const SIDE_LOSSLESS: Readings<Reading> = &[
+    ("records of lossless files are applied", |_| {}),
+    ("records of lossless files are skipped", |r| {
+        r.set(SideInformationOnlyIfLossy);
+    }),
+];
 
 /// All choices that can change an image, in the order of the text.
 pub const CHOICES: Choices<Reading> = Choices(&[
-    Choice {
-        ruling: "lum-vector",
-        readings: &[
-            ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
-            ("the matrix multiplies (Cr, Y, Cb, 1)", |r| r.set(CrFirst)),
-        ],
-    },
-    Choice {
-        ruling: "lum-major",
-        readings: &[
-            ("columns first", |_| {}),
-            ("rows first", |r| r.set(RowsFirst)),
-        ],
-    },
-    Choice {
-        ruling: "lum-range",
-        readings: &[
-            ("values and translation from 0 to 255", |_| {}),
-            ("values and translation from 0 to 1", |r| r.set(UnitRange)),
-        ],
-    },
-    Choice {
-        ruling: "motion-inversion",
-        readings: &[
-            ("the reference is inverted, then displaced", |_| {}),
-            ("the reference is displaced, then inverted", |r| {
-                r.set(InversionAfterMotion);
-            }),
-        ],
-    },
-    Choice {
-        ruling: "motion-sign",
-        readings: &[
-            ("vectors point from a texel to its predictor", |_| {}),
-            ("vectors point from the predictor to its texel", |r| {
-                r.set(MotionMinus);
-            }),
-        ],
-    },
-    Choice {
-        ruling: "motion-vertical",
-        readings: &[
-            ("y increases with the stored rows", |_| {}),
-            ("y increases against the stored rows", |r| {
-                r.set(MotionAgainstRows);
-            }),
-        ],
-    },
-    Choice {
-        ruling: "motion-half",
-        readings: &[
-            ("means that end in one half are rounded up", |_| {}),
-            ("means are rounded down", |r| r.set(HalvesRoundedDown)),
-        ],
-    },
-    Choice {
-        ruling: "motion-border",
-        readings: &[
-            ("samples outside a plane repeat its edge", |_| {}),
-            ("samples outside a plane come from its opposite side", |r| {
-                r.set(BorderWrapped);
-            }),
-            ("samples outside a plane are 128", |r| r.set(BorderGray)),
-        ],
-    },
-    Choice {
-        ruling: "jpeg-ls-offset",
-        readings: &[
-            ("JPEG-LS residuals are 128 more than the difference", |_| {}),
-            ("JPEG-LS residuals are the difference modulo 256", |r| {
-                r.set(NoJpegLsOffset);
-            }),
-        ],
-    },
-    Choice {
-        ruling: "side-lossless",
-        readings: &[
-            ("records of lossless files are applied", |_| {}),
-            ("records of lossless files are skipped", |r| {
-                r.set(SideInformationOnlyIfLossy);
-            }),
-        ],
-    },
+    Choice::new("lum-vector", LUM_VECTOR),
+    Choice::new("lum-major", LUM_MAJOR),
+    Choice::new("lum-range", LUM_RANGE),
+    Choice::new("motion-inversion", MOTION_INVERSION),
+    Choice::new("motion-sign", MOTION_SIGN),
+    Choice::new("motion-vertical", MOTION_VERTICAL),
+    Choice::new("motion-half", MOTION_HALF),
+    Choice::new("motion-border", MOTION_BORDER),
+    Choice::new("jpeg-ls-offset", JPEG_LS_OFFSET),
+    Choice::new("side-lossless", SIDE_LOSSLESS),
 ]);
 
 /// Returns the choices that affect a case in a view; none in most cases.

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::kit::{embedded, yaml::from_yaml};
+use crate::kit::{embedded, yaml::from_files};
 
 /// A rule of the specification, in our own words.
 #[derive(Clone, Debug, Deserialize)]
@@ -96,11 +96,7 @@ pub fn section_of(clause: &str) -> &str {
 /// Returns a message that names the offending line.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     let files = embedded!["spec-cases", "clauses.yaml", "clauses-2.9.yaml"];
-    let read = |(name, text): &(&str, &str)| {
-        from_yaml::<Vec<Clause>>(text).map_err(|error| format!("{name}: {error}"))
-    };
-    let files: Result<Vec<_>, _> = files.iter().map(read).collect();
-    Ok(files?.concat())
+    Ok(from_files::<Vec<Clause>>(files)?.concat())
 }
 
 /// Returns all rulings.
@@ -108,6 +104,6 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// # Errors
 /// Returns a message that names the offending line.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
-    from_yaml(include_str!("../../spec-cases/rulings.yaml"))
-        .map_err(|error| format!("rulings.yaml: {error}"))
+    let files = embedded!["spec-cases", "rulings.yaml"];
+    Ok(from_files::<Vec<Ruling>>(files)?.concat())
 }

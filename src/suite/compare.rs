@@ -47,11 +47,11 @@ impl Expected {
         match values {
             Values::None | Values::Any => None,
             Values::Painted(model) => {
-                let (values, slack) = match view {
+                let (values, slack) = match *view {
                     View::Raw => (reals(&model.samples), reals(&model.slack)),
                     View::Coef => (model.coefficients(), model.coefficient_slack()),
                     View::Rgb(Light { lu, lv, .. }) => {
-                        (model.colors(*lu, *lv), model.color_slack(*lu, *lv))
+                        (model.colors(lu, lv), model.color_slack(lu, lv))
                     }
                 };
                 let expected = Expected::exact(view.kind(), model.size, values);
@@ -85,11 +85,8 @@ impl Expected {
     /// Returns the samples of a frame, to be compared with another frame.
     #[must_use]
     pub fn from_frame(frame: &Frame) -> Expected {
-        let size = Size {
-            width: frame.width,
-            height: frame.height,
-        };
-        Expected::exact(frame.view, size, frame.samples.to_reals())
+        let (width, height) = (frame.width, frame.height);
+        Expected::exact(frame.view, Size { width, height }, frame.samples.to_reals())
     }
 
     /// Returns expected values without a deviation between inverse DCTs.
@@ -124,17 +121,14 @@ impl Expected {
         let received = (frame.view, Size { width, height }, frame.channels);
         if right != received {
             let shape = |(view, size, channels)| format!("{view} {size} with {channels} channels");
-            return Some(Difference::Shape {
-                expected: shape(right),
-                received: shape(received),
-            });
+            let (expected, received) = (shape(right), shape(received));
+            return Some(Difference::Shape { expected, received });
         }
-        let (right_type, received_type) = (self.view.sample_type(), frame.samples.sample_type());
-        if right_type != received_type {
-            return Some(Difference::Shape {
-                expected: format!("samples of type {right_type}"),
-                received: received_type.to_owned(),
-            });
+        let (expected, received) = (self.view.sample_type(), frame.samples.sample_type());
+        if expected != received {
+            let expected = format!("samples of type {expected}");
+            let received = received.to_owned();
+            return Some(Difference::Shape { expected, received });
         }
         let loss = if frame.lossy { LOSSY_TOLERANCE } else { 0.0 };
         self.difference(|i| frame.samples.real(i), loss)
@@ -230,17 +224,6 @@ pub(crate) fn is_close(a: f64, b: f64, slack: f64) -> bool {
     a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack
 }
 
-impl Difference {
-    /// Returns the fraction of correct samples, from 0 to 1, or 0 for another shape.
-    #[must_use]
-    pub fn likeness(&self) -> f64 {
-        match self {
-            Difference::Shape { .. } => 0.0,
-            Difference::Samples { wrong, samples, .. } => 1.0 - *wrong as f64 / *samples as f64,
-        }
-    }
-}
-
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -301,15 +284,9 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn is_near(expected: f64, received: f64, near: bool) {
-        let one = Expected {
-            size: "1x1".parse().expect("a size"),
-            channels: 1,
-            view: ViewKind::Coef,
-            values: vec![expected],
-            slack: Vec::new(),
-        };
-        assert_eq!(one.is_near(0, received), near, "{received} for {expected}");
+    fn check(expected: f64, received: f64, near: bool) {
+        let is = is_near(ViewKind::Coef, expected, received, 0.0, 0.0);
+        assert_eq!(is, near, "{received} for {expected}");
     }
 
     #[test]
@@ -324,15 +301,15 @@ mod tests {
 
     #[test]
     fn nan_is_close_to_no_number() {
-        is_near(0.0, 0.0, true);
-        is_near(-53.0, -53.0004, true);
-        is_near(-53.0, -53.001, false);
+        check(0.0, 0.0, true);
+        check(-53.0, -53.0004, true);
+        check(-53.0, -53.001, false);
         for received in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
-            is_near(-53.0, received, false);
-            is_near(0.0, received, false);
+            check(-53.0, received, false);
+            check(0.0, received, false);
         }
-        is_near(1e39, f64::INFINITY, true);
-        is_near(1e39, f64::NEG_INFINITY, false);
-        is_near(1e39, f64::from(f32::MAX), false);
+        check(1e39, f64::INFINITY, true);
+        check(1e39, f64::NEG_INFINITY, false);
+        check(1e39, f64::from(f32::MAX), false);
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::kit::digest::sha256;
 use crate::kit::parallel::map_in_parallel;
 use crate::kit::yaml::to_yaml;
-use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
 /// Maximum size in bytes of files in the committed corpus. Larger files are only listed in the manifest.
@@ -27,7 +27,7 @@ pub struct ManifestEntry {
     /// Its digest.
     pub sha256: String,
     /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
-    pub expect: String,
+    pub expect: Expect,
     /// Id of the valid file from which this one was edited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
@@ -61,11 +61,11 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
         file: file.clone(),
         bytes: built.file.len(),
         sha256: sha256(&built.file),
-        expect: case.expect.manifest_name().to_owned(),
+        expect: case.expect,
         twin_of: case.twin_of.clone(),
         expected: None,
     };
-    let mut outputs = Vec::new();
+    let mut outputs = vec![(file, built.file.clone())];
     let view = &case.views[0];
     if let Some(expected) = Expected::new(&built.values, view) {
         let frame = expected.frame().to_bytes();
@@ -77,7 +77,6 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
         });
         outputs.push((path, frame));
     }
-    outputs.insert(0, (file, built.file.clone()));
     (entry, outputs)
 }
 
@@ -94,7 +93,13 @@ pub fn write(
     progress: &(impl Fn(usize, usize) + Sync),
 ) -> io::Result<Vec<ManifestEntry>> {
     let entries = map_in_parallel(suite.cases.len(), jobs, progress, &|place| {
-        write_one(&suite.cases[place], directory, largest)
+        let (entry, outputs) = entry(&suite.cases[place]);
+        if outputs.iter().all(|(_, bytes)| bytes.len() <= largest) {
+            for (path, bytes) in outputs {
+                put(&directory.join(path), &bytes)?;
+            }
+        }
+        Ok(entry)
     });
     let entries = entries.into_iter().collect::<io::Result<Vec<_>>>()?;
     let manifest = to_yaml(&entries).map_err(io::Error::other)?;
@@ -102,16 +107,6 @@ pub fn write(
         format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}");
     put(&directory.join("MANIFEST.yaml"), manifest.as_bytes())?;
     Ok(entries)
-}
-
-fn write_one(case: &Case, directory: &Path, largest: usize) -> io::Result<ManifestEntry> {
-    let (entry, outputs) = entry(case);
-    if outputs.iter().all(|(_, bytes)| bytes.len() <= largest) {
-        for (path, bytes) in outputs {
-            put(&directory.join(path), &bytes)?;
-        }
-    }
-    Ok(entry)
 }
 
 pub(crate) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {

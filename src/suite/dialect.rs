@@ -12,8 +12,17 @@ pub type Axis = usize;
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// Readings, the reference's first, each with a description and a change of the decisions.
-    pub readings: &'static [(&'static str, fn(&mut R))],
+    /// Its readings.
+    pub readings: Readings<R>,
+}
+
+/// Readings of a choice, the reference's first, each with a description and a change of the decisions.
+pub(crate) type Readings<R> = &'static [(&'static str, fn(&mut R))];
+
+impl<R> Choice<R> {
+    pub(super) const fn new(ruling: &'static str, readings: Readings<R>) -> Choice<R> {
+        Choice { ruling, readings }
+    }
 }
 
 /// All open questions of a suite, in the order of its text.
@@ -80,17 +89,14 @@ impl<R> Choices<R> {
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
     #[must_use]
     pub fn place(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
-        axes.iter().fold(0, |place, &axis| {
-            place * self[axis].readings.len() + dialect.0[axis]
-        })
+        let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
+        axes.iter().fold(0, step)
     }
 
     /// Returns the axes of these rulings, in the order of the text.
     #[must_use]
     pub fn axes(&self, rulings: &[&str]) -> Vec<Axis> {
-        (0..self.len())
-            .filter(|&axis| rulings.contains(&self[axis].ruling))
-            .collect()
+        ((0..self.len()).filter(|&axis| rulings.contains(&self[axis].ruling))).collect()
     }
 
     /// Returns true if an answer is right in a dialect.

@@ -48,8 +48,9 @@ impl Suite {
                 let record: CaseRecord = record;
                 for words in Words::combinations(&record.for_each) {
                     let id = words.id(&record.id);
-                    let twin = |id: &str| places.get(id).map(|&at| &cases[at]);
-                    let case = record.case(&words, twin);
+                    let twin = record.twin_of.as_ref().map(|twin| words.id(twin));
+                    let twin = twin.and_then(|twin| places.get(&twin));
+                    let case = record.case(&words, twin.map(|&at| &cases[at]));
                     let case =
                         case.map_err(|error| format!("{name}: line {line}: case {id}: {error}"))?;
                     if places.insert(id.clone(), cases.len()).is_some() {

@@ -9,16 +9,8 @@ use crate::parts::Block;
 use crate::ptm::{Field, Size, channel_name};
 use crate::suite::cases::Case;
 
-/// A range of bytes with a description.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct Origin {
-    /// A description.
-    pub what: String,
-    /// Clause that defines the bytes.
-    pub clause: &'static str,
-    /// Position of the bytes in the file.
-    pub range: Range<usize>,
-}
+/// A description of bytes, the clause that defines them, and their position in the file.
+pub(crate) type Origin = (String, &'static str, Range<usize>);
 
 /// Returns the bytes that determine `channels` of the texel at column `x` and row `y`, counted from the top.
 ///
@@ -53,28 +45,15 @@ pub(crate) fn origin_of_samples(
 pub(crate) fn origin_of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let (fields, _) = fields(file);
     let coefficient = channel % 6;
-    let one = |(clause, what): (&'static str, &str)| {
+    let mut origins = Vec::new();
+    for (clause, what) in [("2.4/3", "scale"), ("2.4/4", "bias")] {
         let mut numbers = fields.iter().filter(|field| field.clause == clause);
-        let range = numbers.nth(coefficient)?.range.clone();
-        let what = format!("{what} of a{coefficient}");
-        Some(Origin {
-            what,
-            clause,
-            range,
-        })
-    };
-    let both = [("2.4/3", "scale"), ("2.4/4", "bias")];
-    both.into_iter().filter_map(one).collect()
-}
-
-impl Origin {
-    fn new(what: String, clause: &'static str, range: Range<usize>) -> Origin {
-        Origin {
-            what,
-            clause,
-            range,
+        if let Some(field) = numbers.nth(coefficient) {
+            let what = format!("{what} of a{coefficient}");
+            origins.push((what, clause, field.range.clone()));
         }
     }
+    origins
 }
 
 struct Map<'a> {
@@ -98,8 +77,7 @@ impl Map<'_> {
         let start = self.range("the texels", which)?.start + first;
         let Map { texel, texels, .. } = self;
         let what = format!("texel {texel} of {texels} in stored order, bottom row first");
-        let range = start..start + channels.len();
-        Some(vec![Origin::new(what, block.clause, range)])
+        Some(vec![(what, block.clause, start..start + channels.len())])
     }
 
     /// Returns the bytes of an index and of the entry that it refers to.
@@ -114,13 +92,11 @@ impl Map<'_> {
             6 => ("2.8.1/1", "2.5/4"),
             _ => ("2.8.2/1", "2.5/5"),
         };
-        let (name, entry) = (
-            format!("the texel's index: entry {index}"),
-            format!("entry {index} of the table"),
-        );
+        let name = format!("the texel's index: entry {index}");
+        let entry = format!("entry {index} of the table");
         Some(vec![
-            Origin::new(name, index_clause, at..at + width),
-            Origin::new(entry, entry_clause, start..start + channels.len()),
+            (name, index_clause, at..at + width),
+            (entry, entry_clause, start..start + channels.len()),
         ])
     }
 
@@ -134,16 +110,14 @@ impl Map<'_> {
             let name = channel_name(case.format().channels(), reference);
             let _ = write!(what, ", predicted from plane {reference} ({name})");
         }
-        let mut origins = vec![Origin::new(what, "2.9.8/2", stream)];
-        if let Some(side) = self.range("side information", channel) {
-            let records = self.file.get(side.clone())?.chunks_exact(5).enumerate();
-            let here = records.filter(|(_, record)| number(record[..4].iter()) == self.texel);
-            for (i, _) in here {
-                let start = side.start + 5 * i;
-                let what =
-                    format!("record {i} of the side information of the plane corrects this texel");
-                origins.push(Origin::new(what, "2.9.8/5", start..start + 5));
-            }
+        let mut origins = vec![(what, "2.9.8/2", stream)];
+        let side = self.range("side information", channel).unwrap_or(0..0);
+        let records = self.file.get(side.clone())?.chunks_exact(5).enumerate();
+        for (i, _) in records.filter(|(_, record)| number(record[..4].iter()) == self.texel) {
+            let start = side.start + 5 * i;
+            let what =
+                format!("record {i} of the side information of the plane corrects this texel");
+            origins.push((what, "2.9.8/5", start..start + 5));
         }
         Some(origins)
     }
@@ -177,10 +151,10 @@ mod tests {
             let channels = model.format.channels();
             for (x, y) in [(0, 0), (w - 1, 0), (0, h - 1), (w / 2, h / 2)] {
                 for channel in 0..channels {
-                    let channels_of_it = channel..channel + 1;
-                    let origins =
-                        origin_of_samples(case, &built.file, model.size, (x, y), channels_of_it);
-                    let range = origins.last().expect("an origin").range.clone();
+                    let only = channel..channel + 1;
+                    let mut origins =
+                        origin_of_samples(case, &built.file, model.size, (x, y), only);
+                    let (_, _, range) = origins.pop().expect("an origin");
                     let sample = model.samples[(y * w + x) * channels + channel];
                     assert_eq!(built.file[range], [sample], "{} {channel}", case.id);
                     checked += 1;

@@ -1,8 +1,10 @@
 //! Recipes as they are written in case files.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
-use super::words::{FieldText, Words, number, word};
+use super::words::{Words, flag, number, numbers, word, yes_or_no};
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::generate::Recipe;
 use crate::generate::plan::{Compression, Stream};
@@ -24,182 +26,134 @@ pub(crate) struct MakeRecord {
     indices: Option<String>,
     first_byte: Option<String>,
     #[serde(default)]
-    compression: CompressionRecord,
+    compression: SettingTexts,
     #[serde(default)]
-    spelling: SpellingRecord,
+    spelling: SettingTexts,
 }
 
-/// A compression in a case file: its differences from the default one.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CompressionRecord {
-    parameter: Option<String>,
-    structure: Option<String>,
-    references: Option<String>,
-    order: Option<String>,
-    /// These three are repeated.
-    transforms: Option<String>,
-    motion_x: Option<String>,
-    motion_y: Option<String>,
-    /// True if planes that are not predicted also have transforms and vectors.
-    everywhere: Option<String>,
-    records: Option<String>,
-    residuals: Option<String>,
-    restart_interval: Option<String>,
-    optimised_tables: Option<String>,
-    baseline: Option<String>,
-    sampling: Option<String>,
-    step: Option<String>,
-    table_numbers: Option<String>,
-    tables_together: Option<String>,
-    jfif: Option<String>,
-    presets: Option<String>,
-    component: Option<String>,
-    frame_moved: Option<String>,
-    /// True if the settings apply only to the streams of every second plane.
-    alternates: Option<String>,
-}
-
-/// A header spelling in a case file: its differences from the default one.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SpellingRecord {
-    /// Names of lines, or `all`.
-    space_before_newline: Option<String>,
-    /// 1 or 2.
-    size_lines: Option<String>,
-    /// 1 or 2.
-    scale_bias_lines: Option<String>,
-    gap: Option<String>,
-    count: Option<String>,
-    newline_after_table: Option<String>,
-    matrix_line: Option<String>,
-    lists: Option<String>,
-}
+/// Differences from the default compression or spelling, by name.
+type SettingTexts = BTreeMap<String, String>;
 
 impl MakeRecord {
     /// Builds the recipe with the given words filled in.
     pub fn recipe(&self, words: &Words) -> Result<Recipe, String> {
         let size = words.fill(&self.size).parse()?;
         let mut recipe = Recipe::ordinary(words.fill(&self.format).parse()?, size);
-        self.scene.parse(words, &mut recipe.scene)?;
-        self.seed.number("seed", words, &mut recipe.seed)?;
-        self.scale.parse(words, &mut recipe.scale)?;
-        self.bias.parse(words, &mut recipe.bias)?;
-        self.matrix.parse(words, &mut recipe.matrix)?;
-        self.entries.number("entries", words, &mut recipe.entries)?;
-        if let Some(indices) = self.indices.filled(words) {
-            recipe.indices = parse_indices(&indices)?;
+        let entries = |text: &str| number("entries", text);
+        let first = |text: &str| number("first_byte", text).map(Some);
+        words.set(&mut recipe.scene, self.scene.as_ref(), str::parse)?;
+        words.set(&mut recipe.seed, self.seed.as_ref(), |text| {
+            number("seed", text)
+        })?;
+        words.set(&mut recipe.scale, self.scale.as_ref(), str::parse)?;
+        words.set(&mut recipe.bias, self.bias.as_ref(), str::parse)?;
+        words.set(&mut recipe.matrix, self.matrix.as_ref(), str::parse)?;
+        words.set(&mut recipe.entries, self.entries.as_ref(), entries)?;
+        words.set(&mut recipe.indices, self.indices.as_ref(), parse_indices)?;
+        words.set(&mut recipe.first, self.first_byte.as_ref(), first)?;
+        set_compression(&self.compression, words, &mut recipe.compression)?;
+        for (name, text) in &self.spelling {
+            set_spelling(&mut recipe.spelling, name, &words.fill(text))?;
         }
-        if let Some(first) = self.first_byte.filled(words) {
-            recipe.first = Some(number("first_byte", &first)?);
-        }
-        self.compression.apply(&mut recipe.compression, words)?;
-        self.spelling.apply(&mut recipe.spelling, words)?;
         recipe.check()?;
         Ok(recipe)
     }
 }
 
-impl SpellingRecord {
-    fn apply(&self, to: &mut Spelling, words: &Words) -> Result<(), String> {
-        if let Some(lines) = self.space_before_newline.filled(words) {
-            to.space_before_newline = match lines.as_str() {
-                "all" => Line::ALL.to_vec(),
-                _ => lines
-                    .split_whitespace()
-                    .map(word)
-                    .collect::<Result<_, _>>()?,
-            };
+/// Sets a part of the spelling of a header.
+fn set_spelling(to: &mut Spelling, name: &str, text: &str) -> Result<(), String> {
+    match name {
+        "space_before_newline" if text == "all" => to.space_before_newline = Line::ALL.to_vec(),
+        "space_before_newline" => {
+            let lines = text.split_whitespace().map(word);
+            to.space_before_newline = lines.collect::<Result<_, _>>()?;
         }
-        let lines = ["2", "1"];
-        let two_lines = &mut to.size_on_two_lines;
-        self.size_lines
-            .yes_or_no("size_lines", lines, words, two_lines)?;
-        let two_lines = &mut to.scale_bias_on_two_lines;
-        self.scale_bias_lines
-            .yes_or_no("scale_bias_lines", lines, words, two_lines)?;
-        self.gap.number("gap", words, &mut to.gap)?;
-        self.count.parse(words, &mut to.count)?;
-        let newline = &mut to.newline_after_table;
-        self.newline_after_table
-            .flag("newline_after_table", words, newline)?;
-        self.matrix_line
-            .number("matrix_line", words, &mut to.matrix_line)?;
-        self.lists.word(words, &mut to.lists)
+        "size_lines" => to.size_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
+        "scale_bias_lines" => to.scale_bias_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
+        "gap" => to.gap = number(name, text)?,
+        "count" => to.count = text.parse()?,
+        "newline_after_table" => to.newline_after_table = flag(name, text)?,
+        "matrix_line" => to.matrix_line = number(name, text)?,
+        "lists" => to.lists = word(text)?,
+        _ => return Err(format!("unknown field `{name}`")),
     }
+    Ok(())
 }
 
-impl CompressionRecord {
-    fn apply(&self, plan: &mut Compression, words: &Words) -> Result<(), String> {
-        let planes = plan.order.len();
-        self.parameter
-            .number("parameter", words, &mut plan.parameter)?;
-        if let Some(structure) = self.structure.filled(words) {
-            plan.set_structure(word(&structure)?);
-        }
-        if let Some(references) = self.references.numbers("references", words)? {
-            plan.references = references;
-        }
-        if let Some(order) = self.order.numbers("order", words)? {
-            plan.order = order;
-        }
-        if plan.references.len() != planes || plan.order.len() != planes {
-            return Err(format!(
-                "references and order must have {planes} numbers in this format"
-            ));
-        }
-        let mut everywhere = false;
-        self.everywhere.flag("everywhere", words, &mut everywhere)?;
-        if let Some(transforms) = self.transforms.numbers("transforms", words)? {
-            plan.transforms = plan.cycled(&transforms, everywhere);
-        }
-        if let Some(motion) = self.motion_x.numbers("motion_x", words)? {
-            plan.motion_x = plan.cycled(&motion, everywhere);
-        }
-        if let Some(motion) = self.motion_y.numbers("motion_y", words)? {
-            plan.motion_y = plan.cycled(&motion, everywhere);
-        }
-        if let Some(records) = self.records.filled(words) {
-            let records = records.split_whitespace().map(str::parse);
-            plan.records = records.collect::<Result<_, _>>()?;
-        }
-        self.residuals.word(words, &mut plan.residuals)?;
-        self.alternates
-            .flag("alternates", words, &mut plan.alternates)?;
-        self.apply_to_streams(&mut plan.stream, words)
-    }
+/// Settings that others depend on, in the order in which they apply.
+const FIRST_SETTINGS: [&str; 4] = ["structure", "references", "order", "everywhere"];
 
-    fn apply_to_streams(&self, to: &mut Stream, words: &Words) -> Result<(), String> {
-        let jpeg = &mut to.jpeg;
-        let interval = &mut jpeg.restart_interval;
-        self.restart_interval
-            .number("restart_interval", words, interval)?;
-        self.optimised_tables
-            .flag("optimised_tables", words, &mut jpeg.optimized)?;
-        self.baseline.flag("baseline", words, &mut jpeg.baseline)?;
-        if let Some(sampling) = self.sampling.filled(words) {
-            let factors = sampling.split_once('x');
+fn set_compression(
+    settings: &SettingTexts,
+    words: &Words,
+    plan: &mut Compression,
+) -> Result<(), String> {
+    let planes = plan.order.len();
+    // True if planes that are not predicted also have transforms and vectors.
+    let mut everywhere = false;
+    for name in FIRST_SETTINGS {
+        let Some(text) = settings.get(name) else {
+            continue;
+        };
+        let text = &words.fill(text);
+        match name {
+            "structure" => plan.set_structure(word(text)?),
+            "references" => plan.references = numbers(name, text)?,
+            "order" => plan.order = numbers(name, text)?,
+            _ => everywhere = flag(name, text)?,
+        }
+    }
+    if plan.references.len() != planes || plan.order.len() != planes {
+        return Err(format!(
+            "references and order must have {planes} numbers in this format"
+        ));
+    }
+    for (name, text) in settings {
+        let text = &words.fill(text);
+        match name.as_str() {
+            "parameter" => plan.parameter = number(name, text)?,
+            // These three are repeated.
+            "transforms" => plan.transforms = plan.cycled(&numbers(name, text)?, everywhere),
+            "motion_x" => plan.motion_x = plan.cycled(&numbers(name, text)?, everywhere),
+            "motion_y" => plan.motion_y = plan.cycled(&numbers(name, text)?, everywhere),
+            "records" => {
+                let records = text.split_whitespace().map(str::parse);
+                plan.records = records.collect::<Result<_, _>>()?;
+            }
+            "residuals" => plan.residuals = word(text)?,
+            // The settings apply only to the streams of every second plane.
+            "alternates" => plan.alternates = flag(name, text)?,
+            name if FIRST_SETTINGS.contains(&name) => {}
+            name => set_stream(&mut plan.stream, name, text)?,
+        }
+    }
+    Ok(())
+}
+
+/// Sets a part of the spelling of the streams.
+fn set_stream(to: &mut Stream, name: &str, text: &str) -> Result<(), String> {
+    let jpeg = &mut to.jpeg;
+    match name {
+        "restart_interval" => jpeg.restart_interval = number(name, text)?,
+        "optimised_tables" => jpeg.optimized = flag(name, text)?,
+        "baseline" => jpeg.baseline = flag(name, text)?,
+        "sampling" => {
+            let factors = text.split_once('x');
             let (across, down) = factors.ok_or("expected sampling factors such as 2x1")?;
-            jpeg.sampling = (number("sampling", across)?, number("sampling", down)?);
+            jpeg.sampling = (number(name, across)?, number(name, down)?);
         }
-        if let Some(step) = self.step.filled(words) {
-            jpeg.step = Some(number("step", &step)?);
-        }
-        if let Some(numbers) = self.table_numbers.numbers("table_numbers", words)? {
-            let numbers = numbers.try_into();
+        "step" => jpeg.step = Some(number(name, text)?),
+        "table_numbers" => {
+            let numbers = numbers(name, text)?.try_into();
             jpeg.table_numbers =
                 Some(numbers.map_err(|_| "expected three numbers in table_numbers")?);
         }
-        self.tables_together
-            .flag("tables_together", words, &mut jpeg.tables_together)?;
-        self.jfif.flag("jfif", words, &mut to.jfif)?;
-        self.component
-            .number("component", words, &mut to.component)?;
-        self.frame_moved
-            .flag("frame_moved", words, &mut to.frame_moved)?;
-        if let Some(presets) = self.presets.numbers("presets", words)? {
-            let [maxval, t1, t2, t3, reset] = presets[..] else {
+        "tables_together" => jpeg.tables_together = flag(name, text)?,
+        "jfif" => to.jfif = flag(name, text)?,
+        "component" => to.component = number(name, text)?,
+        "frame_moved" => to.frame_moved = flag(name, text)?,
+        "presets" => {
+            let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
                 return Err("expected presets such as MAXVAL T1 T2 T3 RESET".to_owned());
             };
             to.presets = Some(PresetParameters {
@@ -210,8 +164,9 @@ impl CompressionRecord {
                 reset,
             });
         }
-        Ok(())
+        _ => return Err(format!("unknown field `{name}`")),
     }
+    Ok(())
 }
 
 /// Parses `any`, `below-256`, `bytes-differ`, or a list of numbers.

@@ -29,7 +29,7 @@ pub(super) struct CaseRecord {
     make: Option<MakeRecord>,
     bytes: Option<Vec<Piece>>,
     values: Option<HandValues>,
-    twin_of: Option<String>,
+    pub twin_of: Option<String>,
     damage: Option<String>,
     /// Rulings, separated by spaces; `none` for none.
     shows: Option<String>,
@@ -41,14 +41,8 @@ pub(super) struct CaseRecord {
 
 impl CaseRecord {
     /// Builds the case with the given words filled in. `twin` is the case that `twin_of` names, if it precedes this one.
-    pub fn case<'a>(
-        &self,
-        words: &Words,
-        twin: impl Fn(&str) -> Option<&'a Case>,
-    ) -> Result<Case, String> {
-        let twin_of = self.twin_of.as_ref().map(|twin| words.id(twin));
-        let twin = twin_of.as_deref().and_then(twin);
-        let source = self.source(words, twin_of.as_deref(), twin)?;
+    pub fn case(&self, words: &Words, twin: Option<&Case>) -> Result<Case, String> {
+        let source = self.source(words, twin)?;
         if self.expect == Expect::Spelling && self.make.is_none() {
             return Err("a case with `expect: spelling` must have a recipe (`make`)".to_owned());
         }
@@ -68,7 +62,7 @@ impl CaseRecord {
             views,
             first: self.first,
             shows: shows.or_else(|| twin?.shows.clone()),
-            twin_of,
+            twin_of: self.twin_of.as_ref().map(|twin| words.id(twin)),
             source,
             prepared: None,
             digest: OnceLock::new(),
@@ -76,17 +70,9 @@ impl CaseRecord {
     }
 
     /// Returns the source of the file.
-    fn source(
-        &self,
-        words: &Words,
-        twin_of: Option<&str>,
-        twin: Option<&Case>,
-    ) -> Result<Source, String> {
-        match (&self.make, &self.bytes, twin_of) {
-            (Some(make), None, None) => Ok(Source::Recipe {
-                recipe: make.recipe(words)?,
-                damage: None,
-            }),
+    fn source(&self, words: &Words, twin: Option<&Case>) -> Result<Source, String> {
+        match (&self.make, &self.bytes, &self.twin_of) {
+            (Some(make), None, None) => Ok(Source::Recipe(make.recipe(words)?, None)),
             (None, Some(pieces), None) => {
                 for piece in pieces {
                     piece.bytes(Count::default(), false)?;
@@ -95,14 +81,10 @@ impl CaseRecord {
                 if let Some(values) = &values {
                     values.check(format)?;
                 }
-                let pieces = pieces.clone();
-                Ok(Source::Hand {
-                    format,
-                    pieces,
-                    values,
-                })
+                Ok(Source::Hand(format, pieces.clone(), values))
             }
             (None, None, Some(id)) => {
+                let id = words.id(id);
                 let twin = twin.ok_or_else(|| format!("the twin {id} must precede the case"))?;
                 self.damaged_source(words, twin)
                     .map_err(|error| format!("the twin {id} {error}"))
@@ -122,31 +104,23 @@ impl CaseRecord {
         let model = Model::paint(&recipe);
         let damaged = damage.apply(&write(&recipe, &model), &model);
         damaged.map_err(|error| format!("cannot have damage {}: {error}", damage.name))?;
-        Ok(Source::Recipe {
-            recipe,
-            damage: Some(damage),
-        })
+        Ok(Source::Recipe(recipe, Some(damage)))
     }
 
     /// Returns the views that can decide the case.
-    fn views(
-        &self,
-        words: &Words,
-        source: &Source,
-        twin: Option<&Case>,
-    ) -> Result<Vec<View>, String> {
-        let views = match (&self.views, source, &self.values, twin) {
+    fn views(&self, words: &Words, of: &Source, twin: Option<&Case>) -> Result<Vec<View>, String> {
+        let views = match (&self.views, of, &self.values, twin) {
             (Some(views), ..) => {
                 (views.iter().map(|view| words.fill(view).parse())).collect::<Result<_, _>>()?
             }
-            (None, Source::Hand { .. }, Some(values), _) => values.views()?,
+            (None, Source::Hand(..), Some(values), _) => values.views()?,
             (None, _, _, Some(twin)) => twin.views.clone(),
             _ => vec![View::Raw, View::Coef, View::ORDINARY_LIGHT.parse()?],
         };
-        if let Source::Recipe { recipe, .. } = source {
+        if let Source::Recipe(recipe, _) = of {
             check_views(recipe, &views)?;
         }
-        if let (Source::Hand { .. }, Some(values)) = (source, &self.values) {
+        if let (Source::Hand(..), Some(values)) = (of, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
                 return Err(format!("the values of the case lack the view {unknown}"));
@@ -165,10 +139,9 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
         return Ok(());
     }
     let model = Model::paint(recipe);
-    for (&sample, &slack) in model.samples.iter().zip(&model.slack) {
-        if slack > 0 && (sample < slack || 255 - sample < slack) {
-            return Err("the samples are too close to 0 or 255 for any view except raw".to_owned());
-        }
+    let mut samples = model.samples.iter().zip(&model.slack);
+    match samples.any(|(&sample, &slack)| slack > 0 && sample.min(255 - sample) < slack) {
+        true => Err("the samples are too close to 0 or 255 for any view except raw".to_owned()),
+        false => Ok(()),
     }
-    Ok(())
 }

@@ -86,7 +86,7 @@ pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
         .parse()
 }
 
-fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
+pub(crate) fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
     let digits: String = text.split_whitespace().collect();
     let bytes = HEXLOWER_PERMISSIVE.decode(digits.as_bytes());
     bytes.map_err(|_| format!("expected pairs of hex digits, found {text:?}"))

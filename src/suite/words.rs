@@ -33,71 +33,25 @@ impl<'a> Words<'a> {
         self.replaced(text, |name, _| slug(name))
     }
 
+    /// Parses an optional text with the words filled in and stores its value in `slot`.
+    pub fn set<T>(
+        &self,
+        slot: &mut T,
+        text: Option<&String>,
+        parse: impl Fn(&str) -> Result<T, String>,
+    ) -> Result<(), String> {
+        if let Some(text) = text {
+            *slot = parse(&self.fill(text))?;
+        }
+        Ok(())
+    }
+
     fn replaced(&self, text: &str, word: impl Fn(&str, &str) -> String) -> String {
         let fill = |text: String, (key, both): &(&str, &str)| {
             let (name, value) = both.split_once(" = ").unwrap_or((both, both));
             text.replace(&format!("{{{key}}}"), &word(name, value))
         };
         self.0.iter().fold(text.to_owned(), fill)
-    }
-}
-
-/// An optional field of a record.
-pub(crate) trait FieldText {
-    /// Returns the text with the words filled in.
-    fn filled(&self, words: &Words) -> Option<String>;
-
-    /// Parses the text, if any, into `slot`.
-    fn parse<T: FromStr<Err = String>>(&self, words: &Words, slot: &mut T) -> Result<(), String> {
-        self.filled(words)
-            .map_or(Ok(()), |text| text.parse().map(|value| *slot = value))
-    }
-
-    /// Deserializes a word into `slot`.
-    fn word<T: DeserializeOwned>(&self, words: &Words, slot: &mut T) -> Result<(), String> {
-        self.filled(words)
-            .map_or(Ok(()), |text| word(&text).map(|value| *slot = value))
-    }
-
-    /// Parses a decimal number, or a hexadecimal number after `0x`, into `slot`.
-    fn number<T: FromStr>(&self, name: &str, words: &Words, slot: &mut T) -> Result<(), String> {
-        self.filled(words).map_or(Ok(()), |text| {
-            number(name, &text).map(|value| *slot = value)
-        })
-    }
-
-    /// Parses at least one number.
-    fn numbers<T: FromStr>(&self, name: &str, words: &Words) -> Result<Option<Vec<T>>, String> {
-        let text = self.filled(words);
-        text.map(|text| numbers(name, &text)).transpose()
-    }
-
-    /// Parses one of two words, the first of which means yes, into `slot`.
-    fn yes_or_no(
-        &self,
-        name: &str,
-        [yes, no]: [&str; 2],
-        words: &Words,
-        slot: &mut bool,
-    ) -> Result<(), String> {
-        if let Some(text) = self.filled(words) {
-            if ![yes, no].contains(&text.as_str()) {
-                return Err(format!("expected {yes} or {no} for {name}, found {text:?}"));
-            }
-            *slot = text == yes;
-        }
-        Ok(())
-    }
-
-    /// Parses `true` or `false` into `slot`.
-    fn flag(&self, name: &str, words: &Words, slot: &mut bool) -> Result<(), String> {
-        self.yes_or_no(name, ["true", "false"], words, slot)
-    }
-}
-
-impl FieldText for Option<String> {
-    fn filled(&self, words: &Words) -> Option<String> {
-        self.as_ref().map(|text| words.fill(text))
     }
 }
 
@@ -116,25 +70,34 @@ pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
     digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
 }
 
-fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
+/// Parses at least one number.
+pub(super) fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
     let words = text.split_whitespace();
-    let list: Vec<T> = words
-        .map(|word| number(name, word))
-        .collect::<Result<_, _>>()?;
-    if list.is_empty() {
-        return Err(format!("expected numbers for {name}"));
+    let list: Result<Vec<T>, String> = words.map(|word| number(name, word)).collect();
+    match list {
+        Ok(list) if list.is_empty() => Err(format!("expected numbers for {name}")),
+        list => list,
     }
-    Ok(list)
+}
+
+/// Parses one of two words, the first of which means yes.
+pub(super) fn yes_or_no(name: &str, text: &str, [yes, no]: [&str; 2]) -> Result<bool, String> {
+    match text {
+        _ if text == yes => Ok(true),
+        _ if text == no => Ok(false),
+        _ => Err(format!("expected {yes} or {no} for {name}, found {text:?}")),
+    }
+}
+
+/// Parses `true` or `false`.
+pub(super) fn flag(name: &str, text: &str) -> Result<bool, String> {
+    yes_or_no(name, text, ["true", "false"])
 }
 
 /// Converts a word to the form of ids: lowercase, with hyphens, and with the sign of a number as a word.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
-    let word = if signed {
-        word.replace('-', "minus ")
-    } else {
-        word.to_owned()
-    };
-    word.to_lowercase()
-        .replace(|c: char| !c.is_ascii_alphanumeric(), "-")
+    let minus = if signed { "minus " } else { "-" };
+    let word = word.replace('-', minus).to_lowercase();
+    word.replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

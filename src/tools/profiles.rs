@@ -134,7 +134,7 @@ pub struct ProfileCase {
     /// Format of the file, or of the undamaged file.
     pub format: &'static str,
     /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
-    pub expect: &'static str,
+    pub expect: Expect,
     /// Purpose of the case.
     pub because: String,
     /// Clauses that the case tests.
@@ -240,7 +240,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
         bytes: built.file.len(),
         sha256: sha256(&built.file),
         format: case.format().name(),
-        expect: case.expect.manifest_name(),
+        expect: case.expect,
         because: case.because.clone(),
         clauses: case.clauses.clone(),
         ruling: case.ruling.clone(),

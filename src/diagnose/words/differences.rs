@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use super::arithmetic::format_arithmetic;
 use super::{files_in_scope, share_text};
@@ -611,17 +612,12 @@ fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String
         let (case, file) = (witness.case, &witness.built.file);
         let origins =
             origin::origin_of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
-        for origin in origins {
-            let (start, end) = (origin.range.start, origin.range.end);
+        for (what, _, Range { start, end }) in origins {
             let bytes = match end - start {
                 1 => format!("byte {start} (0x{start:x})"),
                 _ => format!("bytes {start}–{}", end - 1),
             };
-            let _ = write!(
-                text,
-                "; the expected value is from {bytes}, {}",
-                origin.what
-            );
+            let _ = write!(text, "; the expected value is from {bytes}, {what}");
         }
     }
     text

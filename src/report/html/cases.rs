@@ -22,16 +22,14 @@ const INITIALLY_VISIBLE_CASES: usize = 12;
 
 /// Failing cases that share a cause, or all failing cases without a cause.
 pub(super) struct Group<'a> {
-    /// Suite of the cases.
-    pub suite: SuiteName,
     pub cause: Option<&'a LikelyCause>,
     pub cases: Vec<&'a CaseResult>,
 }
 
 impl Group<'_> {
-    fn heading(&self) -> String {
+    fn heading(&self, suite: SuiteName) -> String {
         match self.cause {
-            Some(cause) => format!("The {} {}", self.suite.subject(), cause.effect),
+            Some(cause) => format!("The {} {}", suite.subject(), cause.effect),
             None => "Unexplained failures".to_owned(),
         }
     }
@@ -54,12 +52,7 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
         let is_caused = |case: &&CaseResult| report.cause_of(case) == cause;
         let cases: Vec<_> = failing.filter(is_caused).collect();
         if !cases.is_empty() {
-            let suite = report.suite;
-            groups.push(Group {
-                suite,
-                cause,
-                cases,
-            });
+            groups.push(Group { cause, cases });
         }
     }
     groups
@@ -72,18 +65,16 @@ pub(super) fn evidence<'a, C: Reported>(
     run: Option<&Run<C>>,
     groups: &[Group<'a>],
 ) -> HashMap<&'a str, Markup> {
-    let Some(run) = run else {
-        return HashMap::new();
-    };
-    let observed = suite.cases.iter().zip(&run.observations);
-    let observed: HashMap<&str, _> = observed
-        .map(|(case, seen)| (case.id(), (case, seen)))
-        .collect();
+    let mut evidence = HashMap::new();
+    let Some(run) = run else { return evidence };
+    let mut observed = HashMap::new();
+    for (case, observation) in suite.cases.iter().zip(&run.observations) {
+        observed.insert(case.id(), (case, observation));
+    }
     let longest = groups.iter().map(|group| group.cases.len()).max();
     let in_turn = (0..longest.unwrap_or_default())
         .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
     let mut left = MAX_EVIDENCE_BYTES;
-    let mut evidence = HashMap::new();
     for case in in_turn {
         let Some((known, Some(observation))) = observed.get(case.id.as_str()) else {
             continue;
@@ -129,12 +120,10 @@ pub(super) fn failures<C: Reported>(
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
-                section.group id=(group.anchor()) aria-label=(group.heading()) {
-                    h3 { (group.heading()) " " span.count { (group.cases.len()) } }
+                section.group id=(group.anchor()) aria-label=(group.heading(report.suite)) {
+                    h3 { (group.heading(report.suite)) " " span.count { (group.cases.len()) } }
                     @let (first, more) = group.cases.split_at(INITIALLY_VISIBLE_CASES.min(group.cases.len()));
-                    @for (j, case) in first.iter().enumerate() {
-                        (card(case, i == 0 && j == 0))
-                    }
+                    @for (j, case) in first.iter().enumerate() { (card(case, i == 0 && j == 0)) }
                     @if !more.is_empty() {
                         details.more {
                             summary { span.count { (more.len()) } " more" }

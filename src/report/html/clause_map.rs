@@ -65,25 +65,14 @@ impl ClauseTally {
 
 /// Counts the results of `report` by clause.
 pub(super) fn tallies(report: &Report) -> BTreeMap<&str, ClauseTally> {
-    ClauseTally::count(
-        report
-            .cases
-            .iter()
-            .map(|case| (&case.clauses, case.outcome)),
-    )
+    let cases = report.cases.iter();
+    ClauseTally::count(cases.map(|case| (&case.clauses, case.outcome)))
 }
 
 /// Groups clauses by section, in order.
-pub(super) fn group_by_section(clauses: &[Clause]) -> Vec<(&str, Vec<&Clause>)> {
-    let mut sections: Vec<(&str, Vec<&Clause>)> = Vec::new();
-    for clause in clauses {
-        let section = section_of(&clause.id);
-        match sections.last_mut() {
-            Some((last, of)) if *last == section => of.push(clause),
-            _ => sections.push((section, vec![clause])),
-        }
-    }
-    sections
+pub(super) fn group_by_section(clauses: &[Clause]) -> impl Iterator<Item = (&str, &[Clause])> {
+    let sections = clauses.chunk_by(|a, b| section_of(&a.id) == section_of(&b.id));
+    sections.map(|clauses| (section_of(&clauses[0].id), clauses))
 }
 
 pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::cases::Group;
 use crate::report::html::shell::linked;
-use crate::report::words::{Detail, details, how_it_is_called};
+use crate::report::words::{details, how_it_is_called};
 use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
 use crate::suite::clauses::Clause;
@@ -24,7 +24,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             }
             @for group in groups {
                 @match group.cause {
-                    Some(cause) => (render_cause(cause, group, failures, clauses)),
+                    Some(cause) => (render_cause(report, cause, group, clauses)),
                     None => article.cause.unexplained {
                         p.share { b { (group.cases.len()) } " of " (failures) " failures" }
                         div {
@@ -38,26 +38,27 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
     }
 }
 
-fn render_cause(cause: &LikelyCause, group: &Group, failures: usize, clauses: &[Clause]) -> Markup {
+fn render_cause(report: &Report, cause: &LikelyCause, group: &Group, clauses: &[Clause]) -> Markup {
+    let (suite, failures) = (report.suite, report.with_outcome(Outcome::Fail).count());
     let rule = clauses.iter().find(|clause| clause.id == cause.clause);
     html! {
         article.cause {
             p.share { b { (cause.explains.len()) } " of " (failures) " failures" }
             div {
-                h3 { "The " (group.suite.subject()) " " (cause.effect) "." }
+                h3 { "The " (suite.subject()) " " (cause.effect) "." }
                 p.fix { b { "Fix: " } (cause.fix) "." }
                 @if cause.blames_clause() {
                     p.rule {
-                        b { "Clause " (linked(group.suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
+                        b { "Clause " (linked(suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
                 }
-                @for Detail { before, name, after, page } in details(cause, group.suite) {
+                @for (before, name, after, page) in details(cause, suite) {
                     p { (before) @if !name.is_empty() { (linked(page, &html! { code { (name) } })) } (after) "." }
                 }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
                     a href={ "#" (group.anchor()) } { "See the cases" }
-                    @if let Some(slug) = &cause.misreading { " · " (linked(Some(group.suite.misreading_page(slug)), &html! { "About this mistake" })) " · " code { "ptm-conform explain " (slug) } }
+                    @if let Some(slug) = &cause.misreading { " · " (linked(Some(suite.misreading_page(slug)), &html! { "About this mistake" })) " · " code { "ptm-conform explain " (slug) } }
                 }
             }
         }

@@ -7,39 +7,35 @@ use maud::{Markup, html};
 
 use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
-use crate::protocol::frame::{Frame, View};
-use crate::ptm::{Shape, Size, channel_name};
-use crate::report::html::pictures;
+use crate::protocol::frame::{Frame, View, ViewKind};
+use crate::ptm::{Shape, channel_name};
+use crate::report::html::pictures::{self, SamplePosition};
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
 use crate::suite::compare::{Difference, Expected};
 use crate::suite::dialect::Right;
-use crate::suite::origin::{self, Origin};
+use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use crate::suite::texture::cases::TextureCase;
 
 /// Renders the evidence for a PTM file.
-pub(in crate::report) fn case_evidence(
-    case: &Case,
-    table: TableSpelling,
-    observation: &Observation,
-) -> Markup {
+pub(crate) fn case_evidence(case: &Case, table: TableSpelling, seen: &Observation) -> Markup {
     let built = case.build(table);
-    let shown = match &observation.response {
+    let shown = match &seen.response {
         Response::Image {
             difference: Some(difference),
             frame: Some(frame),
             ..
-        } => image_evidence(case, &built, &observation.view, difference, frame),
+        } => render_image(case, &built, &seen.view, difference, frame),
         Response::Image { .. } => accepted_file_evidence(&built),
         _ => render_file_beginning(&built),
     };
     html! {
-        @if let Response::Image { right: Right::In { .. }, .. } = &observation.response {
+        @if let Response::Image { right: Right::In { .. }, .. } = &seen.response {
             p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)
-        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+        @if !seen.stderr.is_empty() { (standard_error(&seen.stderr)) }
         (download(&format!("{}.ptm", case.id), &built.file))
     }
 }
@@ -60,11 +56,8 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
 }
 
 /// Renders the evidence for a texture question.
-pub(in crate::report) fn question_evidence(
-    case: &TextureCase,
-    observation: &Observation<TextureCase>,
-) -> Markup {
-    let received = match &observation.response {
+pub(crate) fn question_evidence(case: &TextureCase, seen: &Observation<TextureCase>) -> Markup {
+    let received = match &seen.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
         other => other.name().to_owned(),
     };
@@ -76,7 +69,7 @@ pub(in crate::report) fn question_evidence(
         @if !case.relevant_axes().is_empty() {
             p.note { "The chapter leaves open how to answer this question. Several answers are correct; the reference's answer is shown." }
         }
-        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+        @if !seen.stderr.is_empty() { (standard_error(&seen.stderr)) }
         (download(&format!("{}.json", case.id), case.question().to_string().as_bytes()))
     }
 }
@@ -92,30 +85,20 @@ pub(crate) fn standard_error(stderr: &str) -> Markup {
     }
 }
 
-fn image_evidence(
-    case: &Case,
-    built: &Built,
-    view: &View,
-    difference: &Difference,
-    frame: &Frame,
-) -> Markup {
+fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame: &Frame) -> Markup {
     let expected = Expected::new(&built.values, view);
-    let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, difference) else {
+    let (Some(expected), Difference::Samples { x, y, .. }) = (&expected, at) else {
         return render_file_beginning(built);
     };
     let first = (y * expected.size.width as usize + x) * expected.channels;
     let received = |i: usize| frame.samples.real(i);
-    let channel = (0..expected.channels)
-        .find(|channel| !expected.is_near(first + channel, received(first + channel)))
-        .unwrap_or_default();
+    let is_wrong = |c: &usize| !expected.is_near(first + c, received(first + c));
+    let channel = (0..expected.channels).find(is_wrong).unwrap_or_default();
+    let spot = (*x, *y, channel);
     let name = channel_name(expected.channels, channel);
     let ptm = decode(&built.file).ok();
     let texel = first / expected.channels;
     let steps = ptm.and_then(|ptm| arithmetic_steps(&ptm, view, texel, channel));
-    let ends = match view {
-        View::Rgb(_) => "; clamped to 0…255: ",
-        _ => " = ",
-    };
     html! {
         p.label { "Texel (" (x) ", " (y) ")" }
         div.scroll tabindex="0" { table.texel {
@@ -137,10 +120,12 @@ fn image_evidence(
         } }
         @if let Some(steps) = steps {
             p.label { "The arithmetic" }
-            p.arithmetic { code { (name) " = " (steps) (ends) (number(expected.values[first + channel])) } }
+            p.arithmetic {
+                code { (name) " = " (steps) @if let View::Rgb(_) = view { "; clamped to 0…255: " } @else { " = " } (number(expected.values[first + channel])) }
+            }
         }
-        @if let Some(figure) = pictures::figure(expected, frame, (*x, *y, channel)) { (figure) }
-        (origins(&name, &built.file, &sample_origins(case, built, view, expected.size, (*x, *y), channel)))
+        @if let Some(figure) = pictures::figure(expected, frame, spot) { (figure) }
+        (origins(&name, &built.file, &sample_origins(case, &built.file, expected, spot)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
     }
 }
@@ -148,30 +133,28 @@ fn image_evidence(
 /// Returns the byte ranges that a sample of `view` is computed from.
 fn sample_origins(
     case: &Case,
-    built: &Built,
-    view: &View,
-    size: Size,
-    position: (usize, usize),
-    channel: usize,
+    file: &[u8],
+    expected: &Expected,
+    spot: SamplePosition,
 ) -> Vec<Origin> {
-    let stored = |channels| origin::origin_of_samples(case, &built.file, size, position, channels);
-    let shape = decode(&built.file).map(|ptm| ptm.planes.shape);
-    match (view, shape) {
-        (View::Raw, _) => stored(channel..channel + 1),
-        (View::Coef, Ok(shape)) => {
+    let (x, y, channel) = spot;
+    let stored = |channels| origin_of_samples(case, file, expected.size, (x, y), channels);
+    let shape = decode(file).map(|ptm| ptm.planes.shape);
+    match (expected.view, shape) {
+        (ViewKind::Raw, _) => stored(channel..channel + 1),
+        (ViewKind::Coef, Ok(shape)) => {
             let mut origins = stored(channel..channel + 1);
             if channel < shape.coefficients() {
-                origins.extend(origin::origin_of_scale_and_bias(&built.file, channel));
+                origins.extend(origin_of_scale_and_bias(file, channel));
             }
             origins
         }
         // A color is computed from whole polynomials.
-        (View::Rgb(_), Ok(Shape::Rgb)) => stored(6 * channel..6 * channel + 6),
-        (View::Rgb(_), Ok(Shape::Lrgb)) => [0..6, 6 + channel..7 + channel]
-            .into_iter()
-            .flat_map(stored)
-            .collect(),
-        (View::Rgb(_), Ok(Shape::Lum(_))) => stored(0..8),
+        (ViewKind::Rgb, Ok(Shape::Rgb)) => stored(6 * channel..6 * channel + 6),
+        (ViewKind::Rgb, Ok(Shape::Lrgb)) => {
+            [stored(0..6), stored(6 + channel..7 + channel)].concat()
+        }
+        (ViewKind::Rgb, Ok(Shape::Lum(_))) => stored(0..8),
         _ => Vec::new(),
     }
 }
@@ -179,13 +162,12 @@ fn sample_origins(
 fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     html! {
         @if !origins.is_empty() { p.label { "Bytes of " (name) " of this texel" } }
-        @for origin in origins {
+        @for (what, clause, range) in origins {
             p.origin {
-                @if origin.range.len() == 1 { "Byte " (origin.range.start) } @else { "Bytes " (origin.range.start) "–" (origin.range.end.max(1) - 1) }
-                ": " (origin.what)
-                " " span.clauses { (origin.clause) }
+                @if range.len() == 1 { "Byte " (range.start) } @else { "Bytes " (range.start) "–" (range.end.max(1) - 1) }
+                ": " (what) " " span.clauses { (clause) }
             }
-            (excerpt(file, &origin.range))
+            (excerpt(file, range))
         }
     }
 }

@@ -14,6 +14,7 @@ use crate::session::run::Run;
 use crate::session::scores::Fraction;
 use crate::suite::address::SITE;
 use crate::suite::cases::Suite;
+use crate::suite::clauses::Ruling;
 
 /// Renders the page of a report. Images are included if `run` is available.
 ///
@@ -24,7 +25,7 @@ pub fn page<C: Reported>(
     report: &Report,
     run: Option<&Run<C>>,
 ) -> Result<String, String> {
-    let clauses = (C::CLAUSES)()?;
+    let (clauses, rulings) = ((C::CLAUSES)()?, (C::RULINGS)()?);
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
     let (command, verdict) = (&report.decoder.command, &report.verdict);
@@ -34,13 +35,11 @@ pub fn page<C: Reported>(
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
-            } @else {
-                (diagnosis(report, &groups, &clauses))
-            }
+            } @else { (diagnosis(report, &groups, &clauses)) }
             @if !report.cases.is_empty() {
                 (failures(suite, report, &groups, run.is_some(), &evidence))
                 (clause_map::section(report, &clauses))
-                (dialect::<C>(report)?)
+                (dialect(report, &rulings))
                 (other_cases(report))
             }
             (footer(report))
@@ -65,9 +64,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
                 " "
                 span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) }
             }
-            @if let Some(reason) = &report.reason {
-                pre.reason tabindex="0" { (reason) }
-            }
+            @if let Some(reason) = &report.reason { pre.reason tabindex="0" { (reason) } }
             @for remark in &report.remarks {
                 p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.says) }
             }
@@ -146,9 +143,8 @@ fn other_cases(report: &Report) -> Markup {
 }
 
 /// Renders the decoder's readings of open questions and the features that it decodes.
-fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
-    let rulings = (C::RULINGS)()?;
-    Ok(html! {
+fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
+    html! {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
             p { "The specification leaves some values open. Each of these readings is correct if the decoder follows it in all files." }
@@ -172,7 +168,7 @@ fn dialect<C: Reported>(report: &Report) -> Result<Markup, String> {
             }
             p.quiet { "Views offered: " (report.decoder.views.join(", ")) }
         }
-    })
+    }
 }
 
 fn footer(report: &Report) -> Markup {

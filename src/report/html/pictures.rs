@@ -16,12 +16,15 @@ use crate::suite::compare::Expected;
 /// Maximum number of columns and rows of a plane that are displayed.
 const MAX_SIDE: usize = 48;
 
+/// Position of a sample: column, row and channel.
+pub(super) type SamplePosition = (usize, usize, usize);
+
 /// Two frames of the same shape that are compared sample by sample.
 struct ImageComparison<'a> {
     expected: &'a Expected,
     received: Vec<f64>,
-    /// Position of the first difference: column, row and channel.
-    spot: (usize, usize, usize),
+    /// Position of the first difference.
+    spot: SamplePosition,
     /// Columns that are displayed.
     columns: Range<usize>,
     /// Rows that are displayed.
@@ -30,13 +33,9 @@ struct ImageComparison<'a> {
     spans: Vec<(f64, f64)>,
 }
 
-/// Renders the images of a frame whose first difference from the expected frame is at `spot` (column, row, channel).
-/// Returns `None` if the frames have different shapes.
-pub(super) fn figure(
-    expected: &Expected,
-    frame: &Frame,
-    spot: (usize, usize, usize),
-) -> Option<Markup> {
+/// Renders the images of a frame whose first difference from the expected frame is at `spot`. Returns `None` if the frames
+/// have different shapes.
+pub(super) fn figure(expected: &Expected, frame: &Frame, spot: SamplePosition) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();
     if (width, height, channels) != (expected.size.width, expected.size.height, expected.channels)
@@ -70,11 +69,8 @@ pub(super) fn figure(
 impl ImageComparison<'_> {
     /// Renders the images in color.
     fn color_images(&self) -> Markup {
-        let positions = || {
-            self.rows
-                .clone()
-                .flat_map(|y| self.columns.clone().map(move |x| (x, y)))
-        };
+        let row = |y| self.columns.clone().map(move |x| (x, y));
+        let positions = || self.rows.clone().flat_map(row);
         let image = |row: &str| -> Vec<u8> {
             let color = |(x, y)| [0, 1, 2].map(|channel| self.texel(row, x, y, channel)[0]);
             positions().flat_map(color).collect()
@@ -108,9 +104,7 @@ impl ImageComparison<'_> {
     /// Renders the planes, one table per color. Colors without a difference are only mentioned.
     fn planes(&self) -> Markup {
         let channels = self.expected.channels;
-        let wrong: Vec<usize> = (0..channels)
-            .map(|channel| self.wrong_count(channel))
-            .collect();
+        let wrong: Vec<usize> = ((0..channels).map(|channel| self.wrong_count(channel))).collect();
         let each = if channels == 18 { 6 } else { channels };
         let groups = (0..channels).step_by(each).map(|from| from..from + each);
         let (shown, equal): (Vec<_>, Vec<_>) =
@@ -191,11 +185,8 @@ impl ImageComparison<'_> {
             None => apart / 255.0,
         };
         // Keep small differences visible, and treat NaN as the largest difference.
-        if part.is_finite() {
-            part.clamp(0.02, 1.0)
-        } else {
-            1.0
-        }
+        let part = if part.is_finite() { part } else { 1.0 };
+        part.clamp(0.02, 1.0)
     }
 
     /// Returns the RGBA color of a sample in the given row of the table.
@@ -285,16 +276,10 @@ fn heat_color(apart: f64) -> [u8; 4] {
     if apart <= 0.0 {
         return [0; 4];
     }
-    let stops = [
-        [250.0, 178.0, 60.0],
-        [226.0, 62.0, 48.0],
-        [124.0, 30.0, 150.0],
-    ];
-    let (from, to, part) = if apart < 0.5 {
-        (stops[0], stops[1], apart * 2.0)
-    } else {
-        (stops[1], stops[2], apart * 2.0 - 1.0)
-    };
+    let stops = [[250, 178, 60], [226, 62, 48], [124, 30, 150]];
+    let stop = usize::from(apart >= 0.5);
+    let part = apart * 2.0 - stop as f64;
+    let [from, to] = [stops[stop], stops[stop + 1]].map(|color| color.map(f64::from));
     let mix = |i: usize| (from[i] + (to[i] - from[i]) * part) as u8;
     [mix(0), mix(1), mix(2), 255]
 }

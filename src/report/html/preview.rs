@@ -22,11 +22,8 @@ pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     let Samples::U8(stored) = expected.frame().samples else {
         return None;
     };
-    let shape = (
-        expected.size.width,
-        expected.size.height,
-        expected.channels as u32,
-    );
+    let size = expected.size;
+    let shape = (size.width, size.height, expected.channels as u32);
     if shape != (frame.width, frame.height, frame.channels) || stored.len() > MAX_SAMPLES {
         return None;
     }

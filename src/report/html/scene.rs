@@ -32,46 +32,25 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
 /// Index of the last row and column.
 const LAST_INDEX: usize = SIDE as usize - 1;
 
-/// Common transforms of the image: a description, and the source of each texel and channel.
-const CHANGES: &[(&str, fn(usize, usize, usize) -> (usize, usize, usize))] = &[
-    ("This decoder shows it almost correctly.", |x, y, c| {
-        (x, y, c)
-    }),
-    ("The image is upside down.", |x, y, c| {
-        (x, LAST_INDEX - y, c)
-    }),
-    ("The image is mirrored.", |x, y, c| (LAST_INDEX - x, y, c)),
-    ("The image is rotated by 180°.", |x, y, c| {
-        (LAST_INDEX - x, LAST_INDEX - y, c)
-    }),
-    ("Rows and columns are exchanged.", |x, y, c| (y, x, c)),
-    ("Red and blue are exchanged.", |x, y, c| (x, y, 2 - c)),
-    ("Red and green are exchanged.", |x, y, c| {
-        (x, y, [1, 0, 2][c])
-    }),
-    ("Green and blue are exchanged.", |x, y, c| {
-        (x, y, [0, 2, 1][c])
-    }),
-    (
-        "The image is upside down, and red and blue are exchanged.",
-        |x, y, c| (x, LAST_INDEX - y, 2 - c),
-    ),
-];
+/// Common transforms of the image: the source of each column, row and channel, and a description.
+const CHANGES: &str = "\
+x y rgb: This decoder shows it almost correctly.
+x -y rgb: The image is upside down.
+-x y rgb: The image is mirrored.
+-x -y rgb: The image is rotated by 180°.
+y x rgb: Rows and columns are exchanged.
+x y bgr: Red and blue are exchanged.
+x y grb: Red and green are exchanged.
+x y rbg: Green and blue are exchanged.
+x -y bgr: The image is upside down, and red and blue are exchanged.
+";
 
-/// Common changes of the light direction: a description, and factors of u and v.
-const LIGHTS: &[(&str, f64, f64)] = &[
-    ("The image is lit from below, so v points down.", 1.0, -1.0),
-    (
-        "The image is lit from the right, so u points to the left.",
-        -1.0,
-        1.0,
-    ),
-    (
-        "The image is lit from the lower right, so u and v are both negated.",
-        -1.0,
-        -1.0,
-    ),
-];
+/// Common changes of the light direction: the new u and v, and a description.
+const LIGHTS: &str = "\
+u -v: The image is lit from below, so v points down.
+-u v: The image is lit from the right, so u points to the left.
+-u -v: The image is lit from the lower right, so u and v are both negated.
+";
 
 /// Describes the visible mistake of the received image.
 fn describe_fault(scene: &LitScene) -> &'static str {
@@ -80,22 +59,32 @@ fn describe_fault(scene: &LitScene) -> &'static str {
         return "This decoder shows it correctly.";
     }
     let side = SIDE as usize;
-    let changes = CHANGES.iter().map(|&(says, from)| {
-        let places = (0..right.len()).map(|i| from(i / 3 % side, i / 3 / side, i % 3));
-        let changed: Vec<u8> = places
-            .map(|(x, y, c)| right[3 * (y * side + x) + c])
-            .collect();
-        (says, changed)
-    });
-    let lights = LIGHTS.iter();
-    let lights = lights.map(|&(says, u, v)| (says, scene.render(u * LIGHT.0, v * LIGHT.1)));
-    let is_alike = |(_, image): &(&str, Vec<u8>)| {
+    for line in CHANGES.lines().chain(LIGHTS.lines()) {
+        let (from, says) = line.split_once(": ").expect("every line has a description");
+        let words: Vec<&str> = from.split(' ').collect();
+        let byte = |i: usize| {
+            let place = |word: &str| match word.trim_start_matches('-') {
+                "x" => i / 3 % side,
+                _ => i / 3 / side,
+            };
+            let source = |word: &str| match word.starts_with('-') {
+                true => LAST_INDEX - place(word),
+                false => place(word),
+            };
+            let channel = words[2].as_bytes()[i % 3];
+            let channel = b"rgb".iter().position(|name| *name == channel);
+            right[3 * (source(words[1]) * side + source(words[0])) + channel.unwrap_or_default()]
+        };
+        let sign = |word: &str| if word.starts_with('-') { -1.0 } else { 1.0 };
+        let image: Vec<u8> = match words.len() {
+            2 => scene.render(sign(words[0]) * LIGHT.0, sign(words[1]) * LIGHT.1),
+            _ => (0..right.len()).map(byte).collect(),
+        };
         let pairs = image.iter().zip(received);
         let sum: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
-        f64::from(sum) / (image.len() as f64) < MAX_INVISIBLE_DIFFERENCE
-    };
-    if let Some((says, _)) = changes.chain(lights).find(is_alike) {
-        return says;
+        if f64::from(sum) / (image.len() as f64) < MAX_INVISIBLE_DIFFERENCE {
+            return says;
+        }
     }
     let mean = |image: &[u8]| image.iter().map(|&byte| f64::from(byte)).sum::<f64>();
     match mean(received) / mean(right) {

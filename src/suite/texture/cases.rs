@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::kit::{embedded, yaml::from_yaml};
+use crate::kit::embedded;
+use crate::kit::yaml::{from_files, from_yaml};
 use crate::suite::cases::Suite;
 use crate::suite::clauses::{Clause, Ruling};
 use crate::suite::dialect::Axis;
@@ -98,13 +99,11 @@ impl Suite<TextureCase> {
     /// # Errors
     /// Returns a message that names the file and the error.
     pub fn load_texture() -> Result<Suite<TextureCase>, String> {
-        let read = |(name, text): &(&str, &str)| {
-            cases_of(text).map_err(|error| format!("{name}: {error}"))
-        };
-        let files: Result<Vec<Vec<TextureCase>>, String> = FILES.iter().map(read).collect();
-        Ok(Suite {
-            cases: files?.concat(),
-        })
+        let mut cases = Vec::new();
+        for (name, text) in FILES {
+            cases.extend(cases_of(text).map_err(|error| format!("{name}: {error}"))?);
+        }
+        Ok(Suite { cases })
     }
 }
 
@@ -156,8 +155,8 @@ impl TextureCase {
 /// # Errors
 /// Returns a message that names the error in the file.
 pub fn clauses() -> Result<Vec<Clause>, String> {
-    from_yaml(include_str!("../../../spec-cases/texture/clauses.yaml"))
-        .map_err(|error| format!("texture/clauses.yaml: {error}"))
+    let files = embedded!["spec-cases", "texture/clauses.yaml"];
+    Ok(from_files::<Vec<Clause>>(files)?.concat())
 }
 
 /// Returns the rulings.
@@ -165,6 +164,6 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// # Errors
 /// Returns a message that names the error in the file.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
-    from_yaml(include_str!("../../../spec-cases/texture/rulings.yaml"))
-        .map_err(|error| format!("texture/rulings.yaml: {error}"))
+    let files = embedded!["spec-cases", "texture/rulings.yaml"];
+    Ok(from_files::<Vec<Ruling>>(files)?.concat())
 }

@@ -8,23 +8,8 @@ use serde_json::{Value, json};
 use crate::suite::compare::is_close;
 use crate::texture::Entry;
 
-/// Tolerance for numbers.
-#[derive(Clone, Copy, Debug)]
-pub enum Tolerance {
-    /// 1e-5 of the larger number, plus 1e-6.
-    Ordinary,
-    /// An absolute tolerance.
-    Absolute(f64),
-}
-
-impl Tolerance {
-    fn allows(self, expected: f64, received: f64) -> bool {
-        match self {
-            Tolerance::Ordinary => is_close(expected, received, 0.0),
-            Tolerance::Absolute(most) => (expected - received).abs() <= most,
-        }
-    }
-}
+/// Absolute tolerance for numbers; `None` for 1e-5 of the larger number, plus 1e-6.
+type Tolerance = Option<f64>;
 
 /// Describes the first difference between `received` and `expected`, or returns `None` if there is none.
 #[must_use]
@@ -47,20 +32,22 @@ pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> O
 }
 
 fn as_gray(expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
-    let (Some(expected), Some([value])) =
-        (expected.as_array(), received.as_array().map(Vec::as_slice))
-    else {
-        return false;
-    };
-    expected.len() == 3 && expected.iter().all(|one| equal("", one, value, tolerance))
+    match (expected, received) {
+        (Value::Array(all), Value::Array(one)) if all.len() == 3 && one.len() == 1 => {
+            all.iter().all(|value| equal("", value, &one[0], tolerance))
+        }
+        _ => false,
+    }
 }
 
 fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
+    let is_near = |a: f64, b: f64| match tolerance {
+        Some(most) => (a - b).abs() <= most,
+        None => is_close(a, b, 0.0),
+    };
     match (expected, received) {
         (Value::Number(a), Value::Number(b)) => match (a.as_f64(), b.as_f64()) {
-            (Some(a), Some(b)) => {
-                tolerance.allows(a, b) || name == "color" && tolerance.allows(a.clamp(0.0, 1.0), b)
-            }
+            (Some(a), Some(b)) => is_near(a, b) || name == "color" && is_near(a.clamp(0.0, 1.0), b),
             _ => false,
         },
         (Value::Array(a), Value::Array(b)) => {

@@ -6,17 +6,11 @@ use crate::protocol::frame::Answer;
 use crate::suite::dialect::{Axis, Dialect};
 use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::choices::CHOICES;
-use crate::suite::texture::compare::{Tolerance, difference};
+use crate::suite::texture::compare::difference;
 use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
 impl TextureCase {
-    /// Returns the tolerance for numbers.
-    #[must_use]
-    pub fn tolerance(&self) -> Tolerance {
-        self.tol.map_or(Tolerance::Ordinary, Tolerance::Absolute)
-    }
-
     /// Returns true if the question is out of the valid range and must be refused.
     #[must_use]
     pub fn must_be_refused(&self) -> bool {
@@ -55,7 +49,7 @@ impl TextureCase {
                 (1..CHOICES[axis].readings.len()).any(|reading| {
                     let mut dialect = CHOICES.reference();
                     dialect.0[axis] = reading;
-                    difference(&self.expect, &self.expected(&dialect), self.tolerance()).is_some()
+                    difference(&self.expect, &self.expected(&dialect), self.tol).is_some()
                 })
             };
             // Answers that are left to the implementation are right in every dialect.

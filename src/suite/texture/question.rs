@@ -15,7 +15,7 @@ use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
     self, Boundary, Color, Correction, Entry, Fetched, Footprint, Frequency, Interpolation, Level,
     LitPrimitive, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint, Surface,
-    Table, Texel, TexelKind, TextureMap, Vector, VertexData,
+    Texel, TexelKind, TextureMap, Vector, VertexData,
 };
 
 /// A question to a texture stage.
@@ -32,40 +32,19 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// Returns 65 or 69.
+    /// Returns the exit status, 65 or 69, and the reason as a sentence.
     #[must_use]
-    pub fn exit_status(&self) -> i32 {
+    pub fn status_and_reason(&self) -> (i32, &str) {
         match self {
-            Refusal::Malformed(_) => EXIT_MALFORMED,
-            Refusal::Unsupported(_) => EXIT_UNSUPPORTED,
-        }
-    }
-
-    /// Returns the reason as a sentence.
-    #[must_use]
-    pub fn message(&self) -> &str {
-        match self {
-            Refusal::Malformed(message) | Refusal::Unsupported(message) => message,
+            Refusal::Malformed(reason) => (EXIT_MALFORMED, reason),
+            Refusal::Unsupported(reason) => (EXIT_UNSUPPORTED, reason),
         }
     }
 }
 
 /// Names of the steps, in the order of the pipeline.
-pub const OPERATIONS: [&str; 13] = [
-    "defaults",
-    "select",
-    "resolve",
-    "parameterize",
-    "reflect",
-    "orient",
-    "interpolate",
-    "sites",
-    "depth",
-    "index",
-    "sample",
-    "compose",
-    "stage",
-];
+pub const OPERATIONS: &str = "defaults select resolve parameterize reflect orient interpolate sites depth index sample \
+    compose stage";
 
 impl Question {
     /// Parses a question from the bytes of a file.
@@ -83,10 +62,9 @@ impl Question {
     /// # Errors
     /// Returns the errors of [`Question::read`].
     pub fn from_value(value: &Value) -> Result<Question, Refusal> {
-        let op = value["op"]
-            .as_str()
-            .ok_or_else(|| malformed("a question must have an op"))?;
-        if !OPERATIONS.contains(&op) {
+        let op = value["op"].as_str();
+        let op = op.ok_or_else(|| malformed("a question must have an op"))?;
+        if OPERATIONS.split(' ').all(|known| known != op) {
             return Err(Refusal::Unsupported(format!("unknown op {op:?}")));
         }
         let step = match value.get("given") {
@@ -102,31 +80,25 @@ impl Question {
     /// # Errors
     /// Returns an error if the question is malformed or not supported.
     pub fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
-        self.0.answer(rules).or_else(|reason| match reason {
-            Unanswered::Refused(refusal) => Err(refusal),
-            Unanswered::NoValue(NoValue::ImplementationDefined(ruling)) => {
-                Ok(json!({ "impl_defined": ruling }))
-            }
-            Unanswered::NoValue(other) => Err(malformed(other.to_string())),
-        })
+        self.0.answer(rules).or_else(|Unanswered(result)| result)
     }
 }
 
-/// Reason why a step has no answer.
-enum Unanswered {
-    Refused(Refusal),
-    NoValue(NoValue),
-}
+/// Result of a step that has no value: a refusal, or the ruling that leaves the value to the implementation.
+struct Unanswered(Result<Value, Refusal>);
 
 impl From<Refusal> for Unanswered {
     fn from(refusal: Refusal) -> Unanswered {
-        Unanswered::Refused(refusal)
+        Unanswered(Err(refusal))
     }
 }
 
 impl From<NoValue> for Unanswered {
     fn from(reason: NoValue) -> Unanswered {
-        Unanswered::NoValue(reason)
+        Unanswered(match reason {
+            NoValue::ImplementationDefined(ruling) => Ok(json!({ "impl_defined": ruling })),
+            other => Err(malformed(other.to_string())),
+        })
     }
 }
 
@@ -242,11 +214,8 @@ impl TextureStep {
                 Selection::Entries(entries) => json!({ "entries": entries }),
             },
             TextureStep::Resolve { table, index } => {
-                let table = table.iter();
-                let table: Table = table
-                    .map(|(&index, given)| (index, given.entry(rules)))
-                    .collect();
-                entry_json(&texture::resolve(&table, *index, rules)?)
+                let table = table.iter().map(|(&i, given)| (i, given.entry(rules)));
+                entry_json(&texture::resolve(&table.collect(), *index, rules)?)
             }
             TextureStep::Parameterize { dim, .. } if !(1..=3).contains(dim) => {
                 return Err(malformed("dim: 1, 2 or 3").into());
@@ -271,26 +240,21 @@ impl TextureStep {
                 json!({ "site": site.name().to_lowercase() })
             }
             TextureStep::Depth {
-                size, dtdx, dtdy, ..
-            } if !(1..=3).contains(&size.len()) || dtdx.len() > 3 || dtdy.len() > 3 => {
-                let expected = "size: expected 1 to 3 numbers";
-                return Err(malformed(expected).into());
-            }
-            TextureStep::Depth {
                 size,
                 dtdx,
                 dtdy,
                 bias,
                 freq,
             } => {
+                if !(1..=3).contains(&size.len()) || dtdx.len() > 3 || dtdy.len() > 3 {
+                    return Err(malformed("size: expected 1 to 3 numbers").into());
+                }
                 let (dt_dx, dt_dy) = (padded(dtdx, 0.0), padded(dtdy, 0.0));
                 let footprint = Footprint { dt_dx, dt_dy };
                 let hints = padded(freq, 1.0);
                 let depth = texture::sample_depth(size, &footprint, *bias, hints);
-                let mode = match texture::is_magnified(size, &footprint) {
-                    true => "mag",
-                    false => "min",
-                };
+                let is_magnified = texture::is_magnified(size, &footprint);
+                let mode = if is_magnified { "mag" } else { "min" };
                 json!({ "depth": number(depth), "mode": mode })
             }
             TextureStep::Index { size, .. } if !(1..=1 << 31).contains(size) => {
@@ -300,11 +264,7 @@ impl TextureStep {
                 let index = |&t: &f64| texture::texel_index(*boundary, t, *size, rules);
                 json!({ "index": t.iter().map(index).collect::<Vec<usize>>() })
             }
-            TextureStep::Sample { .. }
-            | TextureStep::Compose { .. }
-            | TextureStep::Stage { .. } => {
-                return self.color(rules);
-            }
+            _ => return self.color(rules),
         })
     }
 
@@ -342,15 +302,20 @@ impl TextureStep {
                 frequency,
                 entries,
             } => {
-                let maps = entries.iter().map(|given| {
+                let mut maps = Vec::new();
+                for given in entries {
                     let entry = given.entry.entry(rules);
                     let fetched = given.fetched(&entry, rules)?;
-                    Ok((entry, fetched))
-                });
-                let maps = maps.collect::<Result<Vec<_>, Unanswered>>()?;
+                    maps.push((entry, fetched));
+                }
                 let interpolation = interp.unwrap_or(Interpolation::None);
                 let frequency = frequency.unwrap_or(Frequency::InterpDep);
-                let lit = surface.lighting();
+                let (color, alpha) = (surface.color, surface.alpha);
+                let lit = LitPrimitive {
+                    surface: Shade { color, alpha },
+                    white: surface.cw,
+                    specular: surface.cs,
+                };
                 shade_json(texture::stage(&maps, &lit, interpolation, frequency, rules))
             }
             _ => unreachable!("the other steps have been answered"),
@@ -371,9 +336,8 @@ fn interpolate(
     let equal_counts = ts.iter().all(|t| t.len() == count);
     let equal_corners = ts.len() == b.len() && b.len() == w.len();
     if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
-        let expected =
-            "ts, b and w: expected one element with 1 to 3 coordinates for each of the corners";
-        return Err(malformed(expected).into());
+        let expected = "expected one element with 1 to 3 coordinates for each of the corners";
+        return Err(malformed(format!("ts, b and w: {expected}")).into());
     }
     let ts: Vec<Vector> = ts.iter().map(|t| padded(t, 0.0)).collect();
     let t = texture::interpolate(&ts, b, w, correction, rules)?;
@@ -596,17 +560,15 @@ impl LevelsGiven {
         let mut levels = Vec::new();
         for given in &self.levels {
             if given.size.len() != dimensions || dimensions > 3 {
-                let expected = "expected a size of 1 to 3 numbers";
-                return Err(malformed(expected.to_owned()));
+                return Err(malformed("expected a size of 1 to 3 numbers".to_owned()));
             }
             let mut size = [1; 3];
             size[..dimensions].copy_from_slice(&given.size);
-            let texels = given.texels.iter();
-            let texels: Option<_> = texels.map(|texel| Texel::new(self.kind, texel)).collect();
-            let texels = texels.ok_or_else(|| {
-                let (kind, count) = (self.kind, self.kind.components());
-                malformed(format!("a texel of kind {kind} has {count} components"))
-            })?;
+            let (kind, count) = (self.kind, self.kind.components());
+            let texels = given.texels.iter().map(|texel| Texel::new(kind, texel));
+            let texels: Option<_> = texels.collect();
+            let error = || malformed(format!("a texel of kind {kind} has {count} components"));
+            let texels = texels.ok_or_else(error)?;
             levels.push(Level { size, texels });
         }
         TextureMap::new(dimensions, levels).map_err(malformed)
@@ -649,19 +611,6 @@ struct SurfaceGiven {
     cs: Color,
 }
 
-impl SurfaceGiven {
-    fn lighting(&self) -> LitPrimitive {
-        LitPrimitive {
-            surface: Shade {
-                color: self.color,
-                alpha: self.alpha,
-            },
-            white: self.cw,
-            specular: self.cs,
-        }
-    }
-}
-
 /// One map of a stage: a texel, or a map and the position at which it is sampled.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -701,8 +650,8 @@ impl StageEntry {
             }
             (None, None) => return Err(malformed("an entry needs texel, t or point").into()),
         };
-        let fetched = texture::fetch(entry, &map, t, self.depth, self.mag, rules);
-        Ok(fetched)
+        let (depth, mag) = (self.depth, self.mag);
+        Ok(texture::fetch(entry, &map, t, depth, mag, rules))
     }
 }
 
@@ -720,10 +669,7 @@ fn numbers(values: &[f64]) -> Value {
 
 /// Returns a JSON number; infinities, which JSON lacks, become words.
 fn number(value: f64) -> Value {
-    match serde_json::Number::from_f64(value) {
-        Some(number) => Value::Number(number),
-        None => Value::String(value.to_string()),
-    }
+    serde_json::Number::from_f64(value).map_or_else(|| value.to_string().into(), Value::Number)
 }
 
 fn entry_json(entry: &Entry) -> Value {

@@ -46,15 +46,13 @@ impl TestCase for TextureCase {
     }
 
     fn because(&self) -> String {
-        let lost = match (self.basis, &self.ruling) {
-            (Basis::Inferred, Some(ruling)) => {
-                format!(
-                    "\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
-                )
-            }
-            _ => String::new(),
-        };
-        format!("{}: {}{lost}", self.op, self.because)
+        let text = format!("{}: {}", self.op, self.because);
+        match (self.basis, &self.ruling) {
+            (Basis::Inferred, Some(ruling)) => format!(
+                "{text}\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
+            ),
+            _ => text,
+        }
     }
 
     fn ruling(&self) -> Option<&str> {
@@ -113,8 +111,8 @@ impl TestCase for TextureCase {
 
     fn compare(&self, _: &Vec<u8>, _: &TextureView, answer: &Value) -> Comparison<TextureCase> {
         let difference_in =
-            |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tolerance());
-        let difference = difference(&self.expect, answer, self.tolerance());
+            |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tol);
+        let difference = difference(&self.expect, answer, self.tol);
         let axes = self.relevant_axes();
         let right = match axes.is_empty() {
             // Any error message is accepted.
@@ -135,7 +133,7 @@ impl TestCase for TextureCase {
     }
 
     fn difference_in(&self, _: &TextureView, answer: &Value, dialect: &Dialect) -> Option<String> {
-        difference(&self.expected(dialect), answer, self.tolerance())
+        difference(&self.expected(dialect), answer, self.tol)
     }
 
     fn expected_output(&self, _: &TextureView) -> Option<Value> {

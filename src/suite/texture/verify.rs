@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::choices;
-use crate::suite::texture::compare::{Tolerance, difference};
+use crate::suite::texture::compare::difference;
 use crate::suite::texture::fixtures;
 use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
@@ -62,7 +62,7 @@ fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
 }
 
 fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, String) {
-    let tolerance = Tolerance::Absolute(case.tol.unwrap_or(HAND_TOLERANCE));
+    let tolerance = Some(case.tol.unwrap_or(HAND_TOLERANCE));
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
             None => (Some(true), expected_fields(expect, &answer)),
@@ -71,18 +71,15 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
         Err(Refusal::Malformed(why)) if expect.get("error").is_some() => {
             (Some(true), format!("refused: {why}"))
         }
-        Err(refusal) => (
-            Some(false),
-            format!("expected {expect}, refused: {}", refusal.message()),
-        ),
+        Err(Refusal::Malformed(why) | Refusal::Unsupported(why)) => {
+            (Some(false), format!("expected {expect}, refused: {why}"))
+        }
     }
 }
 
 /// Formats the expected fields of an answer.
 fn expected_fields(expect: &Value, answer: &Value) -> String {
+    let field = |(name, _): (&String, _)| Some(format!("{name}: {}", answer.get(name)?));
     let fields = expect.as_object().into_iter().flatten();
-    let fields: Vec<String> = fields
-        .filter_map(|(name, _)| Some(format!("{name}: {}", answer.get(name)?)))
-        .collect();
-    fields.join(", ")
+    fields.filter_map(field).collect::<Vec<_>>().join(", ")
 }
