@@ -270,15 +270,20 @@ fn describe_result(
     format!("{slugs:?}, {failing} failures:\n{}", causes.join("\n"))
 }
 
+/// Misreadings with which a decoder that expects a line feed after tables reads hardly any table, so they look the same.
+const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
+    table-separated width-always-two index-one-based";
+
 /// Checks every `step`th misreading, starting at `first`: its decoder fails, and the misreading is the first cause.
 fn check_every_misreading(
+    (first, step): (usize, usize),
     suite: &Suite,
-    first: usize,
-    step: usize,
+    hidden: &str,
     run: impl Fn(&'static Misreading) -> Run,
 ) {
     let (mut wrong, mut count) = (Vec::new(), 0);
-    for mistake in misreadings::all().skip(first).step_by(step) {
+    let all = misreadings::all().filter(|one| !hidden.split(' ').any(|slug| slug == one.slug));
+    for mistake in all.skip(first).step_by(step) {
         count += 1;
         let run = run(mistake);
         let failing = failures(&run).len();
@@ -299,7 +304,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
     let suite = suite().prepared();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let run = |mistake| run_with_mistakes(&suite, &[mistake], &[], jobs(), &right).0;
-    check_every_misreading(&suite, first, step, run);
+    check_every_misreading((first, step), &suite, "", run);
 }
 
 /// Checks misreadings of a decoder whose choice for an open question differs from the reference.
@@ -311,7 +316,7 @@ fn check_with_line_feed_after_tables(first: usize, step: usize) {
             misreadings::answer(&[mistake], reading, request.file, request.view)
         })
     };
-    check_every_misreading(&suite, first, step, run);
+    check_every_misreading((first, step), &suite, HIDDEN_BY_LINE_FEED, run);
 }
 
 #[test]
