@@ -157,7 +157,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     let is_signal =
         |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
-    let is_hidden = misreading.shows == Symptom::Values && images(explained) == 0;
+    let is_hidden = misreading.shows != Symptom::Refusals && images(explained) == 0;
     images(explained) == 0 && explained.iter().any(is_signal)
         || is_hidden && images(left) > explained.len()
         || against > explained.len()
@@ -203,7 +203,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
     let alike: Vec<&Misreading> = alike.collect();
     let observed = refusals::describe_observation(witnesses, &share.explains);
-    if let Some(observed) = observed.filter(|_| misreading.shows == Symptom::Values) {
+    if let Some(observed) = observed.filter(|_| misreading.shows != Symptom::Refusals) {
         return observed.with_equivalents([&[misreading], &alike[..]].concat());
     }
     let in_suite = |indices: &[usize]| -> Vec<usize> {

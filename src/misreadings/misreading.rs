@@ -35,7 +35,9 @@ pub struct Misreading<A = At> {
 pub enum Symptom {
     /// The mistake only refuses legal files.
     Refusals,
-    /// The mistake changes values in some files, or accepts files that should be refused.
+    /// The mistake only accepts malformed files.
+    Acceptances,
+    /// The mistake changes values, or its symptoms depend on the file.
     #[default]
     Values,
 }

@@ -3,7 +3,7 @@
 use super::list_first;
 use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
 use crate::diagnose::witness::Witness;
-use crate::misreadings::Misreading;
+use crate::misreadings::{Misreading, Symptom};
 use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 use crate::suite::cases::{Case, Expect};
@@ -62,9 +62,9 @@ pub(in crate::diagnose) fn describe_observation(
     let expect = |w: &usize| witnesses[*w].case.expect;
     let is_malformed = |w: &usize| matches!(expect(w), Expect::Reject | Expect::Refuse);
     let malformed: Vec<usize> = indices.iter().copied().filter(is_malformed).collect();
-    let says_more = !misreading.effect.starts_with("accepts");
+    let claims_more = misreading.shows != Symptom::Acceptances;
     let &first = malformed.first()?;
-    (says_more && indices.iter().all(is_accepted)).then(|| {
+    (claims_more && indices.iter().all(is_accepted)).then(|| {
         describe_acceptance(witnesses, &malformed)
             .with_clause(violated_clause(&witnesses[first]))
             .cause
