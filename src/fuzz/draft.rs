@@ -95,18 +95,9 @@ impl Draft {
             set_word(&mut self.make, "matrix", matrix);
         }
         if u.ratio(1, 2)? {
-            const SCENES: [&str; 8] = [
-                "extremes",
-                "ramp",
-                "stripes",
-                "soft",
-                "columns",
-                "rows",
-                "diagonals",
-                "unlit",
-            ];
-            let scene = match SCENES.get(u.int_in_range(0..=9)?) {
-                Some(&scene) => scene.to_owned(),
+            let mut scenes = "extremes ramp stripes soft columns rows diagonals unlit".split(' ');
+            let scene = match scenes.nth(u.int_in_range(0..=9)?) {
+                Some(scene) => scene.to_owned(),
                 None => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
             };
             set_word(&mut self.make, "scene", scene);
@@ -168,19 +159,11 @@ impl Draft {
 
     /// Generates references and ranks: a known structure or any forest.
     fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
-        const STRUCTURES: [&str; 9] = [
-            "intra",
-            "chain",
-            "star",
-            "deep",
-            "two-trees",
-            "shared-reference",
-            "upward",
-            "rotated",
-            "tablet",
-        ];
+        const STRUCTURES: &str =
+            "intra chain star deep two-trees shared-reference upward rotated tablet";
         if u.ratio(1, 2)? {
-            set_word(&mut self.compression, "structure", u.choose(&STRUCTURES)?);
+            let structure = choose_word(STRUCTURES, u)?;
+            set_word(&mut self.compression, "structure", structure);
             return Ok(());
         }
         let count = self.format.channels();
@@ -386,24 +369,14 @@ fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
 }
 
 fn draw_spelling(u: &mut Unstructured) -> Result<DraftWords> {
-    const LINES: [&str; 9] = [
-        "version",
-        "format",
-        "width",
-        "height",
-        "scale",
-        "bias",
-        "count",
-        "matrix",
-        "side-sizes",
-    ];
+    const LINES: &str = "version format width height scale bias count matrix side-sizes";
     let mut words = DraftWords::new();
     if u.ratio(1, 4)? {
         let lines = if u.ratio(1, 3)? {
             "all".to_owned()
         } else {
             let length = u.int_in_range(1..=2)?;
-            draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
+            draw_list(length, u, |u| choose_word(LINES, u))?
         };
         set_word(&mut words, "space_before_newline", lines);
     }
@@ -463,6 +436,11 @@ fn draw_list(
 ) -> Result<String> {
     let words: Result<Vec<String>> = (0..count).map(|_| one(u)).collect();
     Ok(words?.join(" "))
+}
+
+fn choose_word(words: &str, u: &mut Unstructured) -> Result<String> {
+    let words: Vec<&str> = words.split(' ').collect();
+    Ok((*u.choose(&words)?).to_owned())
 }
 
 fn join(numbers: &[impl ToString]) -> String {
