@@ -52,9 +52,8 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
     let channels = request.format.channels();
     let row = request.header.width as usize * channels;
     let rows = samples.chunks_exact(row).rev();
-    rows.flat_map(|row| row.iter().skip(plane).step_by(channels))
-        .copied()
-        .collect()
+    let samples = rows.flat_map(|row| row.iter().skip(plane).step_by(channels));
+    samples.copied().collect()
 }
 
 /// Plane of a lossy file.
@@ -136,10 +135,8 @@ impl<'a> LossyPlane<'a> {
         let (x, y) = (index % width, height - 1 - index / width);
         let (wanted, found) = (self.wanted[index], self.found[index]);
         let name = channel_name(self.request.format.channels(), self.plane);
-        WriterFault::new(
-            clause,
-            format!("texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}: {why}"),
-        )
+        let values = format!("expected {wanted}, the file gives {found}");
+        WriterFault::new(clause, format!("texel ({x}, {y}), {name}: {values}: {why}"))
     }
 }
 
