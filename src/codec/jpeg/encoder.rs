@@ -154,11 +154,11 @@ fn used_tables(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, 
 /// Writes tables of one kind, in separate segments or in a single one.
 fn write_tables(stream: &mut Writer, code: u8, tables: &[Vec<u8>], options: &JpegOptions) {
     let all = [tables.concat()];
-    for content in if options.tables_together {
-        &all
-    } else {
-        tables
-    } {
+    let contents = match options.tables_together {
+        true => &all,
+        false => tables,
+    };
+    for content in contents {
         stream.write_segment(code, content);
     }
 }

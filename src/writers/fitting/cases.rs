@@ -144,16 +144,12 @@ impl RequestValues for ImageSource {
             CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
         });
         let mut diagnoses = Vec::new();
-        for CoverCandidate {
-            cause: mistake,
-            explains,
-            ..
-        } in cover(candidates.collect(), &mut failing)
-        {
-            let fault = wrong(explains[0]).map_or("", |(_, fault)| &fault.says);
-            let example = format!("for example {}: {fault}", suite.cases[explains[0]].id);
+        for chosen in cover(candidates.collect(), &mut failing) {
+            let (mistake, first) = (chosen.cause, chosen.explains[0]);
+            let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
+            let example = format!("for example {}: {fault}", suite.cases[first].id);
             let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
-            diagnoses.push(Diagnosis::new(cause, explains));
+            diagnoses.push(Diagnosis::new(cause, chosen.explains));
         }
         diagnoses.extend(describe_differences(suite, run, &failing));
         diagnoses
