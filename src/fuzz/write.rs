@@ -72,10 +72,10 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     }
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
     let (drawn, small) = (&find.drawn, &find.small);
-    const NOT_REDUCED: &str =
+    let not_reduced =
         "; not reduced: the time limit was reached, or no smaller file failed in the same way";
     let reduced = if drawn == small {
-        NOT_REDUCED
+        not_reduced
     } else {
         ", reduced here"
     };

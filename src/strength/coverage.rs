@@ -146,8 +146,9 @@ impl Coverage {
         for one in &self.clauses {
             let (clause, cases) = (&one.clause, one.cases);
             if one.status == "tested" && (cases == 0 || one.killed.is_empty()) {
-                let weakness = "cases, but none detects a misreading";
-                lines.push(format!("  {clause}: {cases} {weakness}"));
+                lines.push(format!(
+                    "  {clause}: {cases} cases, but none detects a misreading"
+                ));
             }
         }
     }
@@ -162,8 +163,9 @@ impl Coverage {
             lines.push(format!("  {slug} ({clause}): killed by {by}"));
         }
         let (separated, pairs) = (self.separation.separated, self.separation.pairs);
-        let pairs = format!("{separated} of {pairs} distinguished");
-        lines.push(format!("pairs of misreadings: {pairs}"));
+        lines.push(format!(
+            "pairs of misreadings: {separated} of {pairs} distinguished"
+        ));
         let alike = self.separation.alike.iter().map(|set| set.join(", "));
         lines.extend(alike.map(|set| format!("  alike in every case: {set}")));
     }

@@ -3,6 +3,8 @@
 //! The reference must be able to decode the file, and `lint` must find no error. Header and planes must equal the request.
 //! For planes of lossy formats, the tolerance depends on the quality.
 
+use std::fmt::Write;
+
 use crate::decode::texels::block_containing;
 use crate::error::Error;
 use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
@@ -147,7 +149,10 @@ fn compare_planes(
     );
     if let Some(at) = value_offset(request, dissection, (x, y), channel) {
         let byte = dissection.file.get(at).copied().unwrap_or_default();
-        says += &format!("; the value is read from byte {at}, which is {byte:02x}");
+        let _ = write!(
+            says,
+            "; the value is read from byte {at}, which is {byte:02x}"
+        );
     }
     let clause = match request.format.coding() {
         Some(_) => "2.9.8/1",

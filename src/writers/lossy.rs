@@ -135,8 +135,10 @@ impl<'a> LossyPlane<'a> {
         let (x, y) = (index % width, height - 1 - index / width);
         let (wanted, found) = (self.wanted[index], self.found[index]);
         let name = channel_name(self.request.format.channels(), self.plane);
-        let values = format!("expected {wanted}, the file gives {found}");
-        WriterFault::new(clause, format!("texel ({x}, {y}), {name}: {values}: {why}"))
+        WriterFault::new(
+            clause,
+            format!("texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}: {why}"),
+        )
     }
 }
 

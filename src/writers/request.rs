@@ -125,8 +125,9 @@ impl RequestHeader {
         let shape = (frame.height, frame.width, frame.channels);
         let expected = (header.height, header.width, format.channels() as u32);
         if shape != expected {
-            let says = format!("shape {shape:?}, but the request needs {expected:?}");
-            return Err(format!("the planes have {says}"));
+            return Err(format!(
+                "the planes have shape {shape:?}, but the request needs {expected:?}"
+            ));
         }
         header.validate(format)?;
         Ok(WriteRequest {
@@ -157,8 +158,9 @@ impl RequestHeader {
             return Err("a scale must be a finite number".to_owned());
         }
         if self.prediction.is_some() && format.coding().is_none() {
-            let says = "has no planes that can be predicted from each other";
-            return Err(format!("{format} {says}"));
+            return Err(format!(
+                "{format} has no planes that can be predicted from each other"
+            ));
         }
         Ok(())
     }
