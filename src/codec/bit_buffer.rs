@@ -136,29 +136,18 @@ fn contains_ff(eight: [u8; 8]) -> bool {
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::bits::{Bits, ReadBits};
+    use super::super::bits::{Bits, ReadBits, transcript};
     use super::BitBuffer;
 
-    /// Reads numbers of these sizes, then the end of the segment, and returns all results.
+    /// Reads numbers of these sizes.
     fn read_numbers<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],
     ) -> Vec<String> {
-        let mut bits = B::new(stream, 1);
-        let mut results = Vec::new();
-        for &size in sizes {
-            let number = bits.receive(size);
-            if number.is_err() {
-                results.push(format!("{number:?}"));
-                return results;
-            }
-            results.push(format!(
-                "{number:?}, then byte {}",
-                bits.plain_bits().offset()
-            ));
-        }
-        results.push(format!("{:?}", bits.plain_bits().finish()));
-        results
+        let mut sizes = sizes.iter();
+        transcript(stream, |bits: &mut B| {
+            sizes.next().map(|&size| bits.receive(size))
+        })
     }
 
     proptest! {

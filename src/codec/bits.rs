@@ -115,8 +115,30 @@ pub(super) fn truncated_error(at: usize) -> StreamError {
 }
 
 #[cfg(test)]
+pub(super) use tests::transcript;
+
+#[cfg(test)]
 mod tests {
-    use super::{Bits, ReadBits};
+    use super::{Bits, ReadBits, StreamResult};
+
+    /// Reads until an error or until `read` returns `None`, and then the end of the segment. Returns all results, which must
+    /// be equal for all implementations of [`ReadBits`].
+    pub fn transcript<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>, T: std::fmt::Debug>(
+        stream: &'a [u8],
+        mut read: impl FnMut(&mut B) -> Option<StreamResult<T>>,
+    ) -> Vec<String> {
+        let mut bits = B::new(stream, 1);
+        let mut results = Vec::new();
+        while let Some(result) = read(&mut bits) {
+            results.push(format!("{result:?}"));
+            if result.is_err() {
+                return results;
+            }
+            results.push(format!("byte {}", bits.plain_bits().offset()));
+        }
+        results.push(format!("{:?}", bits.plain_bits().finish()));
+        results
+    }
 
     /// Checks the worked example above.
     #[test]

@@ -73,10 +73,8 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
 /// Checks the size of a plane against the size in the PTM header (ruling `plane-stream`), before anything is allocated.
 fn expect_size(header: &mut Cursor, width: u32, height: u32) -> StreamResult<()> {
     let at = header.at;
-    let (rows, columns) = (
-        header.read_u16("the height")?,
-        header.read_u16("the width")?,
-    );
+    let rows = header.read_u16("the height")?;
+    let columns = header.read_u16("the width")?;
     if rows == 0 {
         let what = "a height defined by DNL is not implemented";
         return Err(unsupported(at, what));

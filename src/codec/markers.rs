@@ -71,20 +71,18 @@ impl<'a> Cursor<'a> {
         match stream {
             [] => Err(malformed(0, "the stream is empty")),
             [0xFF, SOI, ..] => Ok(Cursor::new(stream, 2)),
-            _ => Err(malformed(
-                0,
-                "the stream does not start with SOI, bytes FF D8",
-            )),
+            _ => {
+                let what = "the stream does not start with SOI, bytes FF D8";
+                Err(malformed(0, what))
+            }
         }
     }
 
     /// Reads a byte. `what` names it in the error.
     pub fn read_byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
-            return Err(malformed(
-                self.at,
-                format!("{} ends before {what}", self.name),
-            ));
+            let what = format!("{} ends before {what}", self.name);
+            return Err(malformed(self.at, what));
         };
         self.at += 1;
         Ok(byte)
@@ -92,10 +90,8 @@ impl<'a> Cursor<'a> {
 
     /// Reads a big-endian number of two bytes. `what` names it in the error.
     pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
-        Ok(u16::from_be_bytes([
-            self.read_byte(what)?,
-            self.read_byte(what)?,
-        ]))
+        let bytes = [self.read_byte(what)?, self.read_byte(what)?];
+        Ok(u16::from_be_bytes(bytes))
     }
 
     /// Returns true if no bytes are left.
@@ -107,10 +103,10 @@ impl<'a> Cursor<'a> {
     pub fn expect_end(&self) -> StreamResult<()> {
         match self.stream.len() - self.at {
             0 => Ok(()),
-            left => Err(malformed(
-                self.at,
-                format!("{} is {left} bytes too long", self.name),
-            )),
+            left => {
+                let what = format!("{} is {left} bytes too long", self.name);
+                Err(malformed(self.at, what))
+            }
         }
     }
 

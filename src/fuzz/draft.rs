@@ -21,12 +21,8 @@ pub struct Draft {
     pub width: u32,
     /// Number of rows.
     pub height: u32,
-    /// Words of `make`.
-    pub make: DraftWords,
-    /// Words of `compression`.
-    pub compression: DraftWords,
-    /// Words of `spelling`.
-    pub spelling: DraftWords,
+    /// Words of `make` and of its parts.
+    pub words: BTreeMap<DraftKey, String>,
     /// Views, in order of preference.
     pub views: Vec<String>,
     /// The damage of the file, if any.
@@ -42,8 +38,8 @@ pub struct DraftDamage {
     pub expect: Expect,
 }
 
-/// Keys and values, as in a case.
-pub type DraftWords = BTreeMap<&'static str, String>;
+/// The part of `make` that contains a word (`compression`, `spelling`, or empty), and its key.
+pub type DraftKey = (&'static str, &'static str);
 
 impl Draft {
     /// Generates a legal file.
@@ -57,12 +53,12 @@ impl Draft {
             format,
             width,
             height,
-            make: DraftWords::from([("seed", u.int_in_range(0..=9999)?.to_string())]),
-            compression: DraftWords::new(),
-            spelling: draw_spelling(u)?,
+            words: BTreeMap::new(),
             views: Vec::new(),
             damage: None,
         };
+        draft.set("", "seed", u.int_in_range(0..=9999)?);
+        draft.draw_spelling(u)?;
         draft.draw_numbers(u)?;
         if format.coding().is_some() {
             draft.draw_compression(u)?;
@@ -77,13 +73,21 @@ impl Draft {
         self.width * self.height
     }
 
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "numbers and texts are written in the call"
+    )]
+    fn set(&mut self, part: &'static str, key: &'static str, word: impl ToString) {
+        self.words.insert((part, key), word.to_string());
+    }
+
     /// Generates scale, bias, matrix and scene.
     fn draw_numbers(&mut self, u: &mut Unstructured) -> Result<()> {
         if u.ratio(2, 3)? {
-            set_word(&mut self.make, "scale", draw_list(6, u, draw_scale)?);
+            self.set("", "scale", draw_list(6, u, draw_scale)?);
         }
         if u.ratio(2, 3)? {
-            set_word(&mut self.make, "bias", draw_list(6, u, draw_bias)?);
+            self.set("", "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
             // Column-major. The last row is 0 0 0 1 without a translation, because the position of the translation is an open question.
@@ -92,24 +96,15 @@ impl Draft {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
             }
             let matrix = format!("{} 0 0 0 1", matrix.join(" "));
-            set_word(&mut self.make, "matrix", matrix);
+            self.set("", "matrix", matrix);
         }
         if u.ratio(1, 2)? {
-            const SCENES: [&str; 8] = [
-                "extremes",
-                "ramp",
-                "stripes",
-                "soft",
-                "columns",
-                "rows",
-                "diagonals",
-                "unlit",
-            ];
-            let scene = match SCENES.get(u.int_in_range(0..=9)?) {
-                Some(&scene) => scene.to_owned(),
+            let mut scenes = "extremes ramp stripes soft columns rows diagonals unlit".split(' ');
+            let scene = match scenes.nth(u.int_in_range(0..=9)?) {
+                Some(scene) => scene.to_owned(),
                 None => format!("flat-{}", u.choose(&[0, 1, 127, 128, 129, 254, 255])?),
             };
-            set_word(&mut self.make, "scene", scene);
+            self.set("", "scene", scene);
         }
         Ok(())
     }
@@ -124,12 +119,12 @@ impl Draft {
                 6..=9 => u.int_in_range(259..=1500)?,
                 _ => u.int_in_range(1..=40)?,
             };
-            set_word(&mut self.make, "entries", entries);
+            self.set("", "entries", entries);
             match u.int_in_range(0..=9)? {
-                0 if entries > 2 => set_word(&mut self.make, "indices", "bytes-differ"),
-                1 => set_word(&mut self.make, "indices", "below-256"),
-                2 => set_word(&mut self.make, "indices", entries - 1),
-                3 => set_word(&mut self.make, "indices", u.int_in_range(0..=entries - 1)?),
+                0 if entries > 2 => self.set("", "indices", "bytes-differ"),
+                1 => self.set("", "indices", "below-256"),
+                2 => self.set("", "indices", entries - 1),
+                3 => self.set("", "indices", u.int_in_range(0..=entries - 1)?),
                 _ => {}
             }
         }
@@ -137,7 +132,7 @@ impl Draft {
             let byte = *u.choose(&[
                 0x00, 0x09, 0x0a, 0x0d, 0x1a, 0x20, 0x23, 0x2d, 0x30, 0x39, 0x7f, 0x80, 0xfe, 0xff,
             ])?;
-            set_word(&mut self.make, "first_byte", format!("{byte:#04x}"));
+            self.set("", "first_byte", format!("{byte:#04x}"));
         }
         Ok(())
     }
@@ -147,9 +142,9 @@ impl Draft {
         let lossy = jpeg || u.ratio(1, 3)?;
         if jpeg {
             let quality = *u.choose(&[1, 10, 20, 23, 24, 25, 50, 75, 90, 95, 99, 100])?;
-            set_word(&mut self.compression, "parameter", quality);
+            self.set("compression", "parameter", quality);
         } else if lossy {
-            set_word(&mut self.compression, "parameter", u.int_in_range(1..=10)?);
+            self.set("compression", "parameter", u.int_in_range(1..=10)?);
         }
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
@@ -161,26 +156,18 @@ impl Draft {
             5 => "gray",
             _ => "blocks",
         };
-        set_word(&mut self.compression, "residuals", residuals);
+        self.set("compression", "residuals", residuals);
         self.draw_records(u)?;
         self.draw_stream(jpeg, u)
     }
 
     /// Generates references and ranks: a known structure or any forest.
     fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
-        const STRUCTURES: [&str; 9] = [
-            "intra",
-            "chain",
-            "star",
-            "deep",
-            "two-trees",
-            "shared-reference",
-            "upward",
-            "rotated",
-            "tablet",
-        ];
+        const STRUCTURES: &str =
+            "intra chain star deep two-trees shared-reference upward rotated tablet";
         if u.ratio(1, 2)? {
-            set_word(&mut self.compression, "structure", u.choose(&STRUCTURES)?);
+            let structure = choose_word(STRUCTURES, u)?;
+            self.set("compression", "structure", structure);
             return Ok(());
         }
         let count = self.format.channels();
@@ -195,8 +182,8 @@ impl Draft {
                 references[plane] = by_rank[u.int_in_range(0..=rank - 1)?] as i64;
             }
         }
-        set_word(&mut self.compression, "references", join(&references));
-        set_word(&mut self.compression, "order", join(&order));
+        self.set("compression", "references", join(&references));
+        self.set("compression", "order", join(&order));
         Ok(())
     }
 
@@ -209,9 +196,9 @@ impl Draft {
         let pool: &[u32] = if with_motion { &[0, 1, 2, 3] } else { &[0, 1] };
         let length = u.int_in_range(1..=5)?;
         let transforms = draw_list(length, u, |u| Ok(u.choose(pool)?.to_string()))?;
-        set_word(&mut self.compression, "transforms", transforms);
+        self.set("compression", "transforms", transforms);
         if u.ratio(1, 5)? {
-            set_word(&mut self.compression, "everywhere", true);
+            self.set("compression", "everywhere", true);
         }
         for axis in ["motion_x", "motion_y"] {
             if with_motion && u.ratio(3, 4)? {
@@ -221,7 +208,7 @@ impl Draft {
                     let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
                     Ok(u.int_in_range(-most..=most)?.to_string())
                 })?;
-                set_word(&mut self.compression, axis, vectors);
+                self.set("compression", axis, vectors);
             }
         }
         Ok(with_motion)
@@ -255,7 +242,7 @@ impl Draft {
             };
             records.push(format!("{planes}:{texels}"));
         }
-        set_word(&mut self.compression, "records", records.join(" "));
+        self.set("compression", "records", records.join(" "));
         Ok(())
     }
 
@@ -264,34 +251,52 @@ impl Draft {
         if u.ratio(1, 2)? {
             return Ok(());
         }
-        let plan = &mut self.compression;
         if jpeg {
-            set_word(plan, "restart_interval", u.choose(&[0, 0, 1, 2, 3, 7])?);
-            set_word(plan, "optimised_tables", u.arbitrary::<bool>()?);
-            set_word(plan, "baseline", u.arbitrary::<bool>()?);
+            let interval = u.choose(&[0, 0, 1, 2, 3, 7])?;
+            self.set("compression", "restart_interval", interval);
+            self.set("compression", "optimised_tables", u.arbitrary::<bool>()?);
+            self.set("compression", "baseline", u.arbitrary::<bool>()?);
             let sampling = u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?;
-            set_word(plan, "sampling", sampling);
+            self.set("compression", "sampling", sampling);
             if u.ratio(1, 3)? {
-                set_word(plan, "jfif", false);
+                self.set("compression", "jfif", false);
             }
-        } else if !plan.contains_key("parameter") {
-            let presets = u.choose(&[
-                "255 3 7 21 64",
-                "255 2 5 9 31",
-                "255 10 40 90 255",
-                "255 2 2 2 3",
-            ])?;
-            set_word(plan, "presets", presets);
+        } else if !self.words.contains_key(&("compression", "parameter")) {
+            let presets = u.choose(&["3 7 21 64", "2 5 9 31", "10 40 90 255", "2 2 2 3"])?;
+            self.set("compression", "presets", format!("255 {presets}"));
         }
         if u.ratio(1, 4)? {
-            set_word(plan, "alternates", true);
+            self.set("compression", "alternates", true);
+        }
+        Ok(())
+    }
+
+    fn draw_spelling(&mut self, u: &mut Unstructured) -> Result<()> {
+        const LINES: &str = "version format width height scale bias count matrix side-sizes";
+        if u.ratio(1, 4)? {
+            let lines = if u.ratio(1, 3)? {
+                "all".to_owned()
+            } else {
+                let length = u.int_in_range(1..=2)?;
+                draw_list(length, u, |u| choose_word(LINES, u))?
+            };
+            self.set("spelling", "space_before_newline", lines);
+        }
+        for key in ["size_lines", "scale_bias_lines"] {
+            if u.ratio(1, 3)? {
+                self.set("spelling", key, 1);
+            }
+        }
+        if u.ratio(1, 6)? {
+            self.set("spelling", "gap", u.choose(&[2, 3, 10, 90])?);
         }
         Ok(())
     }
 
     fn draw_views(&mut self, u: &mut Unstructured) -> Result<()> {
         let mut views = vec!["raw".to_owned()];
-        let rounds = self.compression.get("residuals").map(String::as_str) == Some("natural")
+        let residuals = self.words.get(&("compression", "residuals"));
+        let rounds = residuals.is_some_and(|word| word == "natural")
             && self.format.coding() == Some(Coding::Jpeg);
         if !rounds {
             let (lu, lv) = (u.int_in_range(-65..=65)?, u.int_in_range(-65..=65)?);
@@ -327,17 +332,14 @@ impl Draft {
             self.width,
             self.height
         );
-        for (heading, indent, words) in [
-            ("", "    ", &self.make),
-            ("    compression:\n", "      ", &self.compression),
-            ("    spelling:\n", "      ", &self.spelling),
-        ] {
-            if !words.is_empty() {
-                out += heading;
+        let mut last = "";
+        for (&(part, key), word) in &self.words {
+            if part != last {
+                let _ = writeln!(out, "    {part}:");
             }
-            for (key, word) in words {
-                let _ = writeln!(out, "{indent}{key}: {word:?}");
-            }
+            last = part;
+            let indent = if part.is_empty() { "    " } else { "      " };
+            let _ = writeln!(out, "{indent}{key}: {word:?}");
         }
         let views: Vec<String> = self.views.iter().map(|view| format!("{view:?}")).collect();
         let _ = writeln!(out, "  expect: decode\n  views: [{}]", views.join(", "));
@@ -351,14 +353,6 @@ impl Draft {
         }
         out
     }
-}
-
-#[expect(
-    clippy::needless_pass_by_value,
-    reason = "numbers and texts are written in the call"
-)]
-fn set_word(words: &mut DraftWords, key: &'static str, word: impl ToString) {
-    words.insert(key, word.to_string());
 }
 
 /// Returns the section that describes the payload of a format.
@@ -383,39 +377,6 @@ fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
         31..=40 => (*u.choose(&[8, 16, 24])?, *u.choose(&[8, 16])?),
         _ => (u.int_in_range(1..=9)?, u.int_in_range(1..=9)?),
     })
-}
-
-fn draw_spelling(u: &mut Unstructured) -> Result<DraftWords> {
-    const LINES: [&str; 9] = [
-        "version",
-        "format",
-        "width",
-        "height",
-        "scale",
-        "bias",
-        "count",
-        "matrix",
-        "side-sizes",
-    ];
-    let mut words = DraftWords::new();
-    if u.ratio(1, 4)? {
-        let lines = if u.ratio(1, 3)? {
-            "all".to_owned()
-        } else {
-            let length = u.int_in_range(1..=2)?;
-            draw_list(length, u, |u| Ok((*u.choose(&LINES)?).to_owned()))?
-        };
-        set_word(&mut words, "space_before_newline", lines);
-    }
-    for key in ["size_lines", "scale_bias_lines"] {
-        if u.ratio(1, 3)? {
-            set_word(&mut words, key, 1);
-        }
-    }
-    if u.ratio(1, 6)? {
-        set_word(&mut words, "gap", u.choose(&[2, 3, 10, 90])?);
-    }
-    Ok(words)
 }
 
 /// Generates a small scale with any sign and spelling.
@@ -463,6 +424,11 @@ fn draw_list(
 ) -> Result<String> {
     let words: Result<Vec<String>> = (0..count).map(|_| one(u)).collect();
     Ok(words?.join(" "))
+}
+
+fn choose_word(words: &str, u: &mut Unstructured) -> Result<String> {
+    let words: Vec<&str> = words.split(' ').collect();
+    Ok((*u.choose(&words)?).to_owned())
 }
 
 fn join(numbers: &[impl ToString]) -> String {

@@ -81,15 +81,10 @@ impl KnownDecoder<'_> {
         match answer {
             Answer::Decoded(_) if question.case.damage().is_some() => false,
             Answer::Decoded(frame) => {
-                let right = |expected: Option<Expected>| {
-                    expected.is_some_and(|expected| expected.compare(frame).is_none())
-                };
-                right(Expected::new(&question.built.values, &question.view))
-                    || right(Expected::from_file(
-                        &question.built.file,
-                        &question.view,
-                        &self.reading,
-                    ))
+                let (built, view) = (&question.built, &question.view);
+                let is_equal = |expected: Expected| expected.compare(frame).is_none();
+                Expected::new(&built.values, view).is_some_and(is_equal)
+                    || Expected::from_file(&built.file, view, &self.reading).is_some_and(is_equal)
             }
             Answer::Rejected => question.case.damage().is_some(),
             Answer::Unsupported => question.case.expect == Expect::Refuse,
@@ -130,9 +125,8 @@ impl Explanation {
             if suspects.is_empty() {
                 break;
             }
-            suspects.retain(|suspect| {
-                decoder.is_right(&question, &decoder.answer_with(&[suspect], &question))
-            });
+            let made = |suspect: &_| decoder.answer_with(&[suspect], &question);
+            suspects.retain(|suspect| decoder.is_right(&question, &made(suspect)));
         }
         match suspects.is_empty() {
             true => other,
@@ -199,19 +193,13 @@ fn explains(
     observation: &Observation,
     decoder: &KnownDecoder,
 ) -> bool {
-    let is_damaged = question.case.damage().is_some();
-    match (
-        &observation.response,
-        decoder.answer_with(&[suspect], question),
-    ) {
-        (
-            Response::Image {
-                frame: Some(shown), ..
-            },
-            Answer::Decoded(made),
-        ) => equal_up_to_rounding(shown, &made),
-        // The image of a file that must be refused is not kept, because accepting the file is the mistake.
-        (Response::Image { .. }, Answer::Decoded(_)) => is_damaged,
+    let made = decoder.answer_with(&[suspect], question);
+    match (&observation.response, made) {
+        (Response::Image { frame, .. }, Answer::Decoded(made)) => match frame {
+            Some(shown) => equal_up_to_rounding(shown, &made),
+            // The image of a file that must be refused is not kept, because accepting the file is the mistake.
+            None => question.case.damage().is_some(),
+        },
         (Response::Rejected, Answer::Rejected) => true,
         _ => false,
     }
@@ -256,10 +244,7 @@ impl Find {
             drawn: draft.clone(),
             view: question.map(|question| question.view),
             answer: answer.as_ref().map_or("", Answer::name).to_owned(),
-            received: answer.and_then(|answer| match answer {
-                Answer::Decoded(frame) => Some(frame),
-                _ => None,
-            }),
+            received: answer.and_then(|answer| answer.decoded::<()>().ok()),
             small,
             seen: 1,
         }
@@ -277,20 +262,15 @@ fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownD
             return;
         }
         let bytes = random_bytes(0x7e11, number);
-        let Ok(mut other) = Draft::draw(&mut Unstructured::new(&bytes)) else {
-            continue;
-        };
-        if other.width * other.height > 4096 {
-            continue;
-        }
-        other.views.clone_from(&draft.views);
-        let Some(question) = decoder.question(&other) else {
-            continue;
-        };
-        let answers: Vec<Answer> = suspects
-            .iter()
-            .map(|suspect| decoder.answer_with(&[suspect], &question))
-            .collect();
+        let other = Draft::draw(&mut Unstructured::new(&bytes)).ok();
+        let other = other.filter(|other| other.width * other.height <= 4096);
+        let question = other.and_then(|mut other| {
+            other.views.clone_from(&draft.views);
+            decoder.question(&other)
+        });
+        let Some(question) = question else { continue };
+        let made = |suspect: &&Misreading| decoder.answer_with(&[suspect], &question);
+        let answers: Vec<Answer> = suspects.iter().map(made).collect();
         if answers.windows(2).all(|pair| are_equal(&pair[0], &pair[1])) {
             continue;
         }
@@ -320,30 +300,22 @@ pub(super) fn fails_for_same_reason(
     let Some(question) = decoder.question(draft) else {
         return false;
     };
-    // Most smaller files no longer fail, which the suspect predicts without a request.
-    let made = match cause {
+    match cause {
         Explanation::Misreading(suspects) => {
+            // Most smaller files no longer fail, which the suspect predicts without a request.
             let made = decoder.answer_with(&suspects[..1], &question);
-            if decoder.is_right(&question, &made) {
-                return false;
-            }
-            Some(made)
+            !decoder.is_right(&question, &made) && are_equal(&made, &decoder.answer(&question))
         }
-        _ => None,
-    };
-    let answer = decoder.answer(&question);
-    match (cause, &answer) {
-        (Explanation::Misreading(_), answer) => made.is_some_and(|made| are_equal(&made, answer)),
-        (Explanation::Accepts(_), Answer::Decoded(_)) => {
+        Explanation::Accepts(_) => {
             let mut whole = draft.clone();
             whole.damage = None;
-            let whole = decoder.question(&whole);
-            whole.is_some_and(|whole| matches!(decoder.answer(&whole), Answer::Decoded(_)))
+            let accepts = |asked: &_| matches!(decoder.answer(asked), Answer::Decoded(_));
+            accepts(&question) && decoder.question(&whole).as_ref().is_some_and(accepts)
         }
-        (Explanation::Accepts(_), _) => false,
-        (Explanation::Other(known), answer) => {
-            !decoder.is_right(&question, answer)
-                && *known == symptom(answer.name(), answer.violation())
+        Explanation::Other(known) => {
+            let answer = decoder.answer(&question);
+            let is_known = *known == symptom(answer.name(), answer.violation());
+            is_known && !decoder.is_right(&question, &answer)
         }
     }
 }

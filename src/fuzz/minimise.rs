@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::draft::{Draft, DraftWords};
+use super::draft::Draft;
 use super::shrink::{shrink, smaller_sizes};
 use crate::ptm::Size;
 use crate::suite::cases::TableSpelling;
@@ -14,13 +14,8 @@ pub fn minimise(
     stop: &AtomicBool,
     fails: &impl Fn(&Draft) -> bool,
 ) -> Draft {
-    shrink(
-        draft.clone(),
-        |draft| weight(draft, table),
-        steps,
-        stop,
-        fails,
-    )
+    let weigh = |draft: &Draft| weight(draft, table);
+    shrink(draft.clone(), weigh, steps, stop, fails)
 }
 
 /// Returns the number of bytes of the file and of its description.
@@ -29,12 +24,6 @@ fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
     let words = draft.to_yaml("", "").len();
     Some((case.build(table).file.len(), words))
 }
-
-/// Selects some of the words of a draft.
-type DraftPart = fn(&mut Draft) -> &mut DraftWords;
-const MAKE: DraftPart = |draft| &mut draft.make;
-const COMPRESSION: DraftPart = |draft| &mut draft.compression;
-const SPELLING: DraftPart = |draft| &mut draft.spelling;
 
 /// Returns all drafts that are one step simpler.
 fn steps(draft: &Draft) -> Vec<Draft> {
@@ -53,29 +42,27 @@ fn steps(draft: &Draft) -> Vec<Draft> {
         change(&mut simpler);
         all.push(simpler);
     };
-    for part in [MAKE, COMPRESSION, SPELLING] {
-        for (key, word) in part(&mut draft.clone()).clone() {
-            add(&|draft| drop(part(draft).remove(key)));
-            for word in simpler_words(key, &word) {
-                add(&|draft| drop(part(draft).insert(key, word.clone())));
-            }
+    for (key, word) in &draft.words {
+        add(&|draft| drop(draft.words.remove(key)));
+        for word in simpler_words(key.1, word) {
+            add(&|draft| drop(draft.words.insert(*key, word.clone())));
         }
     }
     let (has_table, is_compressed) = (draft.format.has_table(), draft.format.coding().is_some());
     for (applies, part, key, word) in [
-        (true, MAKE, "scale", "1 1 1 1 1 1"),
-        (true, MAKE, "bias", "0 0 0 0 0 0"),
-        (true, MAKE, "scene", "flat-128"),
-        (has_table, MAKE, "entries", "1"),
-        (has_table, MAKE, "entries", "2"),
-        (has_table, MAKE, "entries", "256"),
-        (has_table, MAKE, "entries", "257"),
-        (true, MAKE, "matrix", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"),
-        (is_compressed, COMPRESSION, "residuals", "gray"),
-        (is_compressed, COMPRESSION, "parameter", "1"),
+        (true, "", "scale", "1 1 1 1 1 1"),
+        (true, "", "bias", "0 0 0 0 0 0"),
+        (true, "", "scene", "flat-128"),
+        (has_table, "", "entries", "1"),
+        (has_table, "", "entries", "2"),
+        (has_table, "", "entries", "256"),
+        (has_table, "", "entries", "257"),
+        (true, "", "matrix", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1"),
+        (is_compressed, "compression", "residuals", "gray"),
+        (is_compressed, "compression", "parameter", "1"),
     ] {
         if applies {
-            add(&|draft| drop(part(draft).insert(key, word.to_owned())));
+            add(&|draft| drop(draft.words.insert((part, key), word.to_owned())));
         }
     }
     all

@@ -85,9 +85,8 @@ pub fn fuzz(
 ) -> FuzzResult {
     let counted = AtomicUsize::new(0);
     let ask = |request: &Request, worker: usize| {
-        tell(FuzzProgress::Executions(
-            counted.fetch_add(1, Ordering::Relaxed) + 1,
-        ));
+        let before = counted.fetch_add(1, Ordering::Relaxed);
+        tell(FuzzProgress::Executions(before + 1));
         ask(request, worker)
     };
     let opening_cases = opening_cases(suite);
@@ -98,15 +97,12 @@ pub fn fuzz(
         let batch = Batch::draw(plan, &opening_cases, &draws, number);
         number += 1;
         outcomes.files += batch.drafts.len();
-        let run = run(&batch.suite, plan, &ask);
-        if let Some(why) = run.not_a_decoder.filter(|_| number == 1) {
-            outcomes.not_a_decoder = Some(why);
+        let mut run = run(&batch.suite, plan, &ask);
+        let why = run.not_a_decoder.take();
+        if why.is_some() && number == 1 {
+            outcomes.not_a_decoder = why;
             break;
         }
-        let run = Run {
-            not_a_decoder: None,
-            ..run
-        };
         let decoder = KnownDecoder {
             ask: &ask,
             offer: run.offer.clone(),
@@ -150,22 +146,20 @@ impl Batch {
         let mut cases = opening_cases.to_vec();
         let mut drafts = Vec::new();
         for place in 0..BATCH_SIZE as u64 {
-            let Some(draft) = draws.file(plan.seed, number * BATCH_SIZE as u64 + place) else {
+            let draft = draws.file(plan.seed, number * BATCH_SIZE as u64 + place);
+            let wanted =
+                |draft: &Draft| plan.formats.is_empty() || plan.formats.contains(&draft.format);
+            let Some(draft) = draft.filter(wanted) else {
                 continue;
             };
-            if !plan.formats.is_empty() && !plan.formats.contains(&draft.format) {
-                continue;
-            }
             // Drafts that cannot be written (for example, a damage without a place in the file) are skipped.
             if let Ok(drawn) = draft.cases(&format!("draft-{}", drafts.len())) {
                 cases.extend(drawn);
                 drafts.push(draft);
             }
         }
-        Batch {
-            suite: Suite { cases },
-            drafts,
-        }
+        let suite = Suite { cases };
+        Batch { suite, drafts }
     }
 
     /// Adds every failure to the find with the same cause, or makes a new find.
@@ -177,10 +171,8 @@ impl Batch {
         tell: &impl Fn(FuzzProgress),
         plan: &FuzzPlan,
     ) {
-        let passed: Vec<&Draft> = self
-            .with_outcome(run, Outcome::Pass)
-            .map(|(draft, _)| draft)
-            .collect();
+        let passed = self.with_outcome(run, Outcome::Pass);
+        let passed: Vec<&Draft> = passed.map(|(draft, _)| draft).collect();
         // Wrong images first: their causes often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
             .with_outcome(run, Outcome::Fail)
@@ -189,13 +181,11 @@ impl Batch {
             let Some(observation) = &run.observations[place] else {
                 continue;
             };
-            let mut finds_so_far = finds.iter_mut();
-            let known = finds_so_far.find_map(|find| {
-                let is_same = find.cause.explains_failure(draft, observation, decoder);
-                is_same.then_some(find)
-            });
-            if let Some(known) = known {
-                known.seen += 1;
+            let mut places = 0..finds.len();
+            let explains =
+                |&i: &usize| finds[i].cause.explains_failure(draft, observation, decoder);
+            if let Some(known) = places.find(explains) {
+                finds[known].seen += 1;
                 continue;
             }
             let cause = Explanation::find(draft, observation, &passed, decoder);
@@ -236,14 +226,11 @@ impl Batch {
         run: &'a Run,
         outcome: Outcome,
     ) -> impl Iterator<Item = (&'a Draft, usize)> {
-        let judged = run.judgement.cases.iter().enumerate();
-        judged
-            .filter(move |(_, judged)| judged.as_ref().is_some_and(|j| j.outcome == outcome))
-            .filter_map(|(place, _)| {
-                let id = self.suite.cases[place].id.strip_prefix("draft-")?;
-                // The twin of a damaged draft fails as a draft without damage.
-                let number: usize = id.trim_end_matches("-whole").parse().ok()?;
-                (!id.ends_with("-whole")).then(|| (&self.drafts[number], place))
-            })
+        let places = run.judgement.with_outcome(outcome);
+        places.filter_map(|place| {
+            let id = self.suite.cases[place].id.strip_prefix("draft-")?;
+            // The twin `-whole` of a damaged draft fails as a draft without damage.
+            Some((&self.drafts[id.parse::<usize>().ok()?], place))
+        })
     }
 }

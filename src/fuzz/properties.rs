@@ -4,35 +4,29 @@
 //! bytes; if these are too few, the function returns without a test.
 
 use std::collections::HashSet;
-#[cfg(unix)]
 use std::sync::LazyLock;
 
 use arbitrary::{Result, Unstructured};
 
 use crate::codec::{jpeg, jpeg_ls};
 use crate::decode::{Alternative, decode, decode_as, fields};
-#[cfg(unix)]
 use crate::diagnose::diagnose;
 use crate::evaluate::{compute_coefficients, evaluate};
 use crate::fuzz::draft::Draft;
+use crate::generate::plan::Residuals;
 use crate::generate::spelling::Lists;
-use crate::generate::{Model, Recipe, Spelling, write};
-#[cfg(unix)]
+use crate::generate::{Compression, Model, Recipe, Spelling, write};
 use crate::misreadings;
-#[cfg(unix)]
 use crate::protocol::frame::{Answer, Samples};
 use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Coding, Limits, Planes};
 use crate::reading::Reading;
-#[cfg(unix)]
 use crate::runner::run::{Reply, Request};
-#[cfg(unix)]
 use crate::session::{plan::RunPlan, run::check};
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::choices::CHOICES;
 use crate::suite::compare::Expected;
 use crate::suite::dialect::{Choice, Dialect};
-use crate::suite::values::Values;
 
 /// Maximum number of texels of a generated file, so that a target runs thousands of files per second.
 const MAX_TEXELS: u32 = 3000;
@@ -51,16 +45,13 @@ pub fn file(bytes: &[u8]) {
         let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
         CHOICES.apply(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
     });
-    for reading in [
-        first,
-        second.with_alternative(Alternative::NewlineAfterTable),
-        third,
-    ] {
+    let second = second.with_alternative(Alternative::NewlineAfterTable);
+    for reading in [first, second, third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
                 assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");
-                let coefficients =
-                    compute_coefficients(&ptm.header.scale_bias, &ptm.planes, &reading);
+                let set = &ptm.header.scale_bias;
+                let coefficients = compute_coefficients(set, &ptm.planes, &reading);
                 let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
             }
             Err(error) => {
@@ -82,19 +73,15 @@ pub fn file(bytes: &[u8]) {
 /// # Panics
 /// If it does not.
 pub fn recipe(bytes: &[u8]) {
-    let Some((draft, case)) = drawn(bytes) else {
+    let Some((draft, case)) = draw(bytes) else {
         return;
     };
     let built = case.build(TableSpelling::default());
-    let ptm = decode(&built.file)
-        .unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
+    let yaml = draft.to_yaml("drawn", "");
+    let ptm = decode(&built.file).unwrap_or_else(|error| panic!("{error}\n{yaml}"));
     let expected = Expected::new(&built.values, &View::Raw).expect("it was painted");
     let difference = expected.compare(&Frame::render(&ptm, &View::Raw));
-    assert!(
-        difference.is_none(),
-        "{difference:?}\n{}",
-        draft.to_yaml("drawn", "")
-    );
+    assert!(difference.is_none(), "{difference:?}\n{yaml}");
 }
 
 /// Checks that the planes do not depend on the spelling of the header.
@@ -102,29 +89,16 @@ pub fn recipe(bytes: &[u8]) {
 /// # Panics
 /// If they are not.
 pub fn spelling(bytes: &[u8]) {
-    let Some((_, case)) = drawn(bytes) else {
+    let Some((_, case)) = draw(bytes) else {
         return;
     };
-    let Values::Painted(model) = &case.build(TableSpelling::default()).values else {
-        return;
-    };
-    let recipe = case.recipe().expect("it was drawn");
-    let with = |spelling: Spelling| {
-        let recipe = Recipe {
-            spelling,
-            ..recipe.clone()
-        };
-        decode(&write(&recipe, model).bytes)
-            .expect("a legal spelling")
-            .planes
-    };
-    let drawn = with(recipe.spelling.clone());
-    assert_eq!(drawn, with(Spelling::default()));
-    let lenient = Spelling {
-        lists: Lists::OneLine,
-        ..recipe.spelling.clone()
-    };
-    assert_eq!(drawn, with(lenient));
+    let mut recipe = case.recipe().expect("it was drawn").clone();
+    let model = Model::paint(&recipe);
+    let drawn = planes(&recipe, &model);
+    recipe.spelling.lists = Lists::OneLine;
+    assert_eq!(drawn, planes(&recipe, &model));
+    recipe.spelling = Spelling::default();
+    assert_eq!(drawn, planes(&recipe, &model));
 }
 
 /// Checks that planes decode to the same values from plain texels and from lossless JPEG-LS with any prediction.
@@ -132,31 +106,21 @@ pub fn spelling(bytes: &[u8]) {
 /// # Panics
 /// If they are not.
 pub fn re_encoding(bytes: &[u8]) {
-    let Some((_, case)) = drawn(bytes) else {
+    let Some((_, case)) = draw(bytes) else {
         return;
     };
-    let compressed = case.recipe().expect("it was drawn").clone();
-    if compressed.format.coding() != Some(Coding::JpegLs) {
-        return;
-    }
+    let mut natural = case.recipe().expect("it was drawn").clone();
+    let is_jpeg_ls = natural.format.coding() == Some(Coding::JpegLs);
     // Corrections of lossless planes are equal to the painted values; those of lossy ones would differ.
-    if compressed.compression.parameter > 0 {
+    if !is_jpeg_ls || natural.compression.parameter > 0 {
         return;
     }
-    let format = compressed.format.uncompressed();
-    let plain = Recipe {
-        format,
-        compression: crate::generate::Compression::ordinary(format),
-        ..compressed.clone()
-    };
-    let natural = Recipe {
-        compression: crate::generate::Compression {
-            residuals: crate::generate::plan::Residuals::Natural,
-            ..compressed.compression.clone()
-        },
-        ..compressed
-    };
-    assert_eq!(planes(&plain).samples, planes(&natural).samples);
+    natural.compression.residuals = Residuals::Natural;
+    let mut plain = natural.clone();
+    plain.format = natural.format.uncompressed();
+    plain.compression = Compression::ordinary(plain.format);
+    let [plain, natural] = [plain, natural].map(|recipe| planes(&recipe, &Model::paint(&recipe)));
+    assert_eq!(plain.samples, natural.samples);
 }
 
 /// Checks that decoding any bytes as JPEG ends in the requested samples, or in an error inside the stream.
@@ -211,11 +175,8 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
 #[must_use]
 pub fn nearly_equal(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
-    let at_an_end = ours
-        .iter()
-        .enumerate()
-        .filter(|(_, sample)| matches!(sample, 0 | 255));
-    let left_out: HashSet<(usize, usize)> = at_an_end.map(|(i, _)| block(i)).collect();
+    let at_an_end = (0..ours.len()).filter(|&i| matches!(ours[i], 0 | 255));
+    let left_out: HashSet<(usize, usize)> = at_an_end.map(block).collect();
     let near = |i: usize| ours[i].abs_diff(theirs[i]) <= 18 || left_out.contains(&block(i));
     ours.len() == theirs.len() && (0..ours.len()).all(near)
 }
@@ -233,54 +194,44 @@ pub fn jpeg_ls_round_trip(bytes: &[u8]) {
     let encoded = jpeg_ls::encode(&samples, width, height, &options);
     let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("our own stream");
     assert_eq!(decoded, encoded.samples);
-    assert!(
-        decoded
-            .iter()
-            .zip(&samples)
-            .all(|(a, b)| a.abs_diff(*b) <= options.near)
-    );
+    let mut pairs = decoded.iter().zip(&samples);
+    assert!(pairs.all(|(a, b)| a.abs_diff(*b) <= options.near));
 }
 
 fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::JpegOptions)> {
-    let options = jpeg::JpegOptions {
+    let mut options = jpeg::JpegOptions {
         quality: u.int_in_range(1..=100)?,
         baseline: u.arbitrary()?,
         optimized: u.arbitrary()?,
         restart_interval: u.int_in_range(0..=5)?,
         sampling: (u.int_in_range(1..=4)?, u.int_in_range(1..=4)?),
         step: u.ratio(1, 4)?.then_some(u.int_in_range(1..=2000)?),
-        table_numbers: match u.arbitrary()? {
-            true => Some([
-                u.int_in_range(0..=3)?,
-                u.int_in_range(0..=3)?,
-                u.int_in_range(0..=3)?,
-            ]),
-            false => None,
-        },
-        tables_together: u.arbitrary()?,
+        ..jpeg::JpegOptions::new(75)
     };
+    if u.arbitrary()? {
+        let mut number = || u.int_in_range(0..=3);
+        options.table_numbers = Some([number()?, number()?, number()?]);
+    }
+    options.tables_together = u.arbitrary()?;
     Ok((u.int_in_range(1..=40)?, u.int_in_range(1..=40)?, options))
 }
 
 fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOptions)> {
-    let near = if u.arbitrary()? {
-        u.int_in_range(1..=20)?
-    } else {
-        0
-    };
-    let presets = if u.arbitrary()? {
+    let (mut near, mut presets) = (0, None);
+    if u.arbitrary()? {
+        near = u.int_in_range(1..=20)?;
+    }
+    if u.arbitrary()? {
         let t1 = u.int_in_range(u16::from(near) + 1..=255)?;
         let t2 = u.int_in_range(t1..=255)?;
-        Some(jpeg_ls::PresetParameters {
+        presets = Some(jpeg_ls::PresetParameters {
             maxval: 255,
             t1,
             t2,
             t3: u.int_in_range(t2..=255)?,
             reset: u.int_in_range(3..=255)?,
-        })
-    } else {
-        None
-    };
+        });
+    }
     let options = jpeg_ls::JpegLsOptions { near, presets };
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
@@ -289,11 +240,8 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
 fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
     let rest = u.bytes(u.len()).unwrap_or_default();
     let rest = if rest.is_empty() { &[128][..] } else { rest };
-    rest.iter()
-        .copied()
-        .cycle()
-        .take((width * height) as usize)
-        .collect()
+    let samples = rest.iter().copied().cycle();
+    samples.take((width * height) as usize).collect()
 }
 
 /// Checks that any decoder output is refused with a message, or is one frame that is written as it was read.
@@ -318,9 +266,8 @@ pub fn frame(bytes: &[u8]) {
 /// If it is neither.
 pub fn case_file(bytes: &[u8]) {
     // A large size is legal but slow to paint.
-    let is_long = bytes
-        .windows(4)
-        .any(|four| four.iter().all(u8::is_ascii_digit));
+    let mut fours = bytes.windows(4);
+    let is_long = fours.any(|four| four.iter().all(u8::is_ascii_digit));
     if let (Ok(text), false) = (std::str::from_utf8(bytes), is_long)
         && let Err(why) = Suite::from_files(&[("case.yaml", text)])
     {
@@ -328,54 +275,44 @@ pub fn case_file(bytes: &[u8]) {
     }
 }
 
-fn drawn(bytes: &[u8]) -> Option<(Draft, Case)> {
+fn draw(bytes: &[u8]) -> Option<(Draft, Case)> {
     let draft = Draft::draw(&mut Unstructured::new(bytes)).ok()?;
     if draft.width * draft.height > MAX_TEXELS {
         return None;
     }
-    let case = draft
-        .cases("drawn")
-        .unwrap_or_else(|why| panic!("{why}\n{}", draft.to_yaml("drawn", "")))
-        .pop()?;
-    Some((draft, case))
+    let cases = draft.cases("drawn");
+    let mut cases = cases.unwrap_or_else(|why| panic!("{why}\n{}", draft.to_yaml("drawn", "")));
+    Some((draft, cases.pop()?))
 }
 
-fn planes(recipe: &Recipe) -> Planes {
-    let model = Model::paint(recipe);
-    decode(&write(recipe, &model).bytes)
-        .expect("a legal recipe")
-        .planes
+fn planes(recipe: &Recipe, model: &Model) -> Planes {
+    let file = write(recipe, model).bytes;
+    decode(&file).expect("a legal recipe").planes
 }
 
 /// Checks that the search for causes ends without a panic for any answers, and attributes every failure to at most one cause.
 ///
 /// # Panics
 /// If it does not.
-#[cfg(unix)]
 pub fn diagnosis(bytes: &[u8]) {
     static SUITE: LazyLock<Suite> = LazyLock::new(|| {
         let mut suite = Suite::load().expect("the suite loads");
         let small = |case: &Case| case.build(TableSpelling::default()).file.len() < SMALL;
-        let chosen = suite
-            .cases
-            .iter()
-            .enumerate()
-            .filter(|(place, case)| case.first || place % CASE_STRIDE == 0 && small(case));
-        let chosen: HashSet<String> = chosen
-            .flat_map(|(_, case)| [Some(case.id.clone()), case.twin_of.clone()])
-            .flatten()
-            .collect();
+        let mut chosen = HashSet::new();
+        for (place, case) in suite.cases.iter().enumerate() {
+            if case.first || place % CASE_STRIDE == 0 && small(case) {
+                chosen.insert(case.id.clone());
+                chosen.extend(case.twin_of.clone());
+            }
+        }
         suite.cases.retain(|case| chosen.contains(&case.id));
         suite.prepared()
     });
     let script: Vec<u8> = bytes.iter().copied().take(SUITE.cases.len()).collect();
     let ask = |request: &Request<'_>, _: usize| {
         let right = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
-        let sum = request
-            .file
-            .iter()
-            .map(|&byte| usize::from(byte))
-            .sum::<usize>();
+        let bytes = request.file.iter().map(|&byte| usize::from(byte));
+        let sum = bytes.sum::<usize>();
         let choice = script.get(sum % script.len().max(1)).copied();
         Reply::from(wrong_answer(choice.unwrap_or_default(), right, request))
     };
@@ -391,13 +328,10 @@ pub fn diagnosis(bytes: &[u8]) {
 }
 
 /// One in this number of cases with small files is used.
-#[cfg(unix)]
 const CASE_STRIDE: usize = 40;
-#[cfg(unix)]
 const SMALL: usize = 2000;
 
 /// Returns a wrong answer selected by `choice`, or the correct one.
-#[cfg(unix)]
 fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {
         Answer::Decoded(mut frame) => {
@@ -425,13 +359,7 @@ fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
         96..104 => Answer::Hung("10 s".to_owned()),
         104..112 => change(&|i, sample| sample ^ (i as u8).wrapping_mul(choice)),
         112..128 => change(&|_, sample| sample.wrapping_add(choice)),
-        128..136 => change(&|i, sample| {
-            if i % 7 == usize::from(choice % 7) {
-                0
-            } else {
-                sample
-            }
-        }),
+        128..136 => change(&|i, sample| sample * u8::from(i % 7 != usize::from(choice % 7))),
         136..144 => match right {
             Answer::Decoded(mut frame) => {
                 (frame.width, frame.height) = (frame.height, frame.width);

@@ -29,10 +29,8 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
     let built = case.build(table);
     fs::write(at("ptm"), &built.file)?;
     fs::write(at("yaml"), find.small.to_yaml(&id, &because(find)))?;
-    let expected = find
-        .view
-        .as_ref()
-        .and_then(|view| Expected::new(&built.values, view));
+    let view = find.view.as_ref();
+    let expected = view.and_then(|view| Expected::new(&built.values, view));
     if let Some(expected) = &expected {
         fs::write(at("expected"), expected.frame().to_bytes())?;
     }
@@ -46,18 +44,14 @@ pub fn write(find: &Find, table: TableSpelling, directory: &Path) -> io::Result<
 /// Describes the cause in a sentence.
 #[must_use]
 pub fn because(find: &Find) -> String {
+    let says = |effect: &str, clause: &str| format!("A decoder {effect} (clause {clause}).");
     match &find.cause {
-        Explanation::Misreading(suspects) => {
-            format!(
-                "A decoder {} (clause {}).",
-                suspects[0].effect, suspects[0].clause
-            )
-        }
+        Explanation::Misreading(suspects) => says(suspects[0].effect, suspects[0].clause),
         Explanation::Accepts(damage) => {
             format!("A decoder accepts a file with this fault: {damage}.")
         }
         Explanation::Other(symptom) => match &find.diagnosis {
-            Some(cause) => format!("A decoder {} (clause {}).", cause.effect, cause.clause),
+            Some(cause) => says(&cause.effect, &cause.clause),
             None => format!("A decoder fails: {symptom}."),
         },
     }
@@ -78,21 +72,20 @@ fn explanation(find: &Find, built: &Built, expected: Option<&Expected>) -> Strin
     }
     let view = find.view.as_ref().map(View::to_string).unwrap_or_default();
     let (drawn, small) = (&find.drawn, &find.small);
-    let reduced = match drawn == small {
-        true => {
-            "; not reduced: the time limit was reached, or no smaller file failed in the same way"
-        }
-        false => ", reduced here",
+    let not_reduced =
+        "; not reduced: the time limit was reached, or no smaller file failed in the same way";
+    let reduced = if drawn == small {
+        not_reduced
+    } else {
+        ", reduced here"
     };
     let _ = writeln!(
         out,
         "\nRequested view: {view}. First seen in a random file of {}x{}{reduced}.",
         drawn.width, drawn.height
     );
-    let difference = expected
-        .zip(find.received.as_ref())
-        .and_then(|(expected, received)| expected.compare(received));
-    let _ = match difference {
+    let images = expected.zip(find.received.as_ref());
+    let _ = match images.and_then(|(expected, received)| expected.compare(received)) {
         Some(difference) => writeln!(out, "{difference}"),
         None => writeln!(out, "The decoder: {}", find.answer),
     };

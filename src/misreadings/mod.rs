@@ -62,14 +62,12 @@ mod answer;
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};
 pub use answer::answer;
-#[cfg(feature = "tools")]
-pub(crate) use answer::formula_edits;
-#[cfg(feature = "cli")]
-pub(crate) use answer::plane_edits;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
 pub(crate) use answer::{apply_to_reading, render, unrounded_colors};
+#[cfg(feature = "tools")]
+pub(crate) use answer::{formula_edits, plane_edits};
 pub use at::At;
 pub use catalog::{all, find};
 pub use misreading::{Misreading, Sighting, Symptom};

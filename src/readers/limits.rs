@@ -1,5 +1,7 @@
 //! Limits of readers that are known from their source and are not in the catalog of misreadings.
 
+use std::borrow::Cow;
+
 use serde::de::{Deserialize, Deserializer, Error};
 
 use crate::decode::examine;
@@ -45,20 +47,20 @@ const LIMITS: [Limit; 9] = [
         slug: "bytes-after-the-end-refused",
         words: "refuses bytes after the last value",
         effect: Effect::Refused("bytes follow the last value"),
-        is_exceeded: |file| file.is_legal && file.end() < file.file.len(),
+        is_exceeded: |file| file.has_trailing_bytes(),
     },
     Limit {
         slug: "space-after-twelve-numbers-refused",
         words: "refuses a space after twelve scales and biases on one line",
         effect: Effect::Refused("a space follows twelve numbers on one line"),
-        is_exceeded: |file| file.is_legal && file.has_space_after_twelve_numbers(),
+        is_exceeded: |file| file.has_space_after_twelve_numbers(),
     },
     // It accepts a space after the version.
     Limit {
         slug: "space-after-format-refused",
         words: "refuses a space after the name of the format",
         effect: Effect::Refused("a space follows the name of the format"),
-        is_exceeded: |file| file.space_after_format(),
+        is_exceeded: |file| file.is_followed_by("2.2/1", b" \n"),
     },
     Limit {
         slug: "underflow-refused",
@@ -76,7 +78,7 @@ const LIMITS: [Limit; 9] = [
         slug: "motion-not-applied",
         words: "does not move planes that have motion vectors",
         effect: Effect::Wrong("planes with motion vectors are not moved"),
-        is_exceeded: |file| file.moves() && file.field_values("2.9.3/1").any(|vector| vector != 0),
+        is_exceeded: |file| file.moves() && file.numbers("2.9.3/1").any(|vector| vector != 0),
     },
     Limit {
         slug: "colors-lost-after-a-space",
@@ -111,53 +113,58 @@ impl<'de> Deserialize<'de> for Limit {
 pub(super) struct Marks<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
+    /// Format of a legal file.
     format: Option<Format>,
     payload: usize,
-    is_legal: bool,
 }
 
 impl<'a> Marks<'a> {
     pub(super) fn new(file: &'a [u8]) -> Marks<'a> {
+        const PAYLOAD: [&str; 5] = ["2.5/3", "2.7/1", "2.8.1/1", "2.9.8/2", "2.9.8/4"];
         let (fields, outcome) = examine(file);
-        let is_payload = |field: &&Field| {
-            !matches!(
-                field.clause,
-                "2.5/3" | "2.7/1" | "2.8.1/1" | "2.9.8/2" | "2.9.8/4"
-            )
-        };
-        let end = fields.iter().take_while(is_payload).last();
-        let end = end.map_or(0, |field| field.range.end);
+        let header = fields
+            .iter()
+            .take_while(|field| !PAYLOAD.contains(&field.clause));
+        let end = header.last().map_or(0, |field| field.range.end);
         let line_feed = file[end..].iter().position(|&byte| byte == b'\n');
         Marks {
             file,
             payload: line_feed.map_or(file.len(), |length| end + length + 1),
-            format: outcome.as_ref().ok().map(|ptm| ptm.header.format),
-            is_legal: outcome.is_ok(),
+            format: outcome.ok().map(|ptm| ptm.header.format),
             fields,
         }
     }
 
-    fn fields_of_clause<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = &'s Field> {
-        self.fields
-            .iter()
-            .filter(move |field| field.clause == clause)
+    fn fields_of_clause(&self, clause: &str) -> impl Iterator<Item = &Field> {
+        let fields = self.fields.iter();
+        fields.filter(move |field| field.clause == clause)
+    }
+
+    fn texts(&self, clause: &str) -> impl Iterator<Item = Cow<'_, str>> {
+        let fields = self.fields_of_clause(clause);
+        fields.map(|field| String::from_utf8_lossy(&self.file[field.range.clone()]))
+    }
+
+    /// Parses the numbers in the header fields of `clause`.
+    fn numbers(&self, clause: &str) -> impl Iterator<Item = i64> {
+        self.texts(clause).filter_map(|text| text.parse().ok())
+    }
+
+    /// Returns true if a header field of `clause` is followed by `bytes`.
+    fn is_followed_by(&self, clause: &str, bytes: &[u8]) -> bool {
+        let mut fields = self.fields_of_clause(clause);
+        fields.any(|field| self.file[field.range.end..].starts_with(bytes))
     }
 
     /// Returns true if a list that is split at single spaces has an empty part.
     fn has_empty_list_items(&self) -> bool {
-        let lists = [
-            "2.4/3", "2.4/4", "2.9.2/1", "2.9.4/1", "2.9.5/1", "2.9.6/1", "2.9.7/1",
-        ];
-        let mut numbers = lists.iter().flat_map(|list| self.fields_of_clause(list));
-        numbers.any(|field| {
-            let after = &self.file[field.range.end..self.payload];
-            after.starts_with(b" \n") || after.starts_with(b"  ")
-        })
+        let lists = "2.4/3 2.4/4 2.9.2/1 2.9.4/1 2.9.5/1 2.9.6/1 2.9.7/1";
+        let is_empty = |list| self.is_followed_by(list, b" \n") || self.is_followed_by(list, b"  ");
+        lists.split(' ').any(is_empty)
     }
 
     fn has_underflow(&self) -> bool {
-        self.fields_of_clause("2.4/3").any(|field| {
-            let text = String::from_utf8_lossy(&self.file[field.range.clone()]);
+        self.texts("2.4/3").any(|text| {
             let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
             let is_zero = !mantissa.contains(|digit: char| ('1'..='9').contains(&digit));
             let value: f32 = text.parse().unwrap_or(1.0);
@@ -169,58 +176,34 @@ impl<'a> Marks<'a> {
         self.format.and_then(Format::coding).is_some()
     }
 
-    /// Parses the numbers in the header fields of `clause`.
-    fn field_values<'s>(&'s self, clause: &'s str) -> impl Iterator<Item = i64> + 's {
-        self.fields_of_clause(clause).filter_map(|field| {
-            std::str::from_utf8(&self.file[field.range.clone()])
-                .ok()?
-                .parse()
-                .ok()
-        })
-    }
-
     /// Returns true if the lists of a compressed file have the line breaks of HP's encoder.
     fn has_one_list_per_line(&self) -> bool {
-        let Some(Field { range, .. }) = self.fields_of_clause("2.9.1/1").next() else {
+        let Some(first) = self.fields_of_clause("2.9.1/1").next() else {
             return true;
         };
+        let lists = String::from_utf8_lossy(&self.file[first.range.start..self.payload]);
+        let words = |line: &str| line.split(' ').filter(|word| !word.is_empty()).count();
+        let counts = lists.split('\n').map(words).filter(|&count| count > 0);
         let planes = self.format.map_or(0, Format::channels);
-        let lines = self.file[range.start..self.payload].split(|&byte| byte == b'\n');
-        let words = |line: &[u8]| {
-            line.split(|&byte| byte == b' ')
-                .filter(|word| !word.is_empty())
-                .count()
-        };
-        let counts: Vec<usize> = lines.map(words).filter(|&count| count > 0).collect();
-        counts == [1, planes, planes, planes, planes, planes, planes, planes]
+        counts.eq([1, planes, planes, planes, planes, planes, planes, planes])
     }
 
     fn moves(&self) -> bool {
-        self.field_values("2.9.2/1")
-            .any(|transform| transform & 2 != 0)
+        let mut transforms = self.numbers("2.9.2/1");
+        transforms.any(|transform| transform & 2 != 0)
     }
 
-    /// Returns the offset of the byte after the last value.
-    fn end(&self) -> usize {
-        self.fields
-            .iter()
-            .map(|field| field.range.end)
-            .max()
-            .unwrap_or(0)
-    }
-
-    fn space_after_format(&self) -> bool {
-        let mut format = self.fields_of_clause("2.2/1");
-        format.any(|field| self.file[field.range.end..].starts_with(b" \n"))
+    fn has_trailing_bytes(&self) -> bool {
+        let mut fields = self.fields.iter();
+        self.format.is_some() && fields.all(|field| field.range.end < self.file.len())
     }
 
     fn has_space_after_twelve_numbers(&self) -> bool {
-        let [Some(scale), Some(bias)] =
-            ["2.4/3", "2.4/4"].map(|list| self.fields_of_clause(list).last())
-        else {
-            return false;
-        };
-        let between = &self.file[scale.range.end..bias.range.start];
-        !between.contains(&b'\n') && self.file[bias.range.end..].starts_with(b" \n")
+        let [scale, bias] = ["2.4/3", "2.4/4"].map(|list| self.fields_of_clause(list).last());
+        let on_one_line = scale.zip(bias).is_some_and(|(scale, bias)| {
+            let between = &self.file[scale.range.end..bias.range.start];
+            !between.contains(&b'\n') && self.file[bias.range.end..].starts_with(b" \n")
+        });
+        self.format.is_some() && on_one_line
     }
 }

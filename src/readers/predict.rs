@@ -8,8 +8,8 @@ use super::profile::ReaderProfile;
 use crate::decode::decode;
 use crate::error::Error;
 use crate::formula::Edits;
-use crate::misreadings::{self, At, Misreading};
-use crate::ptm::Ptm;
+use crate::misreadings::{Misreading, formula_edits, plane_edits, read};
+use crate::ptm::{Format, Ptm};
 use crate::reading::Reading;
 
 /// The result of opening a file with a reader.
@@ -61,9 +61,6 @@ pub struct OpenedFile<'a> {
     truth: Result<Ptm, Error>,
 }
 
-/// Result of a reader for a file: planes and the reading of the later stages, or the reason for a refusal.
-type ReaderResult = Result<(Ptm, Reading), Option<Error>>;
-
 impl<'a> OpenedFile<'a> {
     /// Decodes a file with the reference.
     #[must_use]
@@ -78,108 +75,82 @@ impl<'a> OpenedFile<'a> {
     /// Predicts the result of a reader for this file.
     #[must_use]
     pub fn predict(&self, profile: &ReaderProfile) -> ReaderPrediction {
-        let says = |shows, how: String, because| ReaderPrediction {
+        let ((shows, how), because) = self.result(profile);
+        ReaderPrediction {
             reader: profile.name.clone(),
             shows,
             how,
             because,
             fix: None,
-        };
-        if let Ok(ptm) = &self.truth
-            && !profile.reads(ptm.header.format)
-        {
-            let how = format!("the program does not read {}", ptm.header.format);
-            return says(Shown::Nothing, how, Vec::new());
-        }
-        let limits = profile.limits.iter();
-        let effects: Vec<Effect> = limits
-            .filter_map(|known| known.limit.effect(&self.marks))
-            .collect();
-        if let Some(why) = effects.iter().find_map(|effect| match effect {
-            Effect::Refused(why) => Some(*why),
-            Effect::Wrong(_) => None,
-        }) {
-            return says(Shown::Nothing, why.to_owned(), Vec::new());
-        }
-        let active_misreadings = profile.active_misreadings();
-        let found = misreadings::read(&active_misreadings, Reading::SPEC, self.file);
-        let (shows, how) = self.judge(&active_misreadings, found, profile);
-        let because = match shows {
-            Shown::Right => Vec::new(),
-            _ => self.causes(&active_misreadings, shows, profile),
-        };
-        match (shows, effects.first()) {
-            (Shown::Right, Some(Effect::Wrong(how))) => {
-                says(Shown::Wrong, (*how).to_owned(), Vec::new())
-            }
-            _ => says(shows, how, because),
         }
     }
 
-    /// Compares the result of the reader with the correct one, and describes the fault.
-    fn judge(
-        &self,
-        active_misreadings: &[&Misreading],
-        found: ReaderResult,
-        profile: &ReaderProfile,
-    ) -> (Shown, String) {
-        let (shown, reading) = match found {
+    /// Returns the result of a reader with its description, and the slugs of the responsible misreadings.
+    fn result(&self, profile: &ReaderProfile) -> ((Shown, String), Vec<&'static str>) {
+        if let Ok(ptm) = &self.truth
+            && !profile.reads(ptm.header.format)
+        {
+            return (unsupported(ptm.header.format), Vec::new());
+        }
+        let mut wrong = None;
+        for known in &profile.limits {
+            match known.limit.effect(&self.marks) {
+                Some(Effect::Refused(why)) => {
+                    return ((Shown::Nothing, why.to_owned()), Vec::new());
+                }
+                Some(Effect::Wrong(how)) => wrong = wrong.or(Some(how)),
+                None => {}
+            }
+        }
+        let misreadings = profile.active_misreadings();
+        let (shows, how) = self.judge(&misreadings, profile);
+        match (shows, wrong) {
+            (Shown::Right, Some(how)) => ((Shown::Wrong, how.to_owned()), Vec::new()),
+            (Shown::Right, None) => ((shows, how), Vec::new()),
+            (Shown::Nothing, _) if self.truth.is_err() => ((shows, how), Vec::new()),
+            _ => {
+                // The misreadings that alone give the same kind of result, or all misreadings if none does alone.
+                let mut causes = misreadings.clone();
+                causes.retain(|one| self.judge(&[one], profile).0 == shows);
+                let causes = if causes.is_empty() {
+                    misreadings
+                } else {
+                    causes
+                };
+                ((shows, how), causes.iter().map(|one| one.slug).collect())
+            }
+        }
+    }
+
+    /// Compares the result of a reader with these misreadings with the correct one, and describes the fault.
+    fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Shown, String) {
+        let (mut shown, reading) = match read(misreadings, Reading::SPEC, self.file) {
             Ok(found) => found,
             Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
             Err(Some(error)) => {
-                return (
-                    Shown::Nothing,
-                    format!("the program refuses the file: {error}"),
-                );
+                let how = format!("the program refuses the file: {error}");
+                return (Shown::Nothing, how);
             }
         };
         let Ok(truth) = &self.truth else {
             return match profile.reads(shown.header.format) {
                 true => (Shown::Wrong, "an image of a damaged file".to_owned()),
-                false => (
-                    Shown::Nothing,
-                    format!("the program does not read {}", shown.header.format),
-                ),
+                false => unsupported(shown.header.format),
             };
         };
-        let shown = apply_to_planes(active_misreadings, shown);
-        let edits = misreadings::formula_edits(active_misreadings);
+        for edit in plane_edits(misreadings) {
+            edit(&mut shown);
+        }
+        let edits = formula_edits(misreadings);
         match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }
     }
-
-    /// Returns the misreadings that alone give the same kind of result, or all misreadings if none does alone.
-    fn causes(
-        &self,
-        active_misreadings: &[&'static Misreading],
-        shows: Shown,
-        profile: &ReaderProfile,
-    ) -> Vec<&'static str> {
-        let alone = |one: &&&'static Misreading| {
-            let found = misreadings::read(&[**one], Reading::SPEC, self.file);
-            self.judge(&[**one], found, profile).0 == shows
-        };
-        let slugs =
-            |these: Vec<&&'static Misreading>| these.into_iter().map(|one| one.slug).collect();
-        if self.truth.is_err() && shows == Shown::Nothing {
-            return Vec::new();
-        }
-        let causes: Vec<&&'static Misreading> = active_misreadings.iter().filter(alone).collect();
-        match causes.is_empty() {
-            true => slugs(active_misreadings.iter().collect()),
-            false => slugs(causes),
-        }
-    }
 }
 
-/// Applies the misreadings that change planes.
-fn apply_to_planes(active_misreadings: &[&Misreading], mut ptm: Ptm) -> Ptm {
-    for one in active_misreadings {
-        if let At::Planes(edit) = one.at {
-            edit(&mut ptm);
-        }
-    }
-    ptm
+/// Returns the result of a reader for a file in a format that it does not read.
+fn unsupported(format: Format) -> (Shown, String) {
+    let how = format!("the program does not read {format}");
+    (Shown::Nothing, how)
 }

@@ -94,37 +94,34 @@ impl ReaderProfile {
 
     /// Returns the misreadings in the order in which they affect a file.
     pub(super) fn active_misreadings(&self) -> Vec<&'static Misreading> {
-        let named = self.misreadings.iter();
-        named
-            .filter_map(|known| misreadings::find(&known.slug))
-            .collect()
+        let slugs = self.misreadings.iter().map(|known| &known.slug);
+        slugs.filter_map(|slug| misreadings::find(slug)).collect()
     }
 
     fn check(&self) -> Result<(), String> {
-        let unknown = |what: &str| Err(format!("{}: {what}", self.name));
+        let unknown = |what: String| Err(format!("{}: {what}", self.name));
         for name in &self.reads {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
-                return unknown(&format!("unknown format {name}"));
+                return unknown(format!("unknown format {name}"));
             }
         }
-        let active_misreadings = self.active_misreadings();
         for known in &self.misreadings {
-            if !active_misreadings.iter().any(|one| one.slug == known.slug) {
-                return unknown(&format!("unknown misreading {}", known.slug));
+            if misreadings::find(&known.slug).is_none() {
+                return unknown(format!("unknown misreading {}", known.slug));
             }
         }
         // If two misreadings changed the same decision, the second would replace the first.
-        let decisions = active_misreadings.iter().filter(|one| one.at.is_decision());
         let mut seen: Vec<&Misreading> = Vec::new();
-        for one in decisions {
+        for one in self.active_misreadings() {
+            if !one.at.is_decision() {
+                continue;
+            }
             if let Some(other) = seen
                 .iter()
                 .find(|other| other.at.changes_same_step(&one.at))
             {
-                return unknown(&format!(
-                    "{} and {} change the same decision",
-                    other.slug, one.slug
-                ));
+                let (first, second) = (other.slug, one.slug);
+                return unknown(format!("{first} and {second} change the same decision"));
             }
             seen.push(one);
         }

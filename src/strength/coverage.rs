@@ -7,7 +7,6 @@
 //!   exist for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 
 use serde::Serialize;
 
@@ -95,44 +94,47 @@ impl Coverage {
             count: row.killed_by.len(),
             cases: row.killed_by.iter().map(id).collect(),
         });
-        let (separation, unique_separators) = measure_separation(suite, rows);
+        let (separation, mut needed) = measure_separation(suite, rows);
+        for row in rows {
+            if let [only] = row.killed_by[..] {
+                needed.insert(only);
+            }
+        }
+        let redundant = (0..suite.cases.len()).filter(|i| !needed.contains(i));
         Ok(Coverage {
             clauses: measure_clauses(suite, rows)?,
             misreadings: kills.collect(),
             separation,
             pairwise: measure_pairs(suite),
-            redundant: find_redundant_cases(suite, rows, &unique_separators),
+            redundant: redundant.map(|i| id(&i)).collect(),
         })
     }
 
     /// Formats the measures for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
-        let out = &mut String::new();
-        self.write_clauses(out);
-        self.write_misreadings(out);
+        let mut lines = Vec::new();
+        self.describe_clauses(&mut lines);
+        self.describe_misreadings(&mut lines);
         let missing = &self.pairwise.missing;
         let (covered, pairs) = (self.pairwise.covered, self.pairwise.pairs);
-        let _ = writeln!(
-            out,
+        lines.push(format!(
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
-        );
-        for pair in missing.iter().take(MAX_MISSING) {
-            let _ = writeln!(out, "  missing: {pair}");
-        }
+        ));
+        let shown = missing.iter().take(MAX_MISSING);
+        lines.extend(shown.map(|pair| format!("  missing: {pair}")));
         if missing.len() > MAX_MISSING {
             let more = missing.len() - MAX_MISSING;
-            let _ = writeln!(out, "  … and {more} more; --yaml lists them");
+            lines.push(format!("  … and {more} more; --yaml lists them"));
         }
         let (redundant, all) = (self.redundant.len(), suite.cases.len());
-        let _ = writeln!(
-            out,
-            "redundant: {redundant} of {all} cases neither detect a misreading nor distinguish a pair that no other case does"
-        );
-        std::mem::take(out)
+        lines.push(format!(
+            "redundant: {redundant} of {all} cases neither detect a misreading nor distinguish a pair that no other case does\n"
+        ));
+        lines.join("\n")
     }
 
-    fn write_clauses(&self, out: &mut String) {
+    fn describe_clauses(&self, lines: &mut Vec<String>) {
         let mut statuses: BTreeMap<&str, usize> = BTreeMap::new();
         for clause in &self.clauses {
             *statuses.entry(&clause.status).or_default() += 1;
@@ -140,40 +142,32 @@ impl Coverage {
         let statuses = statuses.iter();
         let statuses = statuses.map(|(status, count)| format!("{count} {status}"));
         let (all, statuses) = (self.clauses.len(), statuses.collect::<Vec<_>>().join(", "));
-        let _ = writeln!(out, "clauses: {all}: {statuses}");
-        let is_weak = |clause: &&ClauseCoverage| {
-            clause.status == "tested" && (clause.cases == 0 || clause.killed.is_empty())
-        };
-        for clause in self.clauses.iter().filter(is_weak) {
-            let _ = writeln!(
-                out,
-                "  {}: {} cases, but none detects a misreading",
-                clause.clause, clause.cases
-            );
+        lines.push(format!("clauses: {all}: {statuses}"));
+        for one in &self.clauses {
+            let (clause, cases) = (&one.clause, one.cases);
+            if one.status == "tested" && (cases == 0 || one.killed.is_empty()) {
+                lines.push(format!(
+                    "  {clause}: {cases} cases, but none detects a misreading"
+                ));
+            }
         }
     }
 
-    fn write_misreadings(&self, out: &mut String) {
+    fn describe_misreadings(&self, lines: &mut Vec<String>) {
         let all = self.misreadings.len();
         let killed = self.misreadings.iter().filter(|kills| kills.count > 0);
-        let _ = writeln!(out, "misreadings: {} of {all} killed", killed.count());
+        lines.push(format!("misreadings: {} of {all} killed", killed.count()));
         for kills in self.misreadings.iter().filter(|kills| kills.count < 2) {
-            let _ = writeln!(
-                out,
-                "  {} ({}): killed by {}",
-                kills.misreading,
-                kills.clause,
-                kills.cases.first().map_or("no case", String::as_str)
-            );
+            let (slug, clause) = (&kills.misreading, &kills.clause);
+            let by = kills.cases.first().map_or("no case", String::as_str);
+            lines.push(format!("  {slug} ({clause}): killed by {by}"));
         }
         let (separated, pairs) = (self.separation.separated, self.separation.pairs);
-        let _ = writeln!(
-            out,
+        lines.push(format!(
             "pairs of misreadings: {separated} of {pairs} distinguished"
-        );
-        for set in &self.separation.alike {
-            let _ = writeln!(out, "  alike in every case: {}", set.join(", "));
-        }
+        ));
+        let alike = self.separation.alike.iter().map(|set| set.join(", "));
+        lines.extend(alike.map(|set| format!("  alike in every case: {set}")));
     }
 }
 
@@ -181,25 +175,24 @@ impl Coverage {
 const MAX_MISSING: usize = 20;
 
 fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
-    let one = |clause: clauses::Clause| ClauseCoverage {
-        status: match clause.status {
+    let one = |clause: clauses::Clause| {
+        let status = match clause.status {
             ClauseStatus::Tested => "tested",
             ClauseStatus::Ruled => "ruled",
             ClauseStatus::Informative => "informative",
             ClauseStatus::Untestable => "untestable",
+        };
+        let cases = suite.cases.iter();
+        let cases = cases.filter(|case| case.clauses.contains(&clause.id));
+        let killed = rows.iter().filter(|row| !row.killed_by.is_empty());
+        let killed = killed.map(|row| row.misreading);
+        let killed = killed.filter(|misreading| misreading.clause == clause.id);
+        ClauseCoverage {
+            status: status.to_owned(),
+            cases: cases.count(),
+            killed: killed.map(|one| one.slug.to_owned()).collect(),
+            clause: clause.id,
         }
-        .to_owned(),
-        cases: {
-            let about = |case: &&Case| case.clauses.contains(&clause.id);
-            suite.cases.iter().filter(about).count()
-        },
-        killed: {
-            let mistakes = rows.iter().filter(|row| !row.killed_by.is_empty());
-            let mistakes = mistakes.map(|row| row.misreading);
-            let mistakes = mistakes.filter(|mistake| mistake.clause == clause.id);
-            mistakes.map(|mistake| mistake.slug.to_owned()).collect()
-        },
-        clause: clause.id,
     };
     Ok(clauses::clauses()?.into_iter().map(one).collect())
 }
@@ -214,13 +207,9 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
         alike.entry(&a.answers).or_default().push(slug);
         for b in &rows[i + 1..] {
             let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
-            match (apart.next(), apart.next()) {
-                (Some(only), None) => {
-                    separated += 1;
-                    unique_separators.insert(only);
-                }
-                (Some(_), Some(_)) => separated += 1,
-                (None, _) => {}
+            if let Some(first) = apart.next() {
+                separated += 1;
+                unique_separators.extend(apart.next().is_none().then_some(first));
             }
         }
     }
@@ -232,27 +221,11 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
     (separation, unique_separators)
 }
 
-fn find_redundant_cases(
-    suite: &Suite,
-    rows: &[MatrixRow],
-    unique_separators: &BTreeSet<usize>,
-) -> Vec<String> {
-    let only = |row: &MatrixRow| match row.killed_by[..] {
-        [only] => Some(only),
-        _ => None,
-    };
-    let killing: BTreeSet<usize> = rows.iter().filter_map(only).collect();
-    let needed = |i: &usize| killing.contains(i) || unique_separators.contains(i);
-    (0..suite.cases.len())
-        .filter(|i| !needed(i))
-        .map(|i| suite.cases[i].id.clone())
-        .collect()
-}
-
 /// Returns the parameters of a recipe, with names and values.
 fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let lines = |two: bool| if two { "two lines" } else { "one line" };
+    let yes_or_no = |yes: bool| if yes { "yes" } else { "no" };
     let bias = match recipe.bias.values.iter().any(|&bias| bias > 255.0) {
         true => "over 255",
         false => number_kind(&recipe.bias),
@@ -292,10 +265,6 @@ fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)
     chosen.into_iter().map(owned).collect()
 }
 
-fn yes_or_no(yes: bool) -> &'static str {
-    if yes { "yes" } else { "no" }
-}
-
 fn number_kind(numbers: &Numbers<6>) -> &'static str {
     let values = &numbers.values;
     if numbers.texts().iter().any(|text| text.contains(['e', 'E'])) {
@@ -320,57 +289,51 @@ fn size_kind(size: Size) -> &'static str {
     }
 }
 
-/// Returns true if two parameter values can occur in the same file.
-fn can_occur_together(a: (&str, &str), b: (&str, &str)) -> bool {
-    let rules_out = |(name, value): (&str, &str), other: (&str, &str)| {
-        let format = value.parse::<Format>();
-        name == "format"
-            && format.is_ok_and(|format| match other.0 {
-                "entries" => !format.has_table(),
-                "prediction" | "side information" => format.coding().is_none(),
-                _ => false,
-            })
-    };
-    let apart = |a: &str, b: &str| a == "entries" && matches!(b, "prediction" | "side information");
-    !(rules_out(a, b) || rules_out(b, a) || apart(a.0, b.0) || apart(b.0, a.0))
+/// Returns true if no file can have the first parameter with this value, and the second parameter with any value.
+fn rules_out((name, value): (&str, &str), other: &str) -> bool {
+    let of_streams = matches!(other, "prediction" | "side information");
+    match (name, value.parse::<Format>()) {
+        ("entries", _) => of_streams,
+        ("format", Ok(format)) if of_streams => format.coding().is_none(),
+        ("format", Ok(format)) => other == "entries" && !format.has_table(),
+        _ => false,
+    }
 }
 
 fn measure_pairs(suite: &Suite) -> Pairwise {
     let mut values: BTreeMap<&'static str, BTreeSet<String>> = BTreeMap::new();
     let mut seen = BTreeSet::new();
-    let decoded = suite.cases.iter();
-    let decoded = decoded.filter(|case| case.expect == Expect::Decode);
-    for (case, recipe) in decoded.filter_map(|case| Some((case, case.recipe()?))) {
+    for case in &suite.cases {
+        let recipe = case.recipe().filter(|_| case.expect == Expect::Decode);
+        let Some(recipe) = recipe else { continue };
         let chosen = recipe_parameters(case, recipe);
         for (i, (a, x)) in chosen.iter().enumerate() {
             values.entry(a).or_default().insert(x.clone());
             for (b, y) in &chosen[i + 1..] {
-                seen.insert(((*a, x.clone()), (*b, y.clone())));
+                seen.insert(BTreeSet::from([(*a, x.clone()), (*b, y.clone())]));
             }
         }
     }
-    let (mut pairs, mut covered, mut missing) = (0, 0, Vec::new());
+    let (mut pairs, mut missing) = (0, Vec::new());
     for (a, xs) in &values {
         for (b, ys) in values.range(*a..).skip(1) {
             for (x, y) in xs.iter().flat_map(|x| ys.iter().map(move |y| (x, y))) {
-                if !can_occur_together((a, x), (b, y)) {
+                if rules_out((a, x), b) || rules_out((b, y), a) {
                     continue;
                 }
                 pairs += 1;
-                let (one, other) = ((*a, x.clone()), (*b, y.clone()));
-                if seen.contains(&(one.clone(), other.clone())) || seen.contains(&(other, one)) {
-                    covered += 1;
-                } else {
+                if !seen.contains(&BTreeSet::from([(*a, x.clone()), (*b, y.clone())])) {
                     missing.push(format!("{a}: {x}, and {b}: {y}"));
                 }
             }
         }
     }
-    let owned = |(name, values): (&str, BTreeSet<String>)| (name.to_owned(), values);
+    let parameters = values.into_iter();
+    let parameters = parameters.map(|(name, values)| (name.to_owned(), values));
     Pairwise {
-        parameters: values.into_iter().map(owned).collect(),
+        parameters: parameters.collect(),
         pairs,
-        covered,
+        covered: pairs - missing.len(),
         missing,
     }
 }

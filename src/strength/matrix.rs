@@ -35,12 +35,11 @@ pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, right) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());
-    let digest = |frame: &Frame, hasher: &mut DefaultHasher| frame.hash(hasher);
     let all = misreadings::all().count();
     let rows = misreadings::all().enumerate().map(|(i, misreading)| {
-        let (run, answers) = run_with_mistakes(suite, &[misreading], &[], jobs, &right);
+        let results = run_with_mistakes(suite, &[misreading], &[], jobs, &right);
         progress(i + 1, all);
-        matrix_row(suite, misreading, &run, &answers, digest)
+        matrix_row(suite, misreading, results, Frame::hash)
     });
     rows.collect()
 }
@@ -54,10 +53,9 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
             let case = suite.case(request.name).expect("its own case is asked");
             case.answer(&rules)
         };
-        let (run, answers) = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
-        matrix_row(suite, misreading, &run, &answers, |answer, hasher| {
-            answer.to_string().hash(hasher);
-        })
+        let results = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
+        let digest = |answer: &_, hasher: &mut _| ToString::to_string(answer).hash(hasher);
+        matrix_row(suite, misreading, results, digest)
     });
     rows.collect()
 }
@@ -65,8 +63,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
 fn matrix_row<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     misreading: &'static Misreading<A>,
-    run: &Run<C>,
-    answers: &KnownAnswers<C>,
+    (run, answers): (Run<C>, KnownAnswers<C>),
     digest: impl Fn(&C::Output, &mut DefaultHasher),
 ) -> MatrixRow<A> {
     let digest = |answer: &Answer<C::Output>| {
@@ -104,12 +101,11 @@ pub fn run_with_mistakes(
         ..Reading::SPEC
     };
     let ask = |request: &Request<'_>| {
-        let can_differ = mistakes
-            .iter()
-            .any(|mistake| can_affect_file(mistake, request.file));
         let known = right.get(&answer_key::<Case>(request.name, request.view));
+        let can_affect = |mistake: &&Misreading| can_affect_file(mistake, request.file);
+        let known = known.filter(|_| !mistakes.iter().any(can_affect)).cloned();
         let make = || misreadings::answer(mistakes, reading, request.file, request.view);
-        known.filter(|_| !can_differ).cloned().unwrap_or_else(make)
+        known.unwrap_or_else(make)
     };
     let plan = RunPlan {
         views: views.iter().map(|&view| view.to_owned()).collect(),
@@ -127,10 +123,9 @@ fn run_and_answers<C: TestCase>(
     let answers = Mutex::new(HashMap::new());
     let recording = |request: &Request<'_, C::View>, _: usize| {
         let answer = ask(request);
-        answers
-            .lock()
-            .expect("no worker panics")
-            .insert(answer_key::<C>(request.name, request.view), answer.clone());
+        let key = answer_key::<C>(request.name, request.view);
+        let mut answers = answers.lock().expect("no worker panics");
+        answers.insert(key, answer.clone());
         answer.into()
     };
     let run = check(suite, plan, &recording, &|_, _, _, _| ());

@@ -1,6 +1,7 @@
 //! Requests to writers.
 
 use crate::protocol::frame::Answer;
+use crate::ptm::Size;
 use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::runner::write::WriteCall;
@@ -24,11 +25,9 @@ pub fn ask<V: RequestValues>(
 ) -> Reply<WrittenFile> {
     let built = case.make(TableSpelling::default());
     let mut values = V::template_values(&built.request);
-    values.extend([
-        ("format", case.format.name().to_owned()),
-        ("width", built.size.width.to_string()),
-        ("height", built.size.height.to_string()),
-    ]);
+    let Size { width, height } = built.size;
+    values.push(("format", case.format.name().to_owned()));
+    values.extend([("width", width.to_string()), ("height", height.to_string())]);
     let call = WriteCall {
         request: &built.json,
         attachments: &V::attachments(&built),
@@ -37,12 +36,10 @@ pub fn ask<V: RequestValues>(
         timeout_factor,
     };
     let result = writer.write(&call, scratch);
-    let answer = match result.output {
-        Ok(bytes) => Answer::Decoded(WrittenFile(bytes)),
-        Err(answer) => {
-            (answer.decoded()).expect_err("the decoded values are those of the file it wrote")
-        }
-    };
+    let answer = result.output.map_or_else(
+        |answer| (answer.decoded()).expect_err("the decoded values are those of the file it wrote"),
+        |bytes| Answer::Decoded(WrittenFile(bytes)),
+    );
     Reply {
         stderr: result.stderr,
         exit: result.exit,
@@ -56,28 +53,26 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
     let Some(reason) = &run.not_a_decoder else {
         return;
     };
+    if reason.contains("cannot be") {
+        return;
+    }
     let mut first = run.first.iter().map(|first| &first.reply);
+    let violates = |reply: &&Reply<_>| reply.answer.violation().is_some();
     let is_unsupported = |reply: &Reply<_>| matches!(reply.answer, Answer::Unsupported);
-    let says = match first
-        .clone()
-        .find(|first| first.answer.violation().is_some())
-    {
-        _ if reason.contains("cannot be") => return,
+    run.not_a_decoder = Some(match first.clone().find(violates) {
         _ if first.all(is_unsupported) => {
             "the writer answers every first request with 69 (unsupported)".to_owned()
         }
         None => "the writer refuses all first requests".to_owned(),
         Some(Reply { answer, stderr, .. }) => {
-            let what = answer.violation().unwrap_or_default();
             let stderr = match stderr.is_empty() {
                 true => String::new(),
                 false => format!("\nits standard error begins:\n{stderr}"),
             };
+            let answer = answer.describe();
             format!(
-                "the writer writes none of the first files; its first answer is: {}: {what}{stderr}",
-                answer.name()
+                "the writer writes none of the first files; its first answer is: {answer}{stderr}"
             )
         }
-    };
-    run.not_a_decoder = Some(says);
+    });
 }

@@ -10,7 +10,7 @@ use crate::generate::recipe::Indices;
 use crate::generate::{Model, Recipe};
 use crate::kit::yaml::records;
 use crate::misreadings::Misreading;
-use crate::ptm::{Coding, Format};
+use crate::ptm::{Coding, Format, ScaleBias};
 use crate::runner::write::Attachment;
 use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite};
@@ -117,37 +117,36 @@ impl RequestValues for Recipe {
     }
 
     fn build(&self, format: Format) -> BuiltRequest<WriteRequest> {
+        let mut plain = self.clone();
         let plan = &self.compression;
-        let predicts = format.coding().is_some() && plan.predicts();
-        let header = RequestHeader {
-            format: format.name().to_owned(),
-            width: self.size.width,
-            height: self.size.height,
+        let set = ScaleBias {
             scale: self.scale.values,
-            bias: self.bias.values.map(|bias| bias as i64),
-            matrix: (format == Format::Lum).then_some(self.matrix.values),
-            quality: (format.coding() == Some(Coding::Jpeg)).then_some(plan.parameter),
-            near: (format.coding() == Some(Coding::JpegLs)).then_some(plan.parameter),
-            prediction: predicts.then(|| PredictionAdvice {
+            bias: self.bias.values,
+        };
+        let mut header = RequestHeader::new(format, self.size, &set);
+        match format.coding() {
+            Some(Coding::Jpeg) => header.quality = Some(plan.parameter),
+            Some(Coding::JpegLs) => header.near = Some(plan.parameter),
+            None => header.matrix = (format == Format::Lum).then_some(self.matrix.values),
+        }
+        if format.coding().is_some() {
+            plain.format = format.uncompressed();
+            header.prediction = plan.predicts().then(|| PredictionAdvice {
                 references: plan.references.clone(),
                 order: plan.order.clone(),
                 transforms: plan.transforms.clone(),
                 motion_x: plan.motion_x.clone(),
                 motion_y: plan.motion_y.clone(),
-            }),
-            planes: "{planes}".to_owned(),
-        };
-        let mut plain = self.clone();
-        if format.coding().is_some() {
-            plain.format = format.uncompressed();
+            });
         }
+        let (json, samples) = (header.to_json(), Model::paint(&plain).samples);
         BuiltRequest {
-            json: header.to_json(),
+            json,
             size: self.size,
             request: WriteRequest {
                 header,
                 format,
-                samples: Model::paint(&plain).samples,
+                samples,
             },
         }
     }

@@ -24,10 +24,8 @@ pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 /// Returns the fault of the file.
 pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     let dissection = Dissection::parse(file);
-    let ptm = match &dissection.outcome {
-        Ok(ptm) => ptm,
-        Err(error) => return Err(refusal(file, error)),
-    };
+    let ptm = dissection.outcome.as_ref();
+    let ptm = ptm.map_err(|error| refusal(file, error))?;
     compare_headers(request, ptm)?;
     compare_parameter(request, &dissection)?;
     if request.is_lossy() {
@@ -42,13 +40,11 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
 /// Checks that `lint` finds no error in a file.
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
-        Some(first) if first.severity == Severity::Error => Err(WriterFault::new(
-            first.clause,
-            format!(
-                "lint {} at byte {}: {} ({})",
-                first.code, first.offset, first.says, first.found
-            ),
-        )),
+        Some(first) if first.severity == Severity::Error => {
+            let what = format!("{} ({})", first.says, first.found);
+            let says = format!("lint {} at byte {}: {what}", first.code, first.offset);
+            Err(WriterFault::new(first.clause, says))
+        }
         _ => Ok(()),
     }
 }
@@ -61,10 +57,8 @@ pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
         true => "the file ends there".to_owned(),
         false => format!("the bytes there: \"{}\"", shown.escape_ascii()),
     };
-    WriterFault::new(
-        error.clause(),
-        format!("the reference refuses the file: {error}; {bytes}"),
-    )
+    let says = format!("the reference refuses the file: {error}; {bytes}");
+    WriterFault::new(error.clause(), says)
 }
 
 /// Compares format and size (2.2 and 2.3).
@@ -123,9 +117,8 @@ pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
 /// Compares the compression parameters (2.9.1).
 fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<(), WriterFault> {
     let wanted = request.header.quality.or(request.header.near);
-    let wanted = wanted.map(i64::from);
     match (wanted, dissection.number(Role::Parameter)) {
-        (Some(wanted), Some(found)) if wanted != found => {
+        (Some(wanted), Some(found)) if i64::from(wanted) != found => {
             let says = format!("expected the compression parameter {wanted}, found {found}");
             Err(WriterFault::new("2.9.1/1", says))
         }
@@ -146,15 +139,13 @@ fn compare_planes(
     };
     let channels = request.format.channels();
     let (texel, channel) = (first / channels, first % channels);
-    let width = request.header.width as usize;
-    let count = (0..wanted.len()).filter(differs).count();
+    let (width, all) = (request.header.width as usize, wanted.len());
+    let count = (0..all).filter(differs).count();
     let (x, y) = (texel % width, texel / width);
     let name = channel_name(channels, channel);
+    let (wanted, found) = (wanted[first], found[first]);
     let mut says = format!(
-        "texel ({x}, {y}), {name}: expected {}, the file gives {}; {count} of {} values differ",
-        wanted[first],
-        found[first],
-        wanted.len()
+        "texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}; {count} of {all} values differ"
     );
     if let Some(at) = value_offset(request, dissection, (x, y), channel) {
         let byte = dissection.file.get(at).copied().unwrap_or_default();

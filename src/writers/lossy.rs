@@ -52,9 +52,8 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
     let channels = request.format.channels();
     let row = request.header.width as usize * channels;
     let rows = samples.chunks_exact(row).rev();
-    rows.flat_map(|row| row.iter().skip(plane).step_by(channels))
-        .copied()
-        .collect()
+    let samples = rows.flat_map(|row| row.iter().skip(plane).step_by(channels));
+    samples.copied().collect()
 }
 
 /// Plane of a lossy file.

@@ -25,10 +25,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
         let reply = asking::ask(writer, case, 1, scratch);
         let format = case.format.short_name();
         match &reply.answer {
-            Answer::Decoded(file) => {
-                list.answers = true;
-                check_file(&mut list, case, file);
-            }
+            Answer::Decoded(file) => check_file(&mut list, case, file),
             Answer::Unsupported => {
                 list.add_absent(format!("the writer does not write {format} (status 69)"));
             }
@@ -54,6 +51,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
 
 /// Adds a step to the checklist: the file is right, or has a fault with a likely cause.
 fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
+    list.answers = true;
     let (request, format) = (case.request(), case.format.short_name());
     let fault = match judge(&request, &file.0) {
         Ok(()) => return list.add_good(format!("{format}: the file has the values")),
@@ -61,11 +59,8 @@ fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     };
     let right = write_requested_file(&request).unwrap_or_default();
     let mistake = writing::all().find(|one| explains(&request, &right, &file.0, one.at));
-    let next = match mistake {
-        Some(mistake) => format!(
-            "a writer that {} produces such a file: {}",
-            mistake.effect, mistake.fix
-        ),
+    let next = match mistake.map(|mistake| (mistake.effect, mistake.fix)) {
+        Some((effect, fix)) => format!("a writer that {effect} produces such a file: {fix}"),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),
     };
     list.add_bad(format!("{format}: {fault}"), next);
@@ -89,7 +84,8 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         _ => "run the writer by hand from another directory",
     };
     let what = reply.answer.violation().unwrap_or(reply.answer.name());
-    let last = last_message(&reply.stderr).map_or(String::new(), |line| {
+    let last = last_message(&reply.stderr);
+    let last = last.map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     });
     (format!("{what}{last}"), next)

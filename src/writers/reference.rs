@@ -32,13 +32,11 @@ pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     let WriteRequest { header, format, .. } = request;
     let mut recipe = Recipe::ordinary(*format, request.size());
     let numbers = "numbers were written";
-    recipe.scale = header
-        .scale
-        .map(format_decimal)
-        .join(" ")
-        .parse()
-        .expect(numbers);
-    let bias = header.bias.map(|bias| bias.to_string());
+    let (scale, bias) = (
+        header.scale.map(format_decimal),
+        header.bias.map(|bias| bias.to_string()),
+    );
+    recipe.scale = scale.join(" ").parse().expect(numbers);
     recipe.bias = bias.join(" ").parse().expect(numbers);
     if let Some(matrix) = header.matrix {
         recipe.matrix = matrix.map(format_decimal).join(" ").parse().expect(numbers);
@@ -61,12 +59,9 @@ fn compression(request: &WriteRequest, format: Format) -> Result<Compression, No
         plan.transforms.clone_from(&prediction.transforms);
         plan.motion_x.clone_from(&prediction.motion_x);
         plan.motion_y.clone_from(&prediction.motion_y);
-        let lists = [plan.references.len(), plan.order.len()];
-        if lists.iter().any(|&length| length != format.channels()) {
-            let says = format!(
-                "every list of {format} must have {} numbers",
-                format.channels()
-            );
+        let channels = format.channels();
+        if [plan.references.len(), plan.order.len()] != [channels; 2] {
+            let says = format!("every list of {format} must have {channels} numbers");
             return Err(NotWritten::Impossible(says));
         }
     }

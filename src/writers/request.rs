@@ -80,6 +80,22 @@ pub struct PredictionAdvice {
 }
 
 impl RequestHeader {
+    /// Creates a header without the values that only some formats have, and with the placeholder `{planes}` as the path.
+    pub(super) fn new(format: Format, size: Size, set: &ScaleBias) -> RequestHeader {
+        RequestHeader {
+            format: format.name().to_owned(),
+            width: size.width,
+            height: size.height,
+            scale: set.scale,
+            bias: set.bias.map(|bias| bias as i64),
+            matrix: None,
+            quality: None,
+            near: None,
+            prediction: None,
+            planes: "{planes}".to_owned(),
+        }
+    }
+
     /// Reads the JSON of a request.
     ///
     /// # Errors
@@ -91,9 +107,8 @@ impl RequestHeader {
     /// Serializes the header as indented JSON.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let text =
-            serde_json::to_string_pretty(self).expect("a request consists of numbers and strings");
-        text + "\n"
+        let text = serde_json::to_string_pretty(self);
+        text.expect("a request consists of numbers and strings") + "\n"
     }
 
     /// Combines the header with planes from a NumPy file.
@@ -101,25 +116,53 @@ impl RequestHeader {
     /// # Errors
     /// Returns a message if the array or the header does not fit the format.
     pub fn with_planes(self, array: &[u8]) -> Result<WriteRequest, String> {
-        let format: Format = self.format.parse()?;
-        let frame =
-            npy::read(array, ViewKind::Raw).map_err(|error| format!("the planes: {error}"))?;
+        let (format, header): (Format, _) = (self.format.parse()?, self);
+        let frame = npy::read(array, ViewKind::Raw);
+        let frame = frame.map_err(|error| format!("the planes: {error}"))?;
         let Samples::U8(samples) = frame.samples else {
             return Err("the planes: the type is not u8".to_owned());
         };
         let shape = (frame.height, frame.width, frame.channels);
-        let expected = (self.height, self.width, format.channels() as u32);
+        let expected = (header.height, header.width, format.channels() as u32);
         if shape != expected {
             return Err(format!(
                 "the planes have shape {shape:?}, but the request needs {expected:?}"
             ));
         }
-        WriteRequest {
-            header: self,
+        header.validate(format)?;
+        Ok(WriteRequest {
+            header,
             format,
             samples,
+        })
+    }
+
+    /// Checks that the header has exactly the values that its format needs.
+    fn validate(&self, format: Format) -> Result<(), String> {
+        let has = |coding| format.coding() == Some(coding);
+        for (key, needed, given) in [
+            ("matrix", format == Format::Lum, self.matrix.is_some()),
+            ("quality", has(Coding::Jpeg), self.quality.is_some()),
+            ("near", has(Coding::JpegLs), self.near.is_some()),
+        ] {
+            match (needed, given) {
+                (true, false) => return Err(format!("{format} needs \"{key}\"")),
+                (false, true) => return Err(format!("{format} has no \"{key}\"")),
+                _ => {}
+            }
         }
-        .validate()
+        if self.width == 0 || self.height == 0 {
+            return Err("a map must have at least one texel".to_owned());
+        }
+        if !self.scale.iter().all(|scale| scale.is_finite()) {
+            return Err("a scale must be a finite number".to_owned());
+        }
+        if self.prediction.is_some() && format.coding().is_none() {
+            return Err(format!(
+                "{format} has no planes that can be predicted from each other"
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -135,47 +178,34 @@ pub(super) fn new_map(
         .shape()
         .with_matrix(|| matrix.map(ColorMatrix).ok_or(()))
         .expect("the matrix of a LUM map");
-    let header = Header {
-        format,
-        size,
-        scale_bias,
-    };
-    let planes = Planes {
-        size,
-        shape,
-        samples,
-    };
-    Ptm { header, planes }
+    Ptm {
+        header: Header {
+            format,
+            size,
+            scale_bias,
+        },
+        planes: Planes {
+            size,
+            shape,
+            samples,
+        },
+    }
 }
 
 impl WriteRequest {
     /// Creates a request for the values of an uncompressed map.
     #[must_use]
     pub fn from_ptm(ptm: &Ptm) -> WriteRequest {
-        let Header {
-            format,
-            size,
-            scale_bias,
-        } = ptm.header;
-        let matrix = match ptm.planes.shape {
-            Shape::Lum(matrix) => Some(matrix.0),
-            _ => None,
-        };
+        let format = ptm.header.format;
+        let mut header = RequestHeader::new(format, ptm.header.size, &ptm.header.scale_bias);
+        if let Shape::Lum(matrix) = ptm.planes.shape {
+            header.matrix = Some(matrix.0);
+        }
+        let samples = ptm.planes.samples.clone();
         WriteRequest {
-            header: RequestHeader {
-                format: format.name().to_owned(),
-                width: size.width,
-                height: size.height,
-                scale: scale_bias.scale,
-                bias: scale_bias.bias.map(|bias| bias as i64),
-                matrix,
-                quality: None,
-                near: None,
-                prediction: None,
-                planes: String::new(),
-            },
+            header,
             format,
-            samples: ptm.planes.samples.clone(),
+            samples,
         }
     }
 
@@ -192,35 +222,5 @@ impl WriteRequest {
     #[must_use]
     pub fn to_npy(&self) -> Vec<u8> {
         npy_bytes(&self.samples, self.size(), self.format.channels())
-    }
-
-    /// Returns the request if it contains exactly the values that its format needs.
-    fn validate(self) -> Result<WriteRequest, String> {
-        let (format, header) = (self.format, &self.header);
-        let has = |coding| format.coding() == Some(coding);
-        let needs = [
-            ("matrix", format == Format::Lum, header.matrix.is_some()),
-            ("quality", has(Coding::Jpeg), header.quality.is_some()),
-            ("near", has(Coding::JpegLs), header.near.is_some()),
-        ];
-        for (key, needed, given) in needs {
-            match (needed, given) {
-                (true, false) => return Err(format!("{format} needs \"{key}\"")),
-                (false, true) => return Err(format!("{format} has no \"{key}\"")),
-                _ => {}
-            }
-        }
-        if header.width == 0 || header.height == 0 {
-            return Err("a map must have at least one texel".to_owned());
-        }
-        if !header.scale.iter().all(|scale| scale.is_finite()) {
-            return Err("a scale must be a finite number".to_owned());
-        }
-        if header.prediction.is_some() && format.coding().is_none() {
-            return Err(format!(
-                "{format} has no planes that can be predicted from each other"
-            ));
-        }
-        Ok(self)
     }
 }

@@ -84,12 +84,12 @@ fn requires_mistakes(
 /// Returns the bytes that a reader with this mistake sees instead of the file. Returns `None` if the mistake does not act
 /// on bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
-    let At::Bytes(edit) = mistake.at else {
-        return None;
-    };
-    match edit(&Anatomy::new(file, &Reading::SPEC)) {
-        EditedFile::File(bytes) => Some(bytes),
-        EditedFile::Refused => None,
+    match mistake.at {
+        At::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
+            EditedFile::File(bytes) => Some(bytes),
+            EditedFile::Refused => None,
+        },
+        _ => None,
     }
 }
 
@@ -179,17 +179,14 @@ impl MisreadFile {
     /// Returns true if both give the same values in a view, up to rounding to `f32`.
     fn equals_in_view(&self, other: &MisreadFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
-        let frame = |of: &MisreadFile| {
-            Frame::render_edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples
-        };
-        match (frame(self), frame(other)) {
+        let [one, other] = [self, other]
+            .map(|of| Frame::render_edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples);
+        match (one, other) {
             (Samples::U8(one), Samples::U8(other)) => {
-                let mut pairs = one.iter().zip(&other);
-                pairs.all(|(a, b)| a.abs_diff(*b) <= 1)
+                (one.iter().zip(&other)).all(|(a, b)| a.abs_diff(*b) <= 1)
             }
             (Samples::F32(one), Samples::F32(other)) => {
-                let mut pairs = one.iter().zip(&other);
-                pairs.all(|(a, b)| (a - b).abs() <= 2e-6 * a.abs().max(b.abs()))
+                (one.iter().zip(&other)).all(|(a, b)| (a - b).abs() <= 2e-6 * a.abs().max(b.abs()))
             }
             _ => false,
         }
@@ -198,15 +195,13 @@ impl MisreadFile {
 
 /// Returns true if scales, biases and matrix are equal within [`NUMBER_TOLERANCE`](super::judge::NUMBER_TOLERANCE).
 fn equal_header_numbers(found: &Ptm, wanted: &Ptm) -> bool {
-    let same = |wanted: &[f64], found: &[f64]| {
-        let mut pairs = wanted.iter().zip(found);
-        pairs.all(|(wanted, found)| is_same_number(*wanted, *found))
-    };
-    let (set, right) = (&found.header.scale_bias, &wanted.header.scale_bias);
-    same(&right.scale, &set.scale)
-        && same(&right.bias, &set.bias)
-        && match (&wanted.planes.shape, &found.planes.shape) {
-            (Shape::Lum(wanted), Shape::Lum(found)) => same(&wanted.0, &found.0),
-            _ => true,
+    let numbers = |ptm: &Ptm| {
+        let mut numbers = [ptm.header.scale_bias.scale, ptm.header.scale_bias.bias].concat();
+        if let (Shape::Lum(_), Shape::Lum(matrix)) = (&wanted.planes.shape, &ptm.planes.shape) {
+            numbers.extend(matrix.0);
         }
+        numbers
+    };
+    let (wanted, found) = (numbers(wanted), numbers(found));
+    (wanted.iter().zip(found)).all(|(wanted, found)| is_same_number(*wanted, found))
 }

@@ -197,11 +197,9 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     }
 
     fn features(&self, _: &WriteView) -> BTreeSet<Feature> {
-        let mut features = BTreeSet::from([self.kind()]);
-        if self.values.entries().is_some_and(|entries| entries > 256) {
-            features.insert(Feature::LargeTables);
-        }
-        features
+        let is_large = self.values.entries().is_some_and(|entries| entries > 256);
+        let large = is_large.then_some(Feature::LargeTables);
+        [self.kind()].into_iter().chain(large).collect()
     }
 
     fn make(&self, _: TableSpelling) -> BuiltRequest<V::Request> {
@@ -244,12 +242,10 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     }
 
     fn fault(&self) -> String {
-        match self.values.entries() {
-            Some(entries) => {
-                format!("{entries} distinct polynomials are more than two bytes can index")
-            }
-            None => "no legal file has these values".to_owned(),
-        }
+        let Some(entries) = self.values.entries() else {
+            return "no legal file has these values".to_owned();
+        };
+        format!("{entries} distinct polynomials are more than two bytes can index")
     }
 }
 

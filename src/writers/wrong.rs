@@ -66,10 +66,8 @@ fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> 
     let mut from = vec![0; count];
     for shift in [0, 8, 16] {
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
-        for (from, byte) in from
-            .iter_mut()
-            .zip(read_with_mistake(&other, mistake)?.planes.samples)
-        {
+        let bytes = read_with_mistake(&other, mistake)?.planes.samples;
+        for (from, byte) in from.iter_mut().zip(bytes) {
             *from |= usize::from(byte) << shift;
         }
     }

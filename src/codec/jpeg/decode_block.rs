@@ -43,7 +43,13 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     previous_dc: &mut i32,
 ) -> StreamResult<[i32; 64]> {
     let mut block = [0; 64];
-    *previous_dc += decode_dc_difference(bits, dc)?;
+    // F.2.2.1: the size of the difference, then the difference itself.
+    let size = bits.read_symbol(dc)?;
+    if size > 11 {
+        let what = format!("no DC difference has {size} bits");
+        return Err(malformed(bits.plain_bits().offset(), what));
+    }
+    *previous_dc += extend(bits.receive(u32::from(size))?, size);
     // The sum of 64 samples of magnitude at most 128, divided by 8, needs eleven bits. Quantization only makes it smaller.
     if !(-2048..2048).contains(previous_dc) {
         let what = format!("the DC coefficient {previous_dc} is out of range");
@@ -73,20 +79,6 @@ pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
         k += 1;
     }
     Ok(block)
-}
-
-/// Decodes the size of the difference, then the difference itself (F.2.2.1).
-#[inline]
-fn decode_dc_difference<'a, B: ReadSymbols<'a>>(
-    bits: &mut B,
-    table: &B::Table,
-) -> StreamResult<i32> {
-    let size = bits.read_symbol(table)?;
-    if size > 11 {
-        let what = format!("no DC difference has {size} bits");
-        return Err(malformed(bits.plain_bits().offset(), what));
-    }
-    Ok(extend(bits.receive(u32::from(size))?, size))
 }
 
 /// EXTEND (F.2.2.1, Figure F.12): converts `size` bits to a number, which is negative if the first bit is 0.

@@ -82,15 +82,16 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
         Some(step) => [step; 64],
         None => scaled_steps(quality, options.baseline),
     };
-    let image = quantize_image(samples, width as usize, height as usize, &steps);
-    let symbols = image_symbols(&image.blocks, usize::from(options.restart_interval));
+    let (blocks, samples) = quantize_image(samples, width as usize, height as usize, &steps);
+    let symbols = image_symbols(&blocks, usize::from(options.restart_interval));
     let tables = match options.optimized {
         true => optimal_tables(&symbols),
         false => typical_tables(),
     };
 
     let mut stream = Writer::new();
-    write_jfif(&mut stream);
+    // JFIF 1.01: no unit, square pixels, no thumbnail.
+    stream.write_segment(APP0, b"JFIF\0\x01\x01\x00\x00\x01\x00\x01\x00\x00");
     write_quantization(&mut stream, &steps, options);
     let extended = needs_16_bits(&steps) || dc > 1 || ac > 1; // Table B.5
     let sof = if extended { 0xC1 } else { 0xC0 };
@@ -101,15 +102,8 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     }
     stream.write_scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
     write_symbols(&mut stream, &symbols, &tables);
-    Encoded {
-        stream: stream.finish(),
-        samples: image.decoded,
-    }
-}
-
-/// Writes the application segment of JFIF 1.01: no unit, square pixels, no thumbnail.
-fn write_jfif(stream: &mut Writer) {
-    stream.write_segment(APP0, b"JFIF\0\x01\x01\x00\x00\x01\x00\x01\x00\x00");
+    let stream = stream.finish();
+    Encoded { stream, samples }
 }
 
 /// Returns true if some quantization step does not fit in a byte.
@@ -160,10 +154,9 @@ fn used_tables(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, 
 /// Writes tables of one kind, in separate segments or in a single one.
 fn write_tables(stream: &mut Writer, code: u8, tables: &[Vec<u8>], options: &JpegOptions) {
     let all = [tables.concat()];
-    let contents = if options.tables_together {
-        &all
-    } else {
-        tables
+    let contents = match options.tables_together {
+        true => &all,
+        false => tables,
     };
     for content in contents {
         stream.write_segment(code, content);

@@ -33,10 +33,8 @@ pub(super) fn inverse_dct_with<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 
         }
     }
     let mut samples = [0; 64];
-    for (row, out) in intermediate
-        .chunks_exact(8)
-        .zip(samples.chunks_exact_mut(8))
-    {
+    let rows = intermediate.chunks_exact(8);
+    for (row, out) in rows.zip(samples.chunks_exact_mut(8)) {
         let row = inverse_dct_of_8(std::array::from_fn(|x| row[x]));
         for (sample, value) in out.iter_mut().zip(row) {
             // Shift by three more bits, because each pass multiplies by √8.

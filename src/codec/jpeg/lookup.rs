@@ -74,24 +74,15 @@ mod tests {
     use super::super::huffman::ReadSymbols;
     use super::super::huffman_table::HuffmanTable;
     use crate::codec::bit_buffer::BitBuffer;
-    use crate::codec::bits::Bits;
+    use crate::codec::bits::{Bits, transcript};
 
     /// Reads symbols until an error. Each symbol is followed by additional bits, whose number is in its low four bits.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
-        let mut bits = B::new(stream, 1);
-        let mut results = Vec::new();
-        loop {
+        transcript(stream, |bits: &mut B| {
             let symbol = bits.read_symbol(&table);
-            let number = symbol
-                .clone()
-                .map(|symbol| bits.receive(u32::from(symbol & 15)));
-            results.push(format!("{symbol:?} {number:?}"));
-            if !matches!(number, Ok(Ok(_))) {
-                return results;
-            }
-            results.push(format!("byte {}", bits.plain_bits().offset()));
-        }
+            Some(symbol.and_then(|symbol| Ok((symbol, bits.receive(u32::from(symbol & 15))?))))
+        })
     }
 
     /// Creates a legal table. Limits the counts so that the code of all ones stays free.

@@ -43,20 +43,14 @@ pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     LUMINANCE_STEPS.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
 }
 
-/// A quantized image, and the samples that a decoder reconstructs.
-pub(super) struct QuantizedImage {
-    /// Blocks in raster order, with coefficients in zigzag order.
-    pub blocks: Vec<[i16; 64]>,
-    /// Samples that a decoder returns for these blocks.
-    pub decoded: Vec<u8>,
-}
-
+/// Returns the blocks in raster order, with quantized coefficients in zigzag order, and the samples that a decoder
+/// returns for these blocks.
 pub(super) fn quantize_image(
     samples: &[u8],
     width: usize,
     height: usize,
     steps: &[u16; 64],
-) -> QuantizedImage {
+) -> (Vec<[i16; 64]>, Vec<u8>) {
     let mut blocks = Vec::new();
     let mut decoded = vec![0; samples.len()];
     for top in (0..height).step_by(8) {
@@ -73,12 +67,12 @@ pub(super) fn quantize_image(
             let back = inverse_dct(&dequantized);
             let inside = (width - left).min(8);
             for y in top..(top + 8).min(height) {
-                decoded[y * width + left..][..inside]
-                    .copy_from_slice(&back[8 * (y - top)..][..inside]);
+                let row = &back[8 * (y - top)..][..inside];
+                decoded[y * width + left..][..inside].copy_from_slice(row);
             }
         }
     }
-    QuantizedImage { blocks, decoded }
+    (blocks, decoded)
 }
 
 /// Quantizes a coefficient (A.3.4). Removes the factor of eight that the forward DCT leaves.

@@ -44,7 +44,11 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     height: u32,
 ) -> StreamResult<Vec<u8>> {
     let columns = width.div_ceil(8) as usize;
-    let (blocks, interval) = block_counts(tables, width, height);
+    let blocks = columns * height.div_ceil(8) as usize;
+    let interval = match tables.restart_interval {
+        0 => blocks,
+        interval => usize::from(interval),
+    };
     // A code has at least one bit, and a block has at least a DC code and an end of block.
     let mut samples = allocate_samples(stream, width, height, 2 * blocks as u64)?;
     let (dc, ac) = (B::Table::from(&tables.dc), B::Table::from(&tables.ac));
@@ -66,25 +70,14 @@ pub(super) fn decode_scan<'a, B: ReadSymbols<'a>>(
     Ok(samples)
 }
 
-/// Returns the number of blocks in a scan, and in an interval.
-pub(super) fn block_counts(tables: &ScanTables, width: u32, height: u32) -> (usize, usize) {
-    let blocks = width.div_ceil(8) as usize * height.div_ceil(8) as usize;
-    match tables.restart_interval {
-        0 => (blocks, blocks),
-        interval => (blocks, usize::from(interval)),
-    }
-}
-
 /// Checks the end of an interval and the number of its restart marker (E.2.4). Returns the offset of the next interval.
-pub(super) fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
+fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usize> {
     let bits = bits.plain_bits();
     let mut stream = Cursor::new(bits.stream, bits.finish()?);
     let marker = stream.read_marker()?;
     if marker.code != RST0 + number {
-        return Err(unexpected_marker(
-            marker,
-            &format!("restart marker {number}"),
-        ));
+        let expected = format!("restart marker {number}");
+        return Err(unexpected_marker(marker, &expected));
     }
     Ok(stream.at)
 }

@@ -17,8 +17,10 @@
 //! - DC and AC tables have separate indices: DC table 0 and AC table 0 are different tables.
 
 use super::huffman_table::HuffmanTable;
+use super::processes::unexpected_marker;
 use super::scan::ScanTables;
-use crate::codec::markers::{Cursor, DRI, Marker};
+use crate::codec::headers::{FrameHeader, ScanHeader};
+use crate::codec::markers::{Cursor, DRI};
 use crate::codec::stream_error::{StreamResult, malformed};
 
 // Markers of JPEG only (Table B.1).
@@ -37,8 +39,13 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Reads table segments and skips comments and application data. Returns the first other marker.
-    pub fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
+    /// Reads tables up to a marker in `codes`. Skips comments and application data. Any other marker is an error.
+    pub fn read_until(
+        &mut self,
+        stream: &mut Cursor,
+        codes: &[u8],
+        what: &str,
+    ) -> StreamResult<()> {
         loop {
             let marker = stream.read_marker_after_comments()?;
             match marker.code {
@@ -47,11 +54,13 @@ impl Tables {
                 }
                 DHT => self.read_huffman(stream.read_segment("the Huffman table segment")?)?,
                 DRI => {
-                    self.read_restart_interval(
-                        stream.read_segment("the restart interval segment")?,
-                    )?;
+                    // The number of blocks between restart markers (B.2.4.4).
+                    let mut segment = stream.read_segment("the restart interval segment")?;
+                    self.restart_interval = segment.read_u16("the restart interval")?;
+                    segment.expect_end()?;
                 }
-                _ => return Ok(marker),
+                code if codes.contains(&code) => return Ok(()),
+                _ => return Err(unexpected_marker(marker, what)),
             }
         }
     }
@@ -85,38 +94,26 @@ impl Tables {
         Ok(())
     }
 
-    /// Reads the number of blocks between restart markers (B.2.4.4).
-    fn read_restart_interval(&mut self, mut segment: Cursor) -> StreamResult<()> {
-        self.restart_interval = segment.read_u16("the restart interval")?;
-        segment.expect_end()
-    }
-
-    /// Looks up the tables that the headers name. `at` is the offset of the table indices in the scan header, for errors.
-    pub fn scan_tables(
-        &self,
-        quantization: u8,
-        dc: u8,
-        ac: u8,
-        at: usize,
-    ) -> StreamResult<ScanTables> {
+    /// Looks up the tables that the headers name (B.2.3).
+    pub fn scan_tables(&self, frame: &FrameHeader, scan: &ScanHeader) -> StreamResult<ScanTables> {
         let [dc_tables, ac_tables] = &self.huffman;
+        let (number, dc, ac) = (frame.quantization_table, scan.tables >> 4, scan.tables & 15);
+        let undefined = |kind: &'static str, number: u8| {
+            // At the offset of the table indices in the scan header.
+            move || malformed(scan.at, format!("{kind} {number} was not defined"))
+        };
+        let quantization = find_table(&self.quantization, number);
         Ok(ScanTables {
-            quantization: find_table(&self.quantization, quantization, "quantization table", at)?,
-            dc: find_table(dc_tables, dc, "DC Huffman table", at)?,
-            ac: find_table(ac_tables, ac, "AC Huffman table", at)?,
+            quantization: quantization.ok_or_else(undefined("quantization table", number))?,
+            dc: find_table(dc_tables, dc).ok_or_else(undefined("DC Huffman table", dc))?,
+            ac: find_table(ac_tables, ac).ok_or_else(undefined("AC Huffman table", ac))?,
             restart_interval: self.restart_interval,
         })
     }
 }
 
-fn find_table<T: Clone>(
-    tables: &[Option<T>; 4],
-    number: u8,
-    kind: &str,
-    at: usize,
-) -> StreamResult<T> {
-    let table = tables.get(usize::from(number)).cloned().flatten();
-    table.ok_or_else(|| malformed(at, format!("{kind} {number} was not defined")))
+fn find_table<T: Clone>(tables: &[Option<T>; 4], number: u8) -> Option<T> {
+    tables.get(usize::from(number))?.clone()
 }
 
 /// Reads the byte before a table: its precision or class, 0 or 1, and its index, 0 … 3.
@@ -149,10 +146,10 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     }
     let table = HuffmanTable { counts, symbols };
     match table.overfull_length() {
-        Some(length) => Err(malformed(
-            at,
-            format!("a Huffman table has too many codes of {length} bits"),
-        )),
+        Some(length) => {
+            let what = format!("a Huffman table has too many codes of {length} bits");
+            Err(malformed(at, what))
+        }
         None => Ok(table),
     }
 }

@@ -36,13 +36,8 @@ pub(super) struct Context {
 /// Returns the contexts at the start of a scan (A.2.1). The context with index 0 is the flat neighborhood. It belongs
 /// to run mode and is not used.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
-    let a = initial_error_sum(parameters);
-    [Context {
-        a,
-        b: 0,
-        c: 0,
-        n: 1,
-    }; 365]
+    let (a, b, c, n) = (initial_error_sum(parameters), 0, 0, 1);
+    [Context { a, b, c, n }; 365]
 }
 
 /// Returns the initial value of A, as if after one typical error (A.2.1).

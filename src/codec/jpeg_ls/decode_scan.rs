@@ -97,15 +97,11 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         let predicted = context.correct_prediction(predict(neighbors), sign, parameters.maxval);
 
         let k = context.golomb_parameter();
-        let mapped = self
-            .bits
-            .read_golomb(k, parameters.limit, parameters.qbpp)?;
+        let (limit, qbpp) = (parameters.limit, parameters.qbpp);
+        let mapped = self.bits.read_golomb(k, limit, qbpp)?;
         let error = (mapped >> 1) ^ -(mapped & 1); // 0, −1, 1, −2, 2 …
-        let error = if context.maps_negative_first(k, parameters.near) {
-            -1 - error
-        } else {
-            error
-        };
+        let negative_first = context.maps_negative_first(k, parameters.near);
+        let error = if negative_first { -1 - error } else { error };
         if !parameters.is_reduced(error) {
             return Err(impossible_error(&self.bits, error));
         }

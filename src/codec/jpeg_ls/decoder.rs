@@ -14,8 +14,8 @@ use super::decode_scan::decode_scan;
 use super::parameters::{Parameters, PresetParameters};
 use crate::codec::bit_buffer::BitBuffer;
 use crate::codec::headers::{FrameHeader, ScanHeader};
-use crate::codec::markers::{Cursor, DNL, DRI, EOI, Marker, SOS};
-use crate::codec::stream_error::{StreamError, StreamResult, malformed, unsupported};
+use crate::codec::markers::{Cursor, DNL, DRI, EOI, SOS};
+use crate::codec::stream_error::{StreamResult, malformed, unsupported};
 
 // Markers that only JPEG-LS uses (Table C.1).
 const SOF55: u8 = 0xF7;
@@ -30,25 +30,16 @@ const LSE: u8 = 0xF8;
 /// precisions, mapping tables, point transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
-    let (parameters, mut presets) = read_headers(&mut stream, width, height)?;
+    let mut presets = StoredPresets::default();
+    presets.read_until(&mut stream, SOF55, "a JPEG-LS frame header")?;
+    let frame = FrameHeader::read(&mut stream, width, height, &OTHER_PRECISIONS)?;
+    presets.read_until(&mut stream, SOS, "the scan header")?;
+    let scan = ScanHeader::read(&mut stream, &frame)?;
+    let parameters = read_scan_parameters(&presets, &scan)?;
     // `BitBuffer<7>` is the fast version, and `Bits<7>` the plain one.
     let samples = decode_scan::<BitBuffer<7>>(&mut stream, &parameters, width, height)?;
-    read_until(&mut stream, &mut presets, EOI, "the end of the image")?;
+    presets.read_until(&mut stream, EOI, "the end of the image")?;
     Ok(samples)
-}
-
-/// Reads everything before the entropy-coded data.
-pub(super) fn read_headers(
-    stream: &mut Cursor,
-    width: u32,
-    height: u32,
-) -> StreamResult<(Parameters, StoredPresets)> {
-    let mut presets = StoredPresets::default();
-    read_until(stream, &mut presets, SOF55, "a JPEG-LS frame header")?;
-    let frame = FrameHeader::read(stream, width, height, &OTHER_PRECISIONS)?;
-    read_until(stream, &mut presets, SOS, "the scan header")?;
-    let scan = ScanHeader::read(stream, &frame)?;
-    Ok((read_scan_parameters(&presets, &scan)?, presets))
 }
 
 /// Sample precisions that the standard allows but this decoder does not implement.
@@ -72,44 +63,31 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
     Parameters::new(&presets.parameters, presets.at, near, scan.at + 1)
 }
 
-/// Reads preset parameters up to the marker `code`. Any other marker is an error.
-fn read_until(
-    stream: &mut Cursor,
-    presets: &mut StoredPresets,
-    code: u8,
-    what: &str,
-) -> StreamResult<()> {
-    let marker = presets.read(stream)?;
-    match marker.code == code {
-        true => Ok(()),
-        false => Err(unexpected_marker(marker, what)),
-    }
-}
-
-fn unexpected_marker(marker: Marker, expected: &str) -> StreamError {
-    match marker.code {
-        DNL => unsupported(marker.at, "a height defined by DNL is not implemented"),
-        _ => malformed(marker.at, format!("expected {expected}, found {marker}")),
-    }
-}
-
 /// Preset coding parameters at some position in the stream.
 #[derive(Default)]
-pub(super) struct StoredPresets {
+struct StoredPresets {
     parameters: PresetParameters,
     /// Offset of the parameters in the stream.
     at: usize,
 }
 
 impl StoredPresets {
-    /// Reads preset parameters and skips comments and application data. Returns the first other marker.
-    fn read(&mut self, stream: &mut Cursor) -> StreamResult<Marker> {
+    /// Reads preset parameters up to the marker `code`. Skips comments and application data. Any other marker is an error.
+    fn read_until(&mut self, stream: &mut Cursor, code: u8, what: &str) -> StreamResult<()> {
         loop {
             let marker = stream.read_marker_after_comments()?;
+            let at = marker.at;
             match marker.code {
                 LSE => self.read_segment(stream.read_segment("the preset parameter segment")?)?,
                 DRI => read_restart_interval(stream.read_segment("the restart interval segment")?)?,
-                _ => return Ok(marker),
+                found if found == code => return Ok(()),
+                DNL => {
+                    return Err(unsupported(
+                        at,
+                        "a height defined by DNL is not implemented",
+                    ));
+                }
+                _ => return Err(malformed(at, format!("expected {what}, found {marker}"))),
             }
         }
     }
@@ -137,10 +115,8 @@ impl StoredPresets {
                 return Err(malformed(at, what));
             }
         };
-        Err(unsupported(
-            at,
-            format!("{not_implemented} are not implemented"),
-        ))
+        let what = format!("{not_implemented} are not implemented");
+        Err(unsupported(at, what))
     }
 }
 

@@ -90,11 +90,8 @@ impl ScanEncoder<'_, '_> {
         let error = parameters.quantize_error(sign * (i32::from(original) - predicted));
 
         let k = context.golomb_parameter();
-        let ordered = if context.maps_negative_first(k, parameters.near) {
-            -1 - error
-        } else {
-            error
-        };
+        let negative_first = context.maps_negative_first(k, parameters.near);
+        let ordered = if negative_first { -1 - error } else { error };
         let mapped = 2 * ordered.abs() - i32::from(ordered < 0);
         context.update(error, parameters);
         self.put_golomb(mapped, k, parameters.limit);

@@ -37,24 +37,14 @@ mod tests {
 
     use super::super::golomb::ReadGolomb;
     use crate::codec::bit_buffer::BitBuffer;
-    use crate::codec::bits::Bits;
+    use crate::codec::bits::{Bits, transcript};
 
     fn numbers<'a, B: ReadGolomb<'a>>(stream: &'a [u8], codes: &[(u32, u32, u32)]) -> Vec<String> {
-        let mut bits = B::new(stream, 1);
-        let mut results = Vec::new();
-        for &(k, limit, qbpp) in codes {
-            let number = bits.read_golomb(k, limit, qbpp);
-            if number.is_err() {
-                results.push(format!("{number:?}"));
-                return results;
-            }
-            results.push(format!(
-                "{number:?}, then byte {}",
-                bits.plain_bits().offset()
-            ));
-        }
-        results.push(format!("{:?}", bits.plain_bits().finish()));
-        results
+        let mut codes = codes.iter();
+        transcript(stream, |bits: &mut B| {
+            let &(k, limit, qbpp) = codes.next()?;
+            Some(bits.read_golomb(k, limit, qbpp))
+        })
     }
 
     proptest! {

@@ -71,7 +71,18 @@ impl Parameters {
             let what = format!("NEAR {near} is more than half of MAXVAL {maxval}");
             return Err(malformed(near_at, what));
         }
-        let thresholds = thresholds(presets, presets_at, maxval, near)?;
+        let mut thresholds = default_thresholds(maxval, near);
+        // Each threshold must be between the previous one and MAXVAL.
+        let (mut least, stored) = (near + 1, [presets.t1, presets.t2, presets.t3]);
+        for (i, threshold) in thresholds.iter_mut().enumerate() {
+            *threshold = value_or_default(stored[i], *threshold);
+            if !(least..=maxval).contains(threshold) {
+                let name = i + 1;
+                let what = format!("T{name} must be within {least} to {maxval}, found {threshold}");
+                return Err(malformed(presets_at + 2 * name, what));
+            }
+            least = *threshold;
+        }
         let reset = value_or_default(presets.reset, 64);
         if !(3..=255).contains(&reset) {
             let what = format!("RESET must be within 3 to 255, found {reset}");
@@ -105,28 +116,6 @@ fn value_or_default(value: u16, default: i32) -> i32 {
 /// Returns the number of bits needed for `values` distinct values.
 fn bit_width(values: i32) -> u32 {
     (values - 1).ilog2() + 1
-}
-
-/// Returns T1, T2, T3. Each must be between the previous one and MAXVAL.
-fn thresholds(
-    presets: &PresetParameters,
-    presets_at: usize,
-    maxval: i32,
-    near: i32,
-) -> StreamResult<[i32; 3]> {
-    let mut thresholds = default_thresholds(maxval, near);
-    let mut least = near + 1;
-    for (i, stored) in [presets.t1, presets.t2, presets.t3].into_iter().enumerate() {
-        let threshold = value_or_default(stored, thresholds[i]);
-        if !(least..=maxval).contains(&threshold) {
-            let name = i + 1;
-            let what = format!("T{name} must be within {least} to {maxval}, found {threshold}");
-            return Err(malformed(presets_at + 2 * name, what));
-        }
-        thresholds[i] = threshold;
-        least = threshold;
-    }
-    Ok(thresholds)
 }
 
 /// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, otherwise scaled by MAXVAL and NEAR (C.2.4.1.1.1).

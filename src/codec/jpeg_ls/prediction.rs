@@ -34,16 +34,9 @@ impl Parameters {
     #[cfg(feature = "generate")]
     pub fn quantize_error(&self, error: i32) -> i32 {
         let quantized = (error + self.near * error.signum()) / self.step;
-        let positive = if quantized < 0 {
-            quantized + self.range
-        } else {
-            quantized
-        };
-        if positive >= (self.range + 1) / 2 {
-            positive - self.range
-        } else {
-            positive
-        }
+        let positive = quantized.rem_euclid(self.range);
+        let is_large = positive >= (self.range + 1) / 2;
+        positive - i32::from(is_large) * self.range
     }
 
     /// Returns true if `quantize_error` can return `error`.

@@ -54,15 +54,9 @@ pub(super) struct Interruption {
 
 impl RunMode {
     pub fn new(parameters: &Parameters) -> RunMode {
-        let fresh = RunContext {
-            a: initial_error_sum(parameters),
-            n: 1,
-            negative: 0,
-        };
-        RunMode {
-            index: 0,
-            contexts: [fresh; 2],
-        }
+        let (a, n, negative) = (initial_error_sum(parameters), 1, 0);
+        let (index, contexts) = (0, [RunContext { a, n, negative }; 2]);
+        RunMode { index, contexts }
     }
 
     /// Returns J, the number of bits for the rest of a run. A segment has 2^J samples.
@@ -112,11 +106,8 @@ impl RunContext {
     /// Returns the sign for which errors of a given magnitude have the smaller code number (A.7.2). `map` in the
     /// standard is 1 if and only if the error is nonzero and has this sign.
     pub fn favored_sign(&self, k: u32) -> i32 {
-        if k == 0 && 2 * self.negative < self.n {
-            1
-        } else {
-            -1
-        }
+        let is_positive = k == 0 && 2 * self.negative < self.n;
+        if is_positive { 1 } else { -1 }
     }
 
     /// Updates the statistics after an error (A.7.2). `mapped` is the coded number of the error.

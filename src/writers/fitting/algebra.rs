@@ -44,13 +44,10 @@ impl LeastSquares {
 
     /// Returns the best polynomial for one value per light.
     pub fn fit(&self, values: impl Iterator<Item = f64>) -> [f64; 6] {
-        let mut best = [0.0; 6];
-        for (row, value) in self.rows.iter().zip(values) {
-            for (sum, part) in best.iter_mut().zip(row) {
-                *sum += part * value;
-            }
-        }
-        best
+        let rows = self.rows.iter().zip(values);
+        rows.fold([0.0; 6], |sums, (row, value)| {
+            std::array::from_fn(|i| sums[i] + row[i] * value)
+        })
     }
 }
 

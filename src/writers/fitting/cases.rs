@@ -38,13 +38,10 @@ impl Suite<FitCase> {
         let made = SETS.iter().map(ImageSource::Generated);
         let sources = made.chain(own.cloned().map(ImageSource::Given));
         let cases = sources.flat_map(|source| {
+            const OWN: &str = "The request contains the images that --lp names.";
             let (name, because, clause) = match &source {
                 ImageSource::Generated(plan) => (plan.name, plan.because, plan.clause),
-                ImageSource::Given(_) => (
-                    "own",
-                    "The request contains the images that --lp names.",
-                    "1.0/1",
-                ),
+                ImageSource::Given(_) => ("own", OWN, "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
                 id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
@@ -57,9 +54,8 @@ impl Suite<FitCase> {
                 values: source.clone(),
             })
         });
-        Suite {
-            cases: cases.collect(),
-        }
+        let cases = cases.collect();
+        Suite { cases }
     }
 }
 
@@ -100,18 +96,18 @@ impl RequestValues for ImageSource {
     }
 
     fn attachments(built: &BuiltRequest<ImageSet>) -> Vec<Attachment> {
-        let lp = Attachment {
+        let mut attachments = vec![Attachment {
             name: "lp".to_owned(),
             file_name: "lights.lp".to_owned(),
             bytes: built.request.lp().into_bytes(),
-        };
+        }];
         let images = built.request.photographs.iter().enumerate();
-        let images = images.map(|(k, of)| Attachment {
+        attachments.extend(images.map(|(k, of)| Attachment {
             name: format!("picture-{k}"),
             file_name: of.name.clone(),
             bytes: of.png(built.size),
-        });
-        [lp].into_iter().chain(images).collect()
+        }));
+        attachments
     }
 
     fn judge(set: &ImageSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
@@ -137,29 +133,24 @@ impl RequestValues for ImageSource {
     ) -> Vec<Diagnosis<&'static Misreading>> {
         let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
         let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
-        let evidence = failing.iter().filter_map(|&place| {
-            let (case, (file, _)) = (&suite.cases[place], wrong(place)?);
-            Some((
-                place,
-                WrongMap::new(case.values.photographs(case.format), case.format, file)?,
-            ))
-        });
-        let evidence: BTreeMap<usize, WrongMap> = evidence.collect();
+        let mut evidence: BTreeMap<usize, WrongMap> = BTreeMap::new();
+        for &place in &failing {
+            let (case, file) = (&suite.cases[place], wrong(place).map(|(file, _)| file));
+            let map = |file| WrongMap::new(case.values.photographs(case.format), case.format, file);
+            evidence.extend(file.and_then(map).map(|map| (place, map)));
+        }
         let candidates = MISTAKES.iter().filter_map(|mistake| {
             let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.matches(mistake));
             CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
         });
-        let candidates = candidates.collect();
-        let chosen = cover(candidates, &mut failing).into_iter();
-        let mut diagnoses: Vec<_> = chosen
-            .map(|chosen| {
-                let (mistake, first) = (chosen.cause, chosen.explains[0]);
-                let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
-                let example = format!("for example {}: {fault}", suite.cases[first].id);
-                let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
-                Diagnosis::new(cause, chosen.explains)
-            })
-            .collect();
+        let mut diagnoses = Vec::new();
+        for chosen in cover(candidates.collect(), &mut failing) {
+            let (mistake, first) = (chosen.cause, chosen.explains[0]);
+            let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
+            let example = format!("for example {}: {fault}", suite.cases[first].id);
+            let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
+            diagnoses.push(Diagnosis::new(cause, chosen.explains));
+        }
         diagnoses.extend(describe_differences(suite, run, &failing));
         diagnoses
     }

@@ -43,16 +43,12 @@ fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result
     };
     let [u, v] = set.photographs[worst].direction();
     let over = (0..errors.len()).filter(|k| excess(k) > 0.0).count();
-    Err(WriterFault::new(
-        "1.0/1",
-        format!(
-            "under light {u:.3}, {v:.3} ({}) the map is off by {:.2} (root mean square), the least-squares optimum by {:.2}, \
-             and {:.2} is allowed; {over} of {} lights are worse than allowed",
-            set.photographs[worst].name,
-            errors[worst],
-            best[worst],
-            max_error(best[worst]),
-            errors.len()
-        ),
-    ))
+    let (name, lights) = (&set.photographs[worst].name, errors.len());
+    let (error, best) = (errors[worst], best[worst]);
+    let allowed = max_error(best);
+    let says = format!(
+        "under light {u:.3}, {v:.3} ({name}) the map is off by {error:.2} (root mean square), the least-squares optimum by \
+         {best:.2}, and {allowed:.2} is allowed; {over} of {lights} lights are worse than allowed"
+    );
+    Err(WriterFault::new("1.0/1", says))
 }

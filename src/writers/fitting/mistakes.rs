@@ -11,6 +11,7 @@ use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
 use crate::writers::fitting::pictures::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
+use crate::writers::judge::compare_map;
 
 /// Mistake of a fitter.
 pub(super) struct FitMistake {
@@ -48,8 +49,7 @@ impl WrongMap {
     /// Decodes a wrong file. Returns `None` if it is not a map of these photographs.
     pub fn new(set: ImageSet, format: Format, file: &[u8]) -> Option<WrongMap> {
         let ptm = decode(file).ok()?;
-        let is_of_set = ptm.header.format == format && ptm.header.size == set.size;
-        is_of_set.then_some(())?;
+        compare_map(format, set.size, &ptm).ok()?;
         Some(WrongMap {
             format,
             found: Polynomials::new(&ptm)?,
@@ -87,12 +87,10 @@ impl WrongMap {
     /// Returns true if the map fits when its coefficients are read in the given order and computed with `value`.
     fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
         let best = self.best.polynomials().errors(&self.set);
-        let found =
-            Polynomials::with_values(&self.ptm, order, value).map(|found| found.errors(&self.set));
-        found.is_some_and(|found| {
+        Polynomials::with_values(&self.ptm, order, value).is_some_and(|found| {
             // The tolerance is larger because an integer offset causes larger rounding errors than a bias.
-            let mut pairs = found.iter().zip(best);
-            pairs.all(|(&found, best)| found <= max_error(best) + 2.0)
+            let mut pairs = found.errors(&self.set).into_iter().zip(best);
+            pairs.all(|(found, best)| found <= max_error(best) + 2.0)
         })
     }
 
@@ -104,8 +102,7 @@ impl WrongMap {
         let mut pairs = Vec::new();
         for (raw, best) in self.ptm.planes.samples.chunks_exact(channels).zip(best.0) {
             if self.ptm.planes.shape == Shape::Rgb {
-                let channels = (0..3).map(|c| (f64::from(raw[6 * c + i]), best[c][i]));
-                pairs.extend(channels);
+                pairs.extend((0..3).map(|c| (f64::from(raw[6 * c + i]), best[c][i])));
             } else {
                 // Use the brightest color of the file, for which rounding errors of the luminance are smallest.
                 let brightest = (0..3).max_by_key(|&c| raw[6 + c]).unwrap_or_default();

@@ -62,11 +62,8 @@ impl Fitted {
             return Polynomials(self.polynomials.as_chunks::<3>().0.to_vec());
         }
         let texels = self.polynomials.iter().zip(&self.colors);
-        Polynomials(
-            texels
-                .map(|(a, &color)| multiply_by_color(a, color))
-                .collect(),
-        )
+        let texels = texels.map(|(a, &color)| multiply_by_color(a, color));
+        Polynomials(texels.collect())
     }
 
     /// Chooses scales and biases for the range of each coefficient.
@@ -107,10 +104,8 @@ impl Fitted {
 fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| -> f64 {
-        let products = lights
-            .iter()
-            .map(|&light| shown(i, light) * shown(j, light));
-        products.sum()
+        let lights = lights.iter().copied();
+        lights.map(|light| shown(i, light) * shown(j, light)).sum()
     };
     let (values, vectors) = eigen([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
     let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));

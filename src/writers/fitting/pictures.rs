@@ -52,8 +52,8 @@ impl FitRequest {
     /// # Errors
     /// Returns a message that describes the error.
     pub fn read(json: &[u8]) -> Result<(Format, FitRequest), String> {
-        let request: FitRequest =
-            serde_json::from_slice(json).map_err(|error| format!("the request: {error}"))?;
+        let request: Result<FitRequest, _> = serde_json::from_slice(json);
+        let request = request.map_err(|error| format!("the request: {error}"))?;
         Ok((request.format.parse()?, request))
     }
 }
@@ -99,20 +99,18 @@ impl ImageSet {
         let text = fs::read_to_string(path).map_err(|error| at(&error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut lines = text.lines().filter(|line| !line.trim().is_empty());
-        let count: usize = lines
-            .next()
-            .and_then(|line| line.trim().parse().ok())
-            .ok_or_else(|| at(&"the first line is not the number of images"))?;
-        let mut size = None;
-        let photographs: Vec<Photograph> = lines
-            .map(|line| read_photograph(line, folder, &mut size))
-            .collect::<Result<_, _>>()
-            .map_err(|error| at(&error))?;
-        match size {
-            Some(size) if photographs.len() == count => Ok(ImageSet { size, photographs }),
-            _ => Err(at(&format!(
-                "the first line announces {count} images, but the file lists {}",
-                photographs.len()
+        let count = lines.next().and_then(|line| line.trim().parse().ok());
+        let count: usize =
+            count.ok_or_else(|| at(&"the first line is not the number of images"))?;
+        let (mut size, mut photographs) = (None, Vec::new());
+        for line in lines {
+            let photograph = read_photograph(line, folder, &mut size);
+            photographs.push(photograph.map_err(|error| at(&error))?);
+        }
+        match (size, photographs.len()) {
+            (Some(size), listed) if listed == count => Ok(ImageSet { size, photographs }),
+            (_, listed) => Err(at(&format!(
+                "the first line announces {count} images, but the file lists {listed}"
             ))),
         }
     }
@@ -139,18 +137,16 @@ fn read_photograph(
     let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(folder.join(name)).map_err(|error| named(&error))?;
     let image = image::load_from_memory(&bytes).map_err(|error| named(&error))?;
-    let found = Size {
-        width: image.width(),
-        height: image.height(),
-    };
+    let (width, height) = (image.width(), image.height());
+    let found = Size { width, height };
     if *size.get_or_insert(found) != found {
-        return Err(named(
-            &"the size of the image differs from that of the first image",
-        ));
+        let says = "the size of the image differs from that of the first image";
+        return Err(named(&says));
     }
+    let (name, pixels) = (name.to_owned(), image.into_rgb8().into_raw());
     Ok(Photograph {
-        name: name.to_owned(),
+        name,
         light,
-        pixels: image.into_rgb8().into_raw(),
+        pixels,
     })
 }

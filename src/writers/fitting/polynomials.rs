@@ -13,9 +13,8 @@ impl Polynomials {
     /// Returns the polynomials of a map, or `None` for LUM, which is never requested from fitters.
     #[must_use]
     pub fn new(ptm: &Ptm) -> Option<Polynomials> {
-        Polynomials::with_values(ptm, [0, 1, 2, 3, 4, 5], |raw, scale, bias| {
-            (raw - bias) * scale
-        })
+        let value = |raw, scale, bias| (raw - bias) * scale;
+        Polynomials::with_values(ptm, [0, 1, 2, 3, 4, 5], value)
     }
 
     /// Returns the polynomials of a map whose coefficient `i` is stored at index `order[i]` and computed by `value` from
@@ -47,12 +46,8 @@ impl Polynomials {
     #[must_use]
     pub fn errors(&self, set: &ImageSet) -> Vec<f64> {
         let error = |of: &Photograph| {
-            let pixels = of.pixels.iter().map(|&value| f64::from(value));
-            root_mean_square(
-                self.evaluate(of.direction())
-                    .zip(pixels)
-                    .map(|(a, b)| a - b),
-            )
+            let pairs = self.evaluate(of.direction()).zip(&of.pixels);
+            root_mean_square(pairs.map(|(a, &pixel)| a - f64::from(pixel)))
         };
         set.photographs.iter().map(error).collect()
     }

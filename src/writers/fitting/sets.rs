@@ -107,10 +107,8 @@ impl SetPlan {
     /// Generates the photographs. If `format` is LRGB, each texel is the product of a luminance and a color.
     #[must_use]
     pub fn make(&self, format: Format) -> ImageSet {
-        let size = Size {
-            width: self.size.0,
-            height: self.size.1,
-        };
+        let (width, height) = self.size;
+        let size = Size { width, height };
         let map = Polynomials::new(&self.map(size, format)).expect("a map of RGB or LRGB");
         let photograph = |k: usize| {
             // No number of lights is a multiple of 7, so every name occurs once.
@@ -151,9 +149,10 @@ impl SetPlan {
         // Multiples of the golden angle never coincide, and the heights are distributed evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
         let around = GOLDEN_ANGLE * k as f64;
-        let angle = match self.is_one_sided {
-            true => around.sin(),
-            false => around,
+        let angle = if self.is_one_sided {
+            around.sin()
+        } else {
+            around
         };
         let z = 0.2 + 0.75 * (k as f64 + 0.5) / self.lights as f64;
         let away = (1.0 - z * z).sqrt();
@@ -170,10 +169,8 @@ impl SetPlan {
         recipe.seed = 1000 + k as u32;
         let painted = Model::paint(&recipe).samples;
         let most = f64::from(self.noise);
-        let texels = painted.as_chunks::<9>().0.iter();
-        texels
-            .flat_map(|texel| [texel[0], texel[3], texel[6]])
-            .map(|value| (f64::from(value) / 127.5 - 1.0) * most)
-            .collect()
+        let values = painted.iter().step_by(3);
+        let noise = values.map(|&value| (f64::from(value) / 127.5 - 1.0) * most);
+        noise.collect()
     }
 }
