@@ -40,7 +40,7 @@ impl Suite<FitCase> {
         let cases = sources.flat_map(|source| {
             const OWN: &str = "The request contains the images that --lp names.";
             let (name, because, clause) = match &source {
-                ImageSource::Generated(plan) => (plan.name, plan.because, plan.clause),
+                ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
                 ImageSource::Given(_) => ("own", OWN, "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
@@ -148,7 +148,7 @@ impl RequestValues for ImageSource {
             let (mistake, first) = (chosen.cause, chosen.explains[0]);
             let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
             let example = format!("for example {}: {fault}", suite.cases[first].id);
-            let cause = describe(mistake.clause, (mistake.effect, mistake.fix), example);
+            let cause = describe(&mistake.clause, (&mistake.effect, &mistake.fix), example);
             diagnoses.push(Diagnosis::new(cause, chosen.explains));
         }
         diagnoses.extend(describe_differences(suite, run, &failing));

@@ -4,7 +4,12 @@
 //! mistake. A mistake in the file format results in a map that is right if its numbers are interpreted differently. If a
 //! map is near the optimum up to quantization, its quantization steps are too wide or its range is too small.
 
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
 use crate::decode::decode;
+use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
 use crate::writers::fitting::judge::max_error;
@@ -13,16 +18,24 @@ use crate::writers::fitting::pictures::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 use crate::writers::judge::compare_map;
 
-/// Mistake of a fitter.
+/// Mistake of a fitter, as stated in `spec-cases/writers/fitting-mistakes.yaml`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct FitMistake {
+    slug: String,
     /// Clause that the mistake violates.
-    pub clause: &'static str,
+    pub clause: String,
     /// Effect of the mistake, as a sentence without its subject.
-    pub effect: &'static str,
+    pub effect: String,
     /// Suggested fix.
-    pub fix: &'static str,
-    criterion: Criterion,
+    pub fix: String,
 }
+
+/// All known mistakes. If several explain the same number of failures, the first is reported.
+pub(super) static MISTAKES: LazyLock<Vec<FitMistake>> = LazyLock::new(|| {
+    let yaml = include_str!("../../../spec-cases/writers/fitting-mistakes.yaml");
+    from_yaml(yaml).expect("a list of mistakes")
+});
 
 /// Criterion that identifies a mistake.
 enum Criterion {
@@ -61,7 +74,7 @@ impl WrongMap {
 
     /// Returns true if a fitter with this mistake would produce such a map.
     pub fn matches(&self, mistake: &FitMistake) -> bool {
-        match &mistake.criterion {
+        match mistake.criterion() {
             Criterion::Photographs(change) => {
                 let mut changed = self.set.clone();
                 change(&mut changed);
@@ -72,7 +85,7 @@ impl WrongMap {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
                 self.is_equivalent(&Fitted::new(&self.set, &lights, self.format))
             }
-            Criterion::Numbers(order, value) => self.is_right(*order, *value),
+            Criterion::Numbers(order, value) => self.is_right(order, value),
             Criterion::Map(shows) => shows(self),
         }
     }
@@ -186,117 +199,41 @@ fn sort_by_name(set: &mut ImageSet) {
     }
 }
 
-/// All known mistakes. If several explain the same number of failures, the first is reported.
-pub(super) const MISTAKES: [FitMistake; 18] = [
-    FitMistake {
-        clause: "1.0/2",
-        effect: "negates v, so a light from above looks like a light from below",
-        fix: "use v of the .lp file unchanged; v points up",
-        criterion: Criterion::Lights(|of| [of.direction()[0], -of.direction()[1]]),
-    },
-    FitMistake {
-        clause: "1.0/2",
-        effect: "negates u, so a light from the right looks like a light from the left",
-        fix: "use u of the .lp file unchanged; u points right",
-        criterion: Criterion::Lights(|of| [-of.direction()[0], of.direction()[1]]),
-    },
-    FitMistake {
-        clause: "1.0/2",
-        effect: "exchanges u and v",
-        fix: "read u from the first number of a light, and v from the second",
-        criterion: Criterion::Lights(|of| [of.direction()[1], of.direction()[0]]),
-    },
-    FitMistake {
-        clause: "1.0/2",
-        effect: "does not normalize the light vectors",
-        fix: "divide each light vector by its length; u and v are its first two components",
-        criterion: Criterion::Lights(|of| [of.light[0], of.light[1]]),
-    },
-    FitMistake {
-        clause: "1.0/2",
-        effect: "normalizes u and v without the third component, so all lights lie in the plane",
-        fix: "divide u and v by the length of the whole vector",
-        criterion: Criterion::Lights(|of| {
-            let [x, y, _] = of.light;
-            [x, y].map(|c| c / x.hypot(y).max(1e-12))
-        }),
-    },
-    FitMistake {
-        clause: "1.0/2",
-        effect: "sorts the images by name, but keeps the order of the lights in the .lp file",
-        fix: "pair each image with the light on its line of the .lp file",
-        criterion: Criterion::Photographs(sort_by_name),
-    },
-    FitMistake {
-        clause: "2.7.1/3",
-        effect: "stores the top row first",
-        fix: "write the bottom row of the images first",
-        criterion: Criterion::Photographs(flip_rows),
-    },
-    FitMistake {
-        clause: "2.7.1/2",
-        effect: "exchanges red and blue",
-        fix: "write red, green, blue; some libraries read images as blue, green, red",
-        criterion: Criterion::Photographs(swap_red_and_blue),
-    },
-    FitMistake {
-        clause: "1.0/1",
-        effect: "removes the gamma of the images before the fit, so midtones are too dark",
-        fix: "fit the pixel values unchanged; readers show the values of the polynomials",
-        criterion: Criterion::Photographs(|set| map_pixels(set, |x| x.powf(2.2))),
-    },
-    FitMistake {
-        clause: "1.0/1",
-        effect: "applies a gamma to the images before the fit, so midtones are too bright",
-        fix: "fit the pixel values unchanged; readers show the values of the polynomials",
-        criterion: Criterion::Photographs(|set| map_pixels(set, |x| x.powf(1.0 / 2.2))),
-    },
-    FitMistake {
-        clause: "2.4/8",
-        effect: "writes a bias that must be added after scaling",
-        fix: "write −minimum / scale as the bias, in units of the raw value; a coefficient is (raw − bias) · scale",
-        criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale + bias),
-    },
-    FitMistake {
-        clause: "2.4/8",
-        effect: "writes a bias that must be subtracted after scaling",
-        fix: "write −minimum / scale as the bias, in units of the raw value; a coefficient is (raw − bias) · scale",
-        criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale - bias),
-    },
-    FitMistake {
-        clause: "2.4/8",
-        effect: "writes biases with the wrong sign",
-        fix: "change the sign of the biases; a reader computes (raw − bias) · scale",
-        criterion: Criterion::Numbers(CLAUSE_ORDER, |raw, scale, bias| (raw + bias) * scale),
-    },
-    FitMistake {
-        clause: "1.0/1",
-        effect: "writes the coefficients in the order 1, u, v, u·v, u², v²",
-        fix: "write the coefficients in the order u², v², u·v, u, v, 1",
-        criterion: Criterion::Numbers([4, 5, 3, 1, 2, 0], |raw, scale, bias| (raw - bias) * scale),
-    },
-    FitMistake {
-        clause: "1.0/1",
-        effect: "writes the coefficients in the reverse order, 1 first and u² last",
-        fix: "write the coefficients in the order u², v², u·v, u, v, 1",
-        criterion: Criterion::Numbers([5, 4, 3, 2, 1, 0], |raw, scale, bias| (raw - bias) * scale),
-    },
-    FitMistake {
-        clause: "2.4/8",
-        effect: "fits without a constraint if the lights do not determine six coefficients, so some coefficients and their quantization steps become large",
-        fix: "choose the solution with the smallest coefficients; use the singular value decomposition or ridge regression",
-        criterion: Criterion::Map(has_huge_coefficients),
-    },
-    FitMistake {
-        clause: "2.4/1",
-        effect: "clamps coefficients to 0 or 255, because scale and bias do not cover their range",
-        fix: "choose scale and bias so that the range of each coefficient in the map fits in 0 to 255",
-        criterion: Criterion::Map(has_clamped_values),
-    },
-    FitMistake {
-        clause: "2.4/2",
-        effect: "uses scales that are too coarse, so quantization adds more error than the fit",
-        fix: "divide the range of each coefficient in the map by 255",
-        criterion: Criterion::Map(has_wide_steps),
-    },
-];
+impl FitMistake {
+    /// Returns the criterion that identifies the mistake.
+    fn criterion(&self) -> Criterion {
+        use Criterion::{Lights, Map, Numbers, Photographs};
+        match self.slug.as_str() {
+            "v-negated" => Lights(|of| [of.direction()[0], -of.direction()[1]]),
+            "u-negated" => Lights(|of| [-of.direction()[0], of.direction()[1]]),
+            "u-and-v-exchanged" => Lights(|of| [of.direction()[1], of.direction()[0]]),
+            "light-not-normalized" => Lights(|of| [of.light[0], of.light[1]]),
+            "light-normalized-in-the-plane" => Lights(|of| {
+                let [x, y, _] = of.light;
+                [x, y].map(|c| c / x.hypot(y).max(1e-12))
+            }),
+            "images-sorted-by-name" => Photographs(sort_by_name),
+            "top-row-first" => Photographs(flip_rows),
+            "red-and-blue-exchanged" => Photographs(swap_red_and_blue),
+            "gamma-removed" => Photographs(|set| map_pixels(set, |x| x.powf(2.2))),
+            "gamma-applied" => Photographs(|set| map_pixels(set, |x| x.powf(1.0 / 2.2))),
+            "bias-added-after-scaling" => {
+                Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale + bias)
+            }
+            "bias-subtracted-after-scaling" => {
+                Numbers(CLAUSE_ORDER, |raw, scale, bias| raw * scale - bias)
+            }
+            "bias-negated" => Numbers(CLAUSE_ORDER, |raw, scale, bias| (raw + bias) * scale),
+            "linear-terms-first" => {
+                Numbers([4, 5, 3, 1, 2, 0], |raw, scale, bias| (raw - bias) * scale)
+            }
+            "coefficients-reversed" => {
+                Numbers([5, 4, 3, 2, 1, 0], |raw, scale, bias| (raw - bias) * scale)
+            }
+            "unconstrained" => Map(has_huge_coefficients),
+            "coefficients-clamped" => Map(has_clamped_values),
+            "scales-too-coarse" => Map(has_wide_steps),
+            other => unreachable!("the mistake {other} has no criterion"),
+        }
+    }
+}

@@ -1,20 +1,26 @@
 //! Generated photographs: renderings of a map with known coefficients, with typical defects of photographs.
 
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
 use crate::generate::{Model, Recipe};
+use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
 use crate::writers::fitting::pictures::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::request::new_map;
 
-/// Parameters from which a set of photographs is generated.
-#[derive(Clone, Copy, Debug)]
+/// Parameters from which a set of photographs is generated, as stated in `spec-cases/writers/fitting-sets.yaml`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct SetPlan {
     /// Name of the set.
-    pub name: &'static str,
+    pub name: String,
     /// Purpose of the set, in a sentence.
-    pub because: &'static str,
+    pub because: String,
     /// Clause that the set is about.
-    pub clause: &'static str,
+    pub clause: String,
     size: (u32, u32),
     /// Number of lights.
     lights: usize,
@@ -26,82 +32,32 @@ pub struct SetPlan {
     noise: u8,
     /// True if the vectors in the `.lp` file do not have length 1.
     has_long_vectors: bool,
-    /// True if the `.lp` file lists the images in alphabetical order.
-    in_order: bool,
+    /// True if the `.lp` file does not list the images in alphabetical order.
+    is_shuffled: bool,
 }
 
-const ORDINARY_SET: SetPlan = SetPlan {
-    name: "ordinary",
-    because: "There are twelve lights from all directions, and a map can reproduce the images exactly.",
-    clause: "1.0/1",
-    size: (5, 4),
-    lights: 12,
-    is_one_sided: false,
-    brightness: 0.6,
-    noise: 0,
-    has_long_vectors: false,
-    in_order: true,
-};
+impl Default for SetPlan {
+    fn default() -> SetPlan {
+        SetPlan {
+            name: String::new(),
+            because: String::new(),
+            clause: "1.0/1".to_owned(),
+            size: (5, 4),
+            lights: 12,
+            is_one_sided: false,
+            brightness: 0.6,
+            noise: 0,
+            has_long_vectors: false,
+            is_shuffled: false,
+        }
+    }
+}
 
 /// All sets. The first one is used for first contact.
-pub const SETS: [SetPlan; 9] = [
-    ORDINARY_SET,
-    SetPlan {
-        name: "noise",
-        because: "Every pixel has noise of up to 8, so the best fit is not exact.",
-        noise: 8,
-        size: (7, 6),
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "few-lights",
-        because: "Five lights do not determine six coefficients, so many maps fit; the map with small coefficients is expected.",
-        lights: 5,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "one-side",
-        because: "All lights are on one side, where several coefficients have nearly the same effect.",
-        lights: 14,
-        is_one_sided: true,
-        noise: 3,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "saturated",
-        because: "Many pixels are white under every light.",
-        brightness: 1.3,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "dark",
-        because: "Many pixels are black, so their color is undetermined.",
-        brightness: 0.12,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "long-vectors",
-        because: "The light vectors have lengths of 1.5 to 3, as in files that state positions.",
-        clause: "1.0/2",
-        has_long_vectors: true,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "not-in-order-of-names",
-        because: "The .lp file does not list the images in the order of their names.",
-        clause: "1.0/2",
-        in_order: false,
-        ..ORDINARY_SET
-    },
-    SetPlan {
-        name: "many-lights",
-        because: "There are sixty lights, and the images have 17 × 3 pixels.",
-        lights: 60,
-        size: (17, 3),
-        noise: 5,
-        ..ORDINARY_SET
-    },
-];
+pub static SETS: LazyLock<Vec<SetPlan>> = LazyLock::new(|| {
+    let yaml = include_str!("../../../spec-cases/writers/fitting-sets.yaml");
+    from_yaml(yaml).expect("a list of sets")
+});
 
 impl SetPlan {
     /// Generates the photographs. If `format` is LRGB, each texel is the product of a luminance and a color.
@@ -112,10 +68,9 @@ impl SetPlan {
         let map = Polynomials::new(&self.map(size, format)).expect("a map of RGB or LRGB");
         let photograph = |k: usize| {
             // No number of lights is a multiple of 7, so every name occurs once.
-            let number = if self.in_order {
-                k
-            } else {
-                7 * k % self.lights
+            let number = match self.is_shuffled {
+                true => 7 * k % self.lights,
+                false => k,
             };
             let mut photograph = Photograph {
                 name: format!("light-{number:02}.png"),

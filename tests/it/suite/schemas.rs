@@ -18,7 +18,7 @@ readers | spec-cases/readers.yaml
 annotated | spec-cases/annotated
 texture-cases | spec-cases/texture/cases
 writer-requests | spec-cases/writers/requests.yaml
-writer-mistakes | spec-cases/writers/mistakes.yaml
+writer-mistakes | spec-cases/writers/mistakes.yaml spec-cases/writers/fitting-mistakes.yaml
 manifest | corpus/MANIFEST.yaml
 report | reports/reference.yaml reports/texture.yaml
 ";

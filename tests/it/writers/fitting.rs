@@ -29,7 +29,7 @@ fn real_photographs() -> Option<String> {
 
 #[test]
 fn optimum_is_as_close_as_the_images_allow() {
-    for plan in &SETS {
+    for plan in SETS.iter() {
         for format in FORMATS {
             let set = plan.make(format);
             let map = optimum(&set, format);
@@ -38,7 +38,7 @@ fn optimum_is_as_close_as_the_images_allow() {
             let errors = Polynomials::new(&map).expect("RGB or LRGB").errors(&set);
             let largest = errors.into_iter().fold(0.0, f64::max);
             // Errors are caused by noise, rounding, and clamping to black and white.
-            let noise = match plan.name {
+            let noise = match &*plan.name {
                 "saturated" => 40.0,
                 _ => 9.0,
             };
