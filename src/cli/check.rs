@@ -199,7 +199,7 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
         _ if args.files.is_some() => "--files",
         _ => return Ok(()),
     };
-    Err(format!("{option} works only with the suite ptm"))
+    Err(format!("{option} works only with --suite ptm"))
 }
 
 /// Returns a plan that selects all cases.

@@ -25,8 +25,7 @@ pub struct ScratchGuard {
 impl ScratchGuard {
     /// Creates the directories and starts the watcher.
     pub fn new() -> Result<ScratchGuard, String> {
-        let scratch = Scratch::new()
-            .map_err(|error| format!("cannot create a scratch directory: {error}"))?;
+        let scratch = Scratch::new().map_err(|error| format!("no scratch directory: {error}"))?;
         // Without a watcher, a decoder that runs when this process is killed would be orphaned.
         let watcher = std::env::current_exe().and_then(|program| {
             let mut command = Command::new(program);
@@ -61,8 +60,7 @@ const POLL_INTERVAL: Timespec = Timespec {
     tv_nsec: 100_000_000,
 };
 
-/// Runs the watcher, which waits until the run has finished or was killed, and then cleans up. In both cases, standard input
-/// ends.
+/// Runs the watcher. Waits for the end of standard input, which means that the run has ended, and then cleans up.
 ///
 /// Processes are found by their working directories. A process with a hidden working directory is known only as a
 /// descendant of the run, so the watcher tracks these descendants until the run ends.

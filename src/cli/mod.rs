@@ -2,10 +2,7 @@
 //!
 //! Commands that start other programs need a Unix system. All others run everywhere.
 
-#![allow(
-    clippy::doc_markdown,
-    reason = "clap prints doc comments as plain text"
-)]
+#![allow(clippy::doc_markdown, reason = "help texts are plain text")]
 
 use std::path::Path;
 

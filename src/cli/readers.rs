@@ -35,9 +35,7 @@ pub fn select_profiles<'a>(
             let names: Vec<&str> = known.iter().map(|profile| &*profile.name).collect();
             let meant = did_you_mean(name, names.iter().copied());
             let names = names.join(", ");
-            return Err(format!(
-                "--for {name}: unknown reader; expected one of {names}, all{meant}"
-            ));
+            return Err(format!("--for {name}: expected {names} or all{meant}"));
         }
         for profile in matching {
             if !found.iter().any(|one| one.name == profile.name) {

@@ -86,11 +86,7 @@ fn fit(path: &Path, out: &Path) -> CommandResult {
     let (format, request) = request.map_err(malformed(path))?;
     if !FORMATS.contains(&format) {
         let status = EXIT_UNSUPPORTED as u8;
-        return Err(CommandError::refused(
-            path,
-            status,
-            "the format of a fit must be LRGB or RGB",
-        ));
+        return Err(CommandError::refused(path, status, "fits are LRGB or RGB"));
     }
     let set = ImageSet::read(Path::new(&request.lp)).map_err(malformed(path))?;
     write_request(path, out, &WriteRequest::from_ptm(&optimum(&set, format)))

@@ -125,9 +125,9 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     let reports = match &args.command {
         ReportCommand::Html { files, .. } => &files[..],
         ReportCommand::Show { file, .. } => std::slice::from_ref(file),
-        ReportCommand::Junit(target)
-        | ReportCommand::Badge(target)
-        | ReportCommand::Markdown(target) => std::slice::from_ref(&target.file),
+        ReportCommand::Junit(args) | ReportCommand::Badge(args) | ReportCommand::Markdown(args) => {
+            std::slice::from_ref(&args.file)
+        }
         ReportCommand::Merge(args) => {
             // All parts of a run have the same suite, so the first part determines it.
             return match Report::read(&args.parts[0]).map(|report| report.suite) {
@@ -155,11 +155,9 @@ pub fn run(args: &ReportArgs) -> CommandResult {
 fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
     let (suite, report) = (C::suite()?, &reports[0]);
     match command {
-        ReportCommand::Junit(target) => target.write(&junit::junit(report)),
-        ReportCommand::Badge(target) => target.write(&badge::badge(report)),
-        ReportCommand::Markdown(target) => {
-            target.write(&github::summary(report, suite.cases.len()))
-        }
+        ReportCommand::Junit(args) => args.write(&junit::junit(report)),
+        ReportCommand::Badge(args) => args.write(&badge::badge(report)),
+        ReportCommand::Markdown(args) => args.write(&github::summary(report, suite.cases.len())),
         ReportCommand::Html { output, .. } => {
             let page = match reports {
                 [report] => html::page(&suite, report, None),

@@ -59,7 +59,7 @@ pub trait Reported: TestCase {
     fn assume(_: &Suite<Self>, _: &mut Run<Self>, of: &[String], _: usize) -> Result<(), String> {
         match of {
             [] => Ok(()),
-            _ => Err("--assume works only with the suite of PTM files".to_owned()),
+            _ => Err("--assume works only with --suite ptm".to_owned()),
         }
     }
     /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
