@@ -13,7 +13,7 @@ use super::{CommandError, EXIT_NOTHING_SELECTED};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
-use ptm_conform::session::plan::SAMPLE;
+use ptm_conform::session::plan::SAMPLE_INTERVAL;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
 
@@ -174,7 +174,7 @@ impl CheckArgs {
                 .to_owned(),
         ]);
         if serves {
-            limits.push(format!("serve mode: one process per job; failed cases and one in {SAMPLE} of the others are repeated in one-shot mode"));
+            limits.push(format!("serve mode: one process per job; failed cases and one in {SAMPLE_INTERVAL} of the others are repeated in one-shot mode"));
         }
         limits
     }

@@ -151,7 +151,7 @@ impl<'a, C: Reported> Check<'a, C> {
         self.progress.begin("running the smoke subset:");
         session.ask_some(contact, &soonest, &mut observations, &progress);
         if !session.is_over() {
-            let run = session.so_far(contact, &soonest, &observations);
+            let run = session.partial_run(contact, &soonest, &observations);
             self.report_first_causes(run, (times[0] / 10).max(MIN_SEARCH_TIME));
         }
         self.progress.begin("running");

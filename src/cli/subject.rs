@@ -132,9 +132,9 @@ fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
         Ok(pattern.matches(id))
     };
     let outputs = Outputs::open(directory, suite, matches)?;
-    let strangers = &outputs.strangers;
-    if !strangers.is_empty() {
-        let (count, first) = (strangers.len(), &strangers[..strangers.len().min(5)]);
+    let unmatched = &outputs.unmatched;
+    if !unmatched.is_empty() {
+        let (count, first) = (unmatched.len(), &unmatched[..unmatched.len().min(5)]);
         let first = first.join(", ");
         super::output::print_error(&format!(
             "ptm-conform: {count} files in the output directory match no request: {first}"

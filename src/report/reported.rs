@@ -122,9 +122,9 @@ impl Reported for Case {
     }
 
     fn undo_common_transforms(suite: &Suite, session: &mut Session<Case>, contact: &mut Contact) {
-        let common = transform::common(suite, contact);
+        let common = transform::common_transforms(suite, contact);
         let remarks = &mut contact.remarks;
-        remarks.splice(0..0, transform::in_words(&common));
+        remarks.splice(0..0, transform::remarks(&common));
         session.undo = common.into_iter().map(|of| of.undo).collect();
     }
 

@@ -62,7 +62,7 @@ unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB
 is-silent-about-lum | 0 | | none | unsupported (exit status 69): LUM
-declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no such file
+declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no file of this kind
 declares-coef-and-lacks-it | 1 | | none | declare view coef, but it exits with 69
 declares-coef-only | 0 | | none | pass:
 declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a refusal
@@ -297,7 +297,7 @@ fn decimal_comma_is_detected() {
         run_measured(command, &here.path("report.yaml")).0
     };
     let checked = check("reads-commas");
-    let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another image";
+    let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives a different image";
     checked.ends(1, says);
     assert!(checked.cases("fail").is_empty());
     check("right").ends(0, "");

@@ -62,7 +62,7 @@ fn a_correct_decoder_is_ready() {
     let Some(decoder) = python_decoder() else {
         return;
     };
-    let says = "✓ serve: it ends when its input ends && ✓ capabilities: declared";
+    let says = "✓ serve: the process ends when its input ends && ✓ capabilities: declared";
     let output = assert_probed(&decoder, "0", says);
     assert!(!output.contains('✗'), "{output}");
 }
