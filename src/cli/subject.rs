@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ptm_conform::protocol::frame::{Answer, ViewKind};
-use ptm_conform::report::words::CALLER;
+use ptm_conform::report::words::CALLER_COMMAND;
 use ptm_conform::runner::caller::Caller;
 use ptm_conform::runner::run::{Decoder, Reply, Request};
 use ptm_conform::runner::template::Template;
@@ -72,7 +72,7 @@ impl Subject {
         };
         if let Some(socket) = &args.caller {
             let caller = Caller::connect(socket, stop).map_err(with_path(socket))?;
-            let words = vec![CALLER.to_owned()];
+            let words = vec![CALLER_COMMAND.to_owned()];
             return Ok(subject(Answers::Caller(caller), words));
         }
         if let Some(directory) = &args.outputs {

@@ -1,4 +1,4 @@
-//! Parts of a suite that only reports need.
+//! Parts of a suite that are needed only for reports.
 
 use maud::Markup;
 
@@ -56,8 +56,8 @@ pub trait Reported: TestCase {
     ///
     /// # Errors
     /// Returns a message that names the first unknown misreading.
-    fn assume(_: &Suite<Self>, _: &mut Run<Self>, of: &[String], _: usize) -> Result<(), String> {
-        match of {
+    fn assume(_: &Suite<Self>, _: &mut Run<Self>, ids: &[String], _: usize) -> Result<(), String> {
+        match ids {
             [] => Ok(()),
             _ => Err("--assume works only with --suite ptm".to_owned()),
         }

@@ -16,7 +16,7 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Reply, Request};
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::corpus::put;
+use crate::suite::corpus::write_file;
 
 /// The list of requests, for programs.
 const LIST_NAME: &str = "requests.yaml";
@@ -76,7 +76,7 @@ pub fn export(
         if let Some(view) = case.views.iter().find(|offered| offered.name() == view) {
             let built = case.build(TableSpelling::default());
             let listed = ListedRequest::new(case, view, &built.file);
-            put(&directory.join(&listed.file), &built.file)?;
+            write_file(&directory.join(&listed.file), &built.file)?;
             list.push(listed);
         }
         progress(done + 1, suite.cases.len());
@@ -87,9 +87,9 @@ pub fn export(
         let fields = [&*one.id, &one.file, &one.view, &one.output];
         table += &(fields.join("\t") + "\n");
     }
-    put(&directory.join("README.txt"), READ_ME.as_bytes())?;
-    put(&directory.join(TABLE_NAME), table.as_bytes())?;
-    put(&directory.join(LIST_NAME), yaml.as_bytes())?;
+    write_file(&directory.join("README.txt"), READ_ME.as_bytes())?;
+    write_file(&directory.join(TABLE_NAME), table.as_bytes())?;
+    write_file(&directory.join(LIST_NAME), yaml.as_bytes())?;
     fs::create_dir_all(directory.join(ANSWERS_DIR))?;
     Ok(list.len())
 }
@@ -124,9 +124,9 @@ impl Outputs {
         matches: impl Fn(&str, &str) -> Result<bool, String>,
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
-        let named = |error: String| format!("{}: {error}", path.display());
-        let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(named)?;
-        let view = view_of(&list, suite).map_err(named)?;
+        let in_file = |error: String| format!("{}: {error}", path.display());
+        let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(in_file)?;
+        let view = view_of(&list, suite).map_err(in_file)?;
         let directory = directory.join(ANSWERS_DIR);
         let failed = |error| format!("{}: {error}", directory.display());
         let (mut given, unmatched) = answers(&directory, &list).map_err(failed)?;

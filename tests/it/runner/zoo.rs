@@ -72,7 +72,7 @@ declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a r
 const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
-hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program held more than 150 MiB
+hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program used more than 150 MiB
 hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
@@ -89,7 +89,7 @@ serves-huge-numbers
   | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, but no frame
 serves-impossible-numbers | 1 | --serve | none | serve mode failed && expected "1 ok NBYTES"
 serves-without-the-line | 1 | --serve | none | serve mode failed && including the first line of the frame
-serves-bare-frames | 1 | --serve | none | serve mode failed && a frame follows a separate line
+serves-bare-frames | 1 | --serve | none | serve mode failed && the frame must follow a separate line
 serves-logs | 1 | --serve | none | serve mode failed && found "decoding"
 serves-text-mode | 1 | --serve | none | serve mode failed && text mode
 serves-without-flush
@@ -103,7 +103,7 @@ serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | hang: no answer within 2 s
-serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program held more than 250 MiB
+serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program used more than 250 MiB
 serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
 serves-with-leaks | 1 | --serve --jobs 1 | 11 | state leaks between files && alone, with an image
 serves-other-answers
