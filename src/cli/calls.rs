@@ -16,7 +16,7 @@ pub type StopFlag = Arc<AtomicBool>;
 
 /// Options for running a suite.
 #[derive(Args)]
-#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit of a call; the first call gets three times as much")))]
+#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit for each call; the first call gets three times as much")))]
 pub struct RunArgs {
     /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
@@ -25,16 +25,16 @@ pub struct RunArgs {
     pub calls: LimitArgs,
 }
 
-/// Limits of calls and the number of parallel calls.
+/// Options for the limits of a call and the number of parallel calls.
 #[derive(Args)]
 pub struct LimitArgs {
-    /// Calls in parallel; by default one per processor.
+    /// Number of parallel calls; one per processor by default.
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
-    /// Wall-clock limit of a call.
+    /// Wall-clock limit for each call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Memory limit of a call, all its processes together: bytes, or with K, M or G.
+    /// Memory limit for each call, including all of its processes, in bytes or with a suffix K, M or G.
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
     memory: u64,
 }
@@ -52,12 +52,14 @@ impl LimitArgs {
     pub fn describe_limits(&self) -> Vec<String> {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_inspect_processes() {
-            true => format!("{size} MiB for the resident sets of all processes of a call, sampled"),
+            true => {
+                format!("{size} MiB for the resident sets of all processes of a call (sampled)")
+            }
             false => "not limited, because this system has no /proc".to_owned(),
         };
         let time = format!("{seconds} s per call, three times as much for the first");
         let limits = [("wall-clock time", time), ("memory", memory)];
-        Vec::from(limits.map(|(of, says)| format!("{of}: {says}")))
+        Vec::from(limits.map(|(name, text)| format!("{name}: {text}")))
     }
 }
 
@@ -66,7 +68,7 @@ impl LimitArgs {
 pub struct CallArgs {
     #[command(flatten)]
     pub limits: LimitArgs,
-    /// Another exit status that means "malformed", in addition to 65.
+    /// An exit status other than 65 that also means "malformed".
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     reject_exit: Option<i32>,
 }

@@ -37,7 +37,7 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     args.reject_bare_hyphens()?;
     let stop = stop_on_signals()?;
     processes::prepare();
-    args.written.check(&args.run.report)?;
+    args.output.check(&args.run.report)?;
     let has_decoder = !args.decoder.is_empty() || args.cmd.is_some();
     let is_reference = !has_decoder && args.outputs.is_none() && args.caller.is_none();
     if is_reference {
@@ -57,11 +57,11 @@ pub fn run(args: &CheckArgs) -> CommandResult {
 /// Checks a PTM decoder.
 fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
-    let among = match args.smoke {
+    let subset = match args.smoke {
         true => smoke::selection(&suite)?,
         false => vec![true; suite.cases.len()],
     };
-    let selected = args.select_cases(&suite, &among)?;
+    let selected = args.select_cases(&suite, &subset)?;
     for slug in &args.assumed {
         let slugs = misreadings::all().map(|misreading| misreading.slug);
         let known = find_misreadings(std::slice::from_ref(slug));
@@ -95,8 +95,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         assumed: args.assumed.clone(),
         limits: args.limits(serves),
     };
-    let ending = ReportWriter::new(&suite, &args.run.report, &args.written)?;
-    let mut check = Check::new(&plan, circumstances, ending, args.shard)?;
+    let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
+    let mut check = Check::new(&plan, circumstances, writer, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.faster = SERVE_MODE_IS_FASTER;
     }
@@ -105,7 +105,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         let Some(decoder) = subject.program() else {
             return;
         };
-        // A template has its own arguments; without a decoder, the reference is checked.
+        // The command is empty for a template or the built-in reference.
         let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
         report_wrapper_faults(contact, &found);
         if let (Some(why), Some(command)) = (&mut contact.not_a_decoder, args.reordered_command()) {
@@ -114,7 +114,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         let _ = faults.set(found);
     });
     subject.program().map_or(Ok(()), check_trouble)?;
-    if args.written.html.is_some() && run.ended_early.is_none() {
+    if args.output.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
     }
     let given_up = servers.filter(Servers::is_serve_mode_disabled);
@@ -136,7 +136,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Adds the faults of the wrapper to the report and ends the run at first contact if there are any.
+/// Adds the faults of the wrapper to the report. If there are any, the run ends at first contact.
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
@@ -160,7 +160,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let command = quote_command(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = save_files(repeat, &command, &directory) {
-            print_styled(&format!("see it again:\n  $ {command}\n"));
+            print_styled(&format!("to reproduce it:\n  $ {command}\n"));
         }
     }
 }
@@ -181,13 +181,13 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         words: &words,
         limits: args.limits(false),
         args: &args.run,
-        written: &args.written,
+        output: &args.output,
         shard: args.shard,
     };
     run.check(&suite, selected, &ask, &|_| ())
 }
 
-/// Returns an error if an option is given that does not apply to texture questions.
+/// Returns an error if an option does not apply to texture questions.
 fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
     let option = match args {
         _ if args.smoke => "--smoke",
@@ -199,10 +199,10 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
         _ if args.files.is_some() => "--files",
         _ => return Ok(()),
     };
-    Err(format!("{option} works only with the suite of PTM files"))
+    Err(format!("{option} works only with --suite ptm"))
 }
 
-/// Returns the plan for all cases.
+/// Returns a plan that selects all cases.
 fn plan(
     args: &CheckArgs,
     suite: &Suite,
@@ -234,7 +234,7 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
     capabilities
 }
 
-/// Reason why no case is requested from a decoder with a faulty wrapper.
+/// Reason why a run with a faulty wrapper ends at first contact.
 const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would make most cases fail";
 
 /// Remark on a decoder whose serve mode never answered.

@@ -13,15 +13,15 @@ use super::{CommandError, EXIT_NOTHING_SELECTED};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
-use ptm_conform::session::plan::SAMPLE;
+use ptm_conform::session::plan::SAMPLE_INTERVAL;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::test_case::TestCase;
 
-/// Run the suite on a decoder, and name the clauses that it misreads.
+/// Run the suite on a decoder and name the clauses that it misreads.
 ///
 /// The decoder is called as `DECODER [ARG…] VIEW FILE` once per case, where VIEW is raw, coef or rgb:LU,LV. It prints one line,
 /// "PTM1 VIEW WIDTH HEIGHT CHANNELS u8" (f32 for coef), then the samples, texel by texel, top row first. It exits with 0, with 65
-/// if the file is malformed, or with 69 if it does not support such files or views.
+/// if the file is malformed, or with 69 if it does not support the file's format or the view.
 ///
 /// Exit status: 0 no case fails, 1 a case fails, 2 usage error, 3 not a decoder, 4 baseline entries pass and should be removed,
 /// 5 no case was selected.
@@ -35,7 +35,7 @@ pub struct CheckArgs {
     /// Run only cases whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     pub cases: Vec<String>,
-    /// Run only cases about this clause or section: 2.4/8, or 2.4. Repeatable.
+    /// Run only cases about this clause or section, for example 2.4/8 or 2.4. Repeatable.
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
     /// The suite: PTM files, or the texture mapping table (called as `DECODER texture FILE`).
@@ -53,16 +53,16 @@ pub struct CheckArgs {
     /// Start a new process for each call.
     #[arg(long)]
     pub one_shot: bool,
-    /// Another exit status that means "malformed", in addition to 65.
+    /// An exit status other than 65 that also means "malformed".
     ///
-    /// Uncaught exceptions exit with 1 in many languages. Refusals by another status than 65 are therefore marked weak in the
-    /// report: a decoder that crashes on every malformed file would pass such cases, too.
+    /// In many languages, an uncaught exception exits with 1. Refusals with a status other than 65 are therefore marked weak in
+    /// the report: a decoder that crashes on every malformed file would pass these cases, too.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     pub reject_exit: Option<i32>,
-    /// Check every .ptm file in DIR instead of the suite: against the reference, and against other encodings of the same values.
+    /// Check every .ptm file in DIR instead of the suite, against the reference and against other encodings of the same values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Run only the smoke subset: a few cases that still catch every misreading of the catalog.
+    /// Run only the smoke subset: a few cases that still catch every misreading in the catalog.
     #[arg(long)]
     pub smoke: bool,
     /// Take this misreading as given and judge the rest; the diagnosis prints its name. Repeatable.
@@ -77,18 +77,18 @@ pub struct CheckArgs {
     /// or may be refused are not judged.
     #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
     pub cmd: Option<String>,
-    /// Judge images that were made elsewhere: in a viewer, in a browser, on another system.
+    /// Judge images that were made elsewhere, for example in a viewer, in a browser or on another system.
     ///
     /// DIR is a directory written by `generate --requests`. Its outputs/ has one file per case, named after the case: an image, a
     /// NumPy array or a PTM1 frame. Refused and unsupported files are listed in rejected.txt and unsupported.txt. Cases without
     /// an output are not judged.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
     pub outputs: Option<PathBuf>,
-    /// Ask the process that listens on this Unix socket: for packages of other languages.
+    /// Send requests to the process that listens on this Unix socket (for packages in other languages).
     #[arg(long, value_name = "SOCKET", hide = true, conflicts_with_all = ["decoder", "cmd", "serve", "one_shot", "outputs", "files", "shard"])]
     pub caller: Option<PathBuf>,
     #[command(flatten)]
-    pub written: OutputArgs,
+    pub output: OutputArgs,
     /// The decoder and its arguments. Without a decoder, the built-in reference is checked.
     #[arg(value_name = "DECODER", trailing_var_arg = true)]
     pub decoder: Vec<OsString>,
@@ -120,12 +120,12 @@ impl CheckArgs {
         Some(format!("ptm-conform check {}", quote_command(&words)))
     }
 
-    /// Returns one flag per case: true if `also` is true for the case and it matches the patterns, the clauses and the
-    /// shard. Returns an error if no case is selected.
+    /// Returns one flag per case: true if the case is in the subset and matches the patterns, the clauses and the shard. Returns
+    /// an error if no case is selected.
     pub fn select_cases<C: TestCase>(
         &self,
         suite: &Suite<C>,
-        also: &[bool],
+        subset: &[bool],
     ) -> Result<Vec<bool>, CommandError> {
         let is_named = id_filter(&self.cases)?;
         let is_about = |clause: &String| {
@@ -138,8 +138,8 @@ impl CheckArgs {
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
                 && is_in_shard(case.id())
         };
-        let cases = suite.cases.iter().zip(also);
-        let selected: Vec<bool> = cases.map(|(case, &also)| also && matches(case)).collect();
+        let cases = suite.cases.iter().zip(subset);
+        let selected: Vec<bool> = cases.map(|(case, &is_in)| is_in && matches(case)).collect();
         if selected.contains(&true) {
             return Ok(selected);
         }
@@ -160,21 +160,21 @@ impl CheckArgs {
         if self.caller.is_some() {
             return vec!["none: the decoder is a function of the calling process".to_owned()];
         }
-        let left = match processes::can_inspect_processes() {
-            true => ", and what has left it, are",
+        let killed = match processes::can_inspect_processes() {
+            true => ", and processes that have left it, are",
             false => " is",
         };
         let mut limits = self.run.calls.describe_limits();
         limits.extend([
-            "standard output: 4 times the largest frame of the file and 64 KiB".to_owned(),
+            "standard output: 4 times the largest frame of the file, plus 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
-            format!("processes: the group of a call{left} killed when the call is over"),
+            format!("processes: the process group of a call{killed} killed when the call ends"),
             "input: each file is compared with its original bytes after the call, and must be unchanged".to_owned(),
             "locale: C; the first files are repeated in a locale with a decimal comma, if there is one"
                 .to_owned(),
         ]);
         if serves {
-            limits.push(format!("serve mode: one process per job; failures and one in {SAMPLE} other cases are repeated in one-shot mode"));
+            limits.push(format!("serve mode: one process per job; failed cases and one in {SAMPLE_INTERVAL} of the others are repeated in one-shot mode"));
         }
         limits
     }

@@ -23,12 +23,12 @@ use ptm_conform::writers::asking::{self, VALUES};
 use ptm_conform::writers::fitting::pictures::ImageSet;
 use ptm_conform::writers::test_case::{FileCase, RequestValues, WriteView};
 
-/// Check a program that writes PTM files: name the clauses that it gets wrong.
+/// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///
 /// The writer is called as `WRITER [ARG…] write REQUEST OUT` once per request. REQUEST is a JSON file with format, width, height,
 /// scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row first. The writer
-/// writes a PTM file to OUT and exits with 0. It exits with 69 if it does not write such files, and with 65 if no file can hold
-/// the values. --fitter requests fits of images instead; see docs/writers.md.
+/// writes a PTM file to OUT and exits with 0. It exits with 69 if it does not support the request, and with 65 if no file can
+/// hold the values. --fitter requests fits of images instead; see docs/writers.md.
 ///
 /// Exit status: 0 no request fails, 1 a request fails, 2 usage error, 3 not a writer, 4 baseline entries pass and should be
 /// removed, 5 no request was selected.
@@ -50,35 +50,36 @@ pub struct CheckWriterArgs {
     smoke: bool,
     /// Check a fitter: a program that makes a PTM from images under known lights.
     ///
-    /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and
-    /// the path of an .lp file. The error of its map is compared with the least-squares optimum.
+    /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and the
+    /// path of an .lp file. The error of the fitted map is compared with the least-squares optimum.
     #[arg(long)]
     fitter: bool,
-    /// Also request a fit of these images.
+    /// Also request a fit to the images in this .lp file.
     #[arg(long, value_name = "FILE", requires = "fitter")]
     lp: Option<PathBuf>,
     /// Check a program that does not speak the protocol, through its command line.
     ///
     /// The line is split into words as a shell would, but no shell runs. {out} is the output file and may have a suffix
-    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array, {lp} the .lp file of a fitter; {format}, {width}, {height}, {scale}, {bias},
-    /// {matrix}, {quality} and {near} are values, lists with commas between their numbers. {{ and }} are braces.
+    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {lp} is the .lp file of a fitter; {format},
+    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values, where the numbers of a list are separated
+    /// by commas. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]
-    written: OutputArgs,
+    output: OutputArgs,
     /// The writer and its arguments. Without a writer, the built-in writer is checked.
     #[arg(value_name = "WRITER", trailing_var_arg = true)]
     writer: Vec<OsString>,
 }
 
-/// Maximum size in bytes of a file that a writer may write. All requests need far less.
+/// Maximum size in bytes of a file that a writer may write. All requested files are much smaller.
 pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
 pub fn run(args: &CheckWriterArgs) -> CommandResult {
     let stop = stop_on_signals()?;
     processes::prepare_for(MAX_FILE_SIZE);
-    args.written.check(&args.run.report)?;
+    args.output.check(&args.run.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(ImageSet::read).transpose()?;
         check(args, &Suite::load_fitter_requests(own.as_ref()), &stop)
@@ -115,7 +116,7 @@ fn check<V: RequestValues>(
         words: &words,
         limits: args.limits(),
         args: &args.run,
-        written: &args.written,
+        output: &args.output,
         shard: None,
     };
     run.check(suite, selected, &ask, &asking::reword)
@@ -137,7 +138,7 @@ impl CheckWriterArgs {
     fn limits(&self) -> Vec<String> {
         let mut limits = self.run.calls.describe_limits();
         let others = [
-            "the file: twice the bytes of its planes and 64 KiB; larger ones are not read",
+            "the file: twice the size of its planes, plus 64 KiB; larger files are not read",
             &format!("files: {} MiB each, no core dumps", MAX_FILE_SIZE >> 20),
             "input: the request and its files are compared with their original bytes after the call",
         ];

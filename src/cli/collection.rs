@@ -1,7 +1,7 @@
-//! Files of a collection: files from the command line, from a list, and from folders.
+//! Files of a collection, given on the command line, in a list, or by their folder.
 //!
-//! Collections of any size are walked in bounded memory: only a limited number of names in a folder are read at a time.
-//! Links inside folders are not followed, so a walk cannot loop.
+//! Collections of any size are walked in bounded memory: only a limited number of names in a folder is read at a time. Links
+//! inside folders are not followed, so a walk cannot loop.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -26,7 +26,7 @@ const SIZE_HEADER_BYTES: usize = 256;
 const SIZE_HEADER_LINES: usize = 4;
 
 /// Reason for skipping links in folders.
-const A_LINK: &str = "a symbolic link, which is not followed";
+const SYMBOLIC_LINK: &str = "a symbolic link, which is not followed";
 
 /// Reason for skipping devices, sockets and pipes.
 const NOT_A_FILE: &str = "neither a file nor a folder";
@@ -41,25 +41,26 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder. True if it is from a list; a path from the command line is read even if it is a pipe.
+/// Path of a file or folder, and a flag that is true if the path is from a list. A path from the command line is read even if it
+/// is a device.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.
 type WalkStep = Result<WalkItem, PathBuf>;
 
-/// FolderEntry of a folder.
+/// Name and type of an entry of a folder.
 type FolderEntry = io::Result<(OsString, FileType)>;
 
-/// Returns the named files and the files in the named folders. Subfolders are included if `recursive` is true.
+/// Returns the files in `paths` and in their folders. Subfolders are included if `recursive` is true.
 pub fn walk(
-    mut named: impl Iterator<Item = NamedPath> + Send,
+    mut paths: impl Iterator<Item = NamedPath> + Send,
     recursive: bool,
 ) -> impl Iterator<Item = WalkItem> + Send {
     let mut folders: Vec<(PathBuf, Box<dyn Iterator<Item = FolderEntry> + Send>)> = Vec::new();
     std::iter::from_fn(move || {
         loop {
             let step = match folders.last_mut() {
-                None => classify_named_path(named.next()?),
+                None => classify_named_path(paths.next()?),
                 Some((path, entries)) => {
                     let Some(entry) = entries.next() else {
                         folders.pop();
@@ -69,7 +70,7 @@ pub fn walk(
                 }
             };
             match step {
-                Ok(met) => return Some(met),
+                Ok(item) => return Some(item),
                 Err(_) if !recursive && !folders.is_empty() => {}
                 Err(path) => match fs::read_dir(&path) {
                     Ok(folder) => folders.push((path, Box::new(sorted_entries(folder)))),
@@ -99,7 +100,7 @@ fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
         Err(error) => return Ok(WalkItem::Unreadable(folder.to_owned(), error)),
     };
     match kind {
-        kind if kind.is_symlink() => Ok(WalkItem::Skipped(path, A_LINK)),
+        kind if kind.is_symlink() => Ok(WalkItem::Skipped(path, SYMBOLIC_LINK)),
         kind if kind.is_file() => Ok(WalkItem::File(path)),
         kind if kind.is_dir() => Err(path),
         _ => Ok(WalkItem::Skipped(path, NOT_A_FILE)),
@@ -114,11 +115,11 @@ fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = FolderEntry> + Send {
         if chunk.is_empty()
             && let Some(open) = &mut folder
         {
-            let named = |entry: io::Result<fs::DirEntry>| {
+            let name_and_type = |entry: io::Result<fs::DirEntry>| {
                 let entry = entry?;
                 Ok((entry.file_name(), entry.file_type()?))
             };
-            chunk.extend(open.take(NAMES_PER_READ).map(named));
+            chunk.extend(open.take(NAMES_PER_READ).map(name_and_type));
             // Unreadable entries come first.
             chunk.make_contiguous().sort_by(|a, b| match (a, b) {
                 (Ok((a, _)), Ok((b, _))) => a.cmp(b),
@@ -137,8 +138,8 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     std::iter::from_fn(move || {
         loop {
             let mut line = Vec::new();
-            let mut most = list.by_ref().take(MAX_PATH_BYTES);
-            let read = most.read_until(end, &mut line);
+            let mut limited = list.by_ref().take(MAX_PATH_BYTES);
+            let read = limited.read_until(end, &mut line);
             if !matches!(read, Ok(1..)) {
                 return None;
             }
@@ -152,7 +153,7 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     })
 }
 
-/// Estimates the memory that is needed for a PTM of this length and its planes.
+/// Estimates the memory needed for a PTM and its planes, from the beginning of the file and its length.
 pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
     let mut words = beginning.windows(4).take(SIZE_HEADER_BYTES);
     // Only compressed planes are much larger than their file.
@@ -165,11 +166,11 @@ pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
     let head = Dissection::parse(&head[..end]);
     let texels = head.size.map_or(0, |size| size.texels() as u64);
     let planes = texels.saturating_mul(head.format.map_or(0, Format::channels) as u64);
-    // The decoded streams, and the texels that are computed from them.
+    // Memory holds both the decoded streams and the texels computed from them.
     length.saturating_add(planes.saturating_mul(2))
 }
 
-/// Memory budget shared by all workers. A worker that needs more than is free waits.
+/// Memory budget shared by all workers. A worker waits until the amount that it needs is free.
 pub struct MemoryPool {
     all: u64,
     left: Mutex<u64>,

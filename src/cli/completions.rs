@@ -1,4 +1,4 @@
-//! `ptm-conform completions` and `ptm-conform man`
+//! Subcommands `ptm-conform completions` and `ptm-conform man`.
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! `ptm-conform convert`
+//! Subcommand `ptm-conform convert`.
 
 use std::path::PathBuf;
 
@@ -13,11 +13,12 @@ use ptm_conform::tools::repair::repair;
 
 /// Convert a map to another format, losslessly or not at all.
 ///
-/// RGB and LRGB are converted into each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
-/// distinct texels. Every format has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows. The
-/// result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
+/// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
+/// distinct texels. Every format has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows.
+/// The result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
-/// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
+/// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not
+/// supported, 2 usage error.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm"
@@ -28,7 +29,8 @@ pub struct ConvertArgs {
     /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
-    /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why there is none.
+    /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why this is
+    /// impossible.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
     readers: Vec<String>,
     /// Repair faults that have only one correction, and list the changes: blanks and line ends in the header, trailing bytes,
@@ -101,6 +103,6 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
 fn parse_format(text: &str) -> Result<Format, String> {
     text.to_uppercase().parse::<Format>().map_err(|_| {
         let names = Format::ALL.map(Format::short_name);
-        format!("formats are {}", names.join(", "))
+        format!("expected one of {}", names.join(", "))
     })
 }

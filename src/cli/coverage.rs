@@ -14,18 +14,17 @@ use super::CommandResult;
 use super::files::write_atomically;
 use super::output::{jobs, print, with_progress};
 
-/// Measure the suite: covered clauses, misreadings that it catches and tells apart, parameter pairs, redundant cases. Takes
-/// minutes.
+/// Measure the suite: clauses covered, misreadings caught and distinguished, parameter pairs, redundant cases. Takes minutes.
 #[derive(Args)]
 #[command(after_help = "Example:\n  ptm-conform coverage --yaml > coverage.yaml")]
 pub struct CoverageArgs {
     /// Print everything as YAML instead of a summary.
     #[arg(long)]
     yaml: bool,
-    /// Compute the smoke subset, and write its list to FILE.
+    /// Compute the smoke subset and write a list of its cases to FILE.
     #[arg(long, value_name = "FILE")]
     write_smoke: Option<PathBuf>,
-    /// Files decoded in parallel; the result does not depend on it.
+    /// Number of files decoded in parallel; does not affect the result.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }

@@ -1,4 +1,4 @@
-//! `ptm-conform diff`
+//! Subcommand `ptm-conform diff`.
 
 use std::path::PathBuf;
 
@@ -10,10 +10,10 @@ use super::{CommandResult, files};
 use ptm_conform::tools::diff::diff;
 use ptm_conform::tools::dissection::Dissection;
 
-/// Compare two maps: header fields, planes, number of texels that differ, size and place of the first difference.
+/// Compare two maps: header fields, planes, number of texels that differ, size and position of the first difference.
 ///
 /// Files with the same map are equal. Differences in spelling, compression and the order of table entries are mentioned but do
-/// not count.
+/// not count as differences.
 ///
 /// Exit status: 0 the same map, 1 different maps, 2 a file cannot be opened or decoded, or usage error.
 #[derive(Args)]

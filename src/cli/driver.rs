@@ -30,24 +30,24 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases after the smoke subset at which first causes are reported.
+/// Minimum number of cases outside the smoke subset for which first causes are reported.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time limit of the search for first causes, which may take a tenth of the run.
+/// Minimum time limit for the search for first causes. In a long run, the limit is a tenth of the expected duration.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
-/// Minimum estimated duration of a run that is announced beforehand.
+/// Minimum estimated duration that is announced before a run.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.
 pub struct Check<'a, C: Reported> {
     plan: &'a RunPlan,
     circumstances: Circumstances,
-    ending: ReportWriter<'a, C>,
+    writer: ReportWriter<'a, C>,
     /// File next to the report with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
-    /// Hint how to get answers faster; empty if there is none.
+    /// Hint on how to get answers faster; empty if there is none.
     pub faster: &'static str,
     /// Recorder of the answers if this is a partial run.
     recorder: Option<(Shard, AnswerRecorder<C>)>,
@@ -58,13 +58,13 @@ impl<'a, C: Reported> Check<'a, C> {
     pub fn new(
         plan: &'a RunPlan,
         circumstances: Circumstances,
-        ending: ReportWriter<'a, C>,
+        writer: ReportWriter<'a, C>,
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
-        let path = answers_path(ending.path);
+        let path = answers_path(writer.path);
         let recorder = shard.map(|shard| Ok::<_, io::Error>((shard, AnswerRecorder::new(&path)?)));
         let recorder = recorder.transpose().map_err(with_path(&path))?;
-        let mut partial = ending.path.as_os_str().to_owned();
+        let mut partial = writer.path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
         let file = fs::File::create(&partial).map_err(with_path(&partial))?;
@@ -72,15 +72,15 @@ impl<'a, C: Reported> Check<'a, C> {
             plan,
             circumstances,
             partial: (partial, file),
-            ending,
+            writer,
             progress: ProgressLine::new("first contact"),
             faster: "",
             recorder,
         })
     }
 
-    /// Runs first contact and all cases, and returns the judged run. `look` may inspect and change the result of first contact.
-    pub fn ask(&self, ask: &Ask<C>, look: &dyn Fn(&mut Contact<C>)) -> Run<C> {
+    /// Runs first contact and all cases, and returns the judged run. `inspect` may change the result of first contact.
+    pub fn ask(&self, ask: &Ask<C>, inspect: &dyn Fn(&mut Contact<C>)) -> Run<C> {
         let recording = |request: &Request<'_, C::View>, job: usize| {
             let reply = ask(request, job);
             if let Some((_, recorder)) = &self.recorder {
@@ -89,17 +89,17 @@ impl<'a, C: Reported> Check<'a, C> {
             reply
         };
         let began = Instant::now();
-        let mut session = Session::new(self.ending.suite, self.plan, &recording);
+        let mut session = Session::new(self.writer.suite, self.plan, &recording);
         let mut contact = session.first_contact();
         let (time, requests) = (began.elapsed(), session.requests_sent());
         let pace = time.div_f64(requests.max(1) as f64);
-        look(&mut contact);
+        inspect(&mut contact);
         // Assumed misreadings have already been reported.
         if contact.is_ready() && self.circumstances.assumed.is_empty() {
-            C::undo_common_transforms(self.ending.suite, &mut session, &mut contact);
+            C::undo_common_transforms(self.writer.suite, &mut session, &mut contact);
         }
         let observations = self.run_smoke_subset_first(&session, &contact, pace);
-        self.progress.begin("asking again");
+        self.progress.begin("repeating failed cases:");
         let again = |done, all| self.progress.update(done, all);
         let run = session.verdicts(contact, observations, &again);
         // The first signal ends the calls. The next one ends the search for causes.
@@ -107,7 +107,7 @@ impl<'a, C: Reported> Check<'a, C> {
         run
     }
 
-    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request is expected to take about `pace`.
+    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request takes about `pace`.
     fn run_smoke_subset_first(
         &self,
         session: &Session<C>,
@@ -120,9 +120,9 @@ impl<'a, C: Reported> Check<'a, C> {
         let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
             let (id, view, answer) = (case.id(), &observation.view, observation.response.name());
             let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
-            // One write per line. Results that cannot be written here are still in the report.
+            // Use one write per line. Results that cannot be written here are still in the report.
             let _ = (&self.partial.1).write_all(line.as_bytes());
-            // If transforms are undone before comparison, the answer as received must stay recorded.
+            // If transforms are undone before comparison, do not replace the recorded original answer.
             if let (Some((_, recorder)), true) = (&self.recorder, session.undo.is_empty()) {
                 recorder.record_observation(case, observation);
             }
@@ -132,10 +132,10 @@ impl<'a, C: Reported> Check<'a, C> {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             self.progress.update(done, all);
         };
-        let mut observations = vec![None; self.ending.suite.cases.len()];
+        let mut observations = vec![None; self.writer.suite.cases.len()];
         // A short run would end before the user has read the first causes.
         if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
-            self.progress.begin("asking");
+            self.progress.begin("running");
             let all = [soonest, others].concat();
             session.ask_some(contact, &all, &mut observations, &progress);
             return observations;
@@ -148,13 +148,13 @@ impl<'a, C: Reported> Check<'a, C> {
                 "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
             ));
         }
-        self.progress.begin("asking the smoke subset:");
+        self.progress.begin("running the smoke subset:");
         session.ask_some(contact, &soonest, &mut observations, &progress);
         if !session.is_over() {
-            let run = session.so_far(contact, &soonest, &observations);
+            let run = session.partial_run(contact, &soonest, &observations);
             self.report_first_causes(run, (times[0] / 10).max(MIN_SEARCH_TIME));
         }
-        self.progress.begin("asking");
+        self.progress.begin("running");
         session.ask_some(contact, &others, &mut observations, &progress);
         observations
     }
@@ -162,11 +162,11 @@ impl<'a, C: Reported> Check<'a, C> {
     /// Reports the causes of failures in the smoke subset. Reports nothing if the search does not finish in time, because
     /// an incomplete search may name causes that other cases refute.
     fn report_first_causes(&self, mut run: Run<C>, time_limit: Duration) {
-        let (suite, assumed) = (self.ending.suite, &self.circumstances.assumed);
+        let (suite, assumed) = (self.writer.suite, &self.circumstances.assumed);
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
-        let what = "searching for first causes";
-        self.progress.begin_counted(what, &run.searched, MAX_WORK);
+        let label = "searching for first causes";
+        self.progress.begin_counted(label, &run.searched, MAX_WORK);
         let diagnose = |run: &Run<C>| C::diagnose(suite, run, assumed, self.plan.jobs);
         let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
             first_causes(suite, &run, diagnose)
@@ -180,12 +180,12 @@ impl<'a, C: Reported> Check<'a, C> {
 
     /// Writes the report with all verdicts, then searches for causes and writes it again.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let (suite, plan) = (self.ending.suite, self.plan);
+        let (suite, plan) = (self.writer.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();
         self.progress.begin("writing the report");
         let mut report = verdicts(suite, plan, &mut run, &self.circumstances, &others)?;
         // Write the verdicts before the search for causes, which may take long or fail.
-        self.ending.write(&run, &mut report)?;
+        self.writer.write(&run, &mut report)?;
         if let Some((part, recorder)) = self.recorder {
             let end = End {
                 version: report.tool.version.clone(),
@@ -196,11 +196,11 @@ impl<'a, C: Reported> Check<'a, C> {
                 remarks: others,
                 ended_early: run.ended_early.map(str::to_owned),
             };
-            let path = answers_path(self.ending.path);
+            let path = answers_path(self.writer.path);
             recorder.finish(&end).map_err(with_path(&path))?;
         }
-        let what = "searching for causes";
-        self.progress.begin_counted(what, &run.searched, MAX_WORK);
+        let label = "searching for causes";
+        self.progress.begin_counted(label, &run.searched, MAX_WORK);
         let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
@@ -214,7 +214,7 @@ impl<'a, C: Reported> Check<'a, C> {
             found
         });
         drop(self.progress);
-        let status = self.ending.finish(&run, report)?;
+        let status = self.writer.finish(&run, report)?;
         let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }
@@ -228,10 +228,10 @@ pub struct ProgramRun<'a> {
     pub words: &'a [String],
     /// Descriptions of the limits in force.
     pub limits: Vec<String>,
-    /// Path of the report, and options for calls.
+    /// Path of the report and options for calls.
     pub args: &'a RunArgs,
     /// Other output formats of the report.
-    pub written: &'a OutputArgs,
+    pub output: &'a OutputArgs,
     /// Part of the suite, or `None` for the whole suite.
     pub shard: Option<Shard>,
 }
@@ -251,13 +251,13 @@ impl ProgramRun<'_> {
             stop: Arc::clone(&self.program.stop),
             ..RunPlan::new(suite, jobs(self.args.calls.jobs)?)
         };
-        let ending = ReportWriter::new(suite, &self.args.report, self.written)?;
+        let writer = ReportWriter::new(suite, &self.args.report, self.output)?;
         let circumstances = Circumstances {
             command: self.words.to_vec(),
             limits: self.limits,
             ..Circumstances::default()
         };
-        let check = Check::new(&plan, circumstances, ending, self.shard)?;
+        let check = Check::new(&plan, circumstances, writer, self.shard)?;
         let mut run = check.ask(ask, &|_| ());
         check_trouble(self.program)?;
         reword(&mut run);
@@ -265,7 +265,7 @@ impl ProgramRun<'_> {
     }
 }
 
-/// Runs `work`. Sets `stop` when the time limit expires or when `end` is set.
+/// Runs `work`, which should end when `stop` is set. Sets `stop` when the time limit expires or when `end` is set.
 fn run_with_time_limit<T>(
     time_limit: Duration,
     stop: &AtomicBool,

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::CommandResult;
 
-/// Run every case against a decoder: on Unix systems only.
+/// Run every case against a decoder (on Unix systems only).
 #[derive(Args)]
 pub struct UnsupportedArgs {
     /// Any arguments.

@@ -29,7 +29,7 @@ pub struct OutputArgs {
     /// Also write the report as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Leave the passing cases out of the report, and add a digest of all results: to keep the report in a repository.
+    /// Omit the passing cases from the report and add a digest of all results, to keep the report in a repository.
     #[arg(long)]
     short: bool,
     /// Print GitHub annotations, and append the job summary to the file named by GITHUB_STEP_SUMMARY.
@@ -37,9 +37,9 @@ pub struct OutputArgs {
     github: bool,
     /// A list of known failures; only new failures fail the run.
     ///
-    /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case that
-    /// is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date: exit
-    /// status 4, with the names. Listed cases that are not selected, unsupported, inconclusive or not judged are ignored. An
+    /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case
+    /// that is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date:
+    /// exit status 4, with the names. Listed cases that are not selected, unsupported, inconclusive or not judged are ignored. An
     /// unknown or repeated id is a usage error. The verdicts in the report do not change.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
@@ -65,14 +65,14 @@ impl OutputArgs {
             check_writable(path)?;
             if outputs[..i].contains(path) {
                 let path = path.display();
-                return Err(format!("{path} is the output file of two options"));
+                return Err(format!("{path} is the output file for two options"));
             }
         }
         Ok(())
     }
 }
 
-/// Writes a report on a suite to its destinations.
+/// Writer that sends a report on a suite to its destinations.
 pub struct ReportWriter<'a, C: Reported> {
     /// The suite of the report.
     pub suite: &'a Suite<C>,
@@ -128,10 +128,10 @@ impl<'a, C: Reported> ReportWriter<'a, C> {
         let Some(comparison) = report.baseline else {
             return Ok(run.exit_status());
         };
-        // The new failures, and the listed cases that pass.
-        let list = |what: &str, ids: &[String]| match ids.len() {
+        // List the new failures and the listed cases that pass.
+        let list = |title: &str, ids: &[String]| match ids.len() {
             0 => String::new(),
-            count => format!("{what}: {count}\n  {}\n", ids.join("\n  ")),
+            count => format!("{title}: {count}\n  {}\n", ids.join("\n  ")),
         };
         let new = list("new failures, not in the list", &comparison.new);
         let stale = list("stale, listed but passing", &comparison.stale);

@@ -1,4 +1,4 @@
-//! `ptm-conform example`
+//! Subcommand `ptm-conform example`.
 
 use clap::Args;
 

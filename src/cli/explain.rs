@@ -54,7 +54,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Describes a request of `check-writer`.
+/// Describes the request of `check-writer` with this id. Returns an empty string if there is none.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
     let suite = Suite::load_writer_requests()?;
@@ -65,7 +65,7 @@ fn explain_request(id: &str) -> Result<String, String> {
     let first = request.samples.iter().take(18);
     let first: Vec<String> = first.map(|byte| format!("{byte:02x}")).collect();
     Ok(format!(
-        "request {id} to writers ({})\n  {}\n  expected: {}\n{}  planes: {} bytes, the top row first; they begin {}\n",
+        "writer request {id} ({})\n  {}\n  expected: {}\n{}  planes: {} bytes, top row first, beginning with {}\n",
         case.clauses.join(", "),
         case.because,
         case.expectation(),
@@ -82,31 +82,34 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let mut sections: Vec<&str> = sections.collect();
     sections.dedup();
     let mut text = format!(
-        "{} cases: a section below lists those about it\n\n{} clauses, in sections:\n",
+        "{} cases; ptm-conform explain SECTION lists those about a section\n\n{} clauses, by section:\n",
         suite.cases.len(),
         clauses.len()
     );
-    for of in &sections {
-        let is_about = |id: &String| section_of(id) == *of;
+    for section in &sections {
+        let is_about = |id: &String| section_of(id) == *section;
         let clauses = clauses.iter().filter(|clause| is_about(&clause.id)).count();
         let is_case = |case: &&Case| case.clauses.iter().any(is_about);
         let cases = suite.cases.iter().filter(is_case).count();
-        let _ = writeln!(text, "  {of:<7} {clauses:>3} clauses, {cases:>4} cases");
+        let _ = writeln!(
+            text,
+            "  {section:<7} {clauses:>3} clauses, {cases:>4} cases"
+        );
     }
     let rulings = clauses::rulings()?;
     let names: Vec<&str> = rulings.iter().map(|ruling| ruling.id.as_str()).collect();
     let _ = writeln!(text, "\n{} rulings:\n  {}", names.len(), names.join(", "));
     let _ = writeln!(text, "\n{} misreadings:", misreadings::all().count());
-    for of in &sections {
-        let about = misreadings::all().filter(|misreading| section_of(misreading.clause) == *of);
+    for section in &sections {
+        let about = misreadings::all().filter(|found| section_of(found.clause) == *section);
         let slugs: Vec<&str> = about.map(|misreading| misreading.slug).collect();
         if !slugs.is_empty() {
-            let _ = writeln!(text, "  {of}: {}", slugs.join(", "));
+            let _ = writeln!(text, "  {section}: {}", slugs.join(", "));
         }
     }
     let codes: Vec<&str> = codes::ALL.iter().map(|code| code.id).collect();
     let (count, codes) = (codes.len(), codes.join(", "));
-    let _ = writeln!(text, "\n{count} codes of lint:\n  {codes}");
+    let _ = writeln!(text, "\n{count} lint codes:\n  {codes}");
     Ok(text)
 }
 
@@ -149,7 +152,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
-/// Describes an id of the texture suite.
+/// Describes everything in the texture suite that has the given id. Returns an empty string if the id is unknown there.
 fn explain_texture(id: &str) -> Result<String, String> {
     let (suite, pages) = (Suite::load_texture()?, SuiteName::Texture);
     let mut text = String::new();
@@ -235,7 +238,7 @@ fn explain_rules<C: TestCase>(
         let _ = writeln!(text, "  {open}{}", ruling.question.trim());
         let _ = writeln!(text, "  {reference}: {}", ruling.reading.trim());
         for also in &ruling.also {
-            let _ = writeln!(text, "  also right: {also}");
+            let _ = writeln!(text, "  also correct: {also}");
         }
         let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
         text += &page_line(Some(pages.ruling_page(id)));
@@ -348,13 +351,13 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     text + "  " + &cases + "\n"
 }
 
-/// Returns the number of ids and the first six of them.
-fn abbreviate_ids(ids: &[&str], what: &str) -> String {
+/// Formats the number of ids and the first six of them. `noun` is plural.
+fn abbreviate_ids(ids: &[&str], noun: &str) -> String {
     let more = if ids.len() > 6 { ", …" } else { "" };
     let first = ids[..ids.len().min(6)].join(", ");
     match ids.len() {
-        0 => format!("no {what}"),
-        1 => format!("1 {}: {first}", what.trim_end_matches('s')),
-        count => format!("{count} {what}: {first}{more}"),
+        0 => format!("no {noun}"),
+        1 => format!("1 {}: {first}", noun.trim_end_matches('s')),
+        count => format!("{count} {noun}: {first}{more}"),
     }
 }

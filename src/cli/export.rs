@@ -1,4 +1,4 @@
-//! `ptm-conform export`
+//! Subcommand `ptm-conform export`.
 
 use std::path::PathBuf;
 
@@ -9,12 +9,10 @@ use super::{CommandResult, files, output};
 use ptm_conform::tools::export;
 use ptm_conform::tools::render::encode_image;
 
-/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
-///
-/// .exr has the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; of RGB maps red.a0 …
-/// blue.a5; of LUM maps Cr, Cb). .npy has the stored bytes as an array of height x width x channels, or with --final the
-/// final coefficients as 32-bit floats. .png has the stored planes stacked vertically, in specification order. All
-/// have the top row first.
+/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output. .exr has the final coefficients, (raw
+/// - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 … blue.a5; for LUM maps Cr, Cb). .npy has the
+/// stored bytes as an array of height x width x channels or, with --final, the final coefficients as 32-bit floats. .png has the
+/// stored planes stacked vertically, in specification order. The top row is always first.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]
@@ -40,20 +38,20 @@ pub fn run(args: &ExportArgs) -> CommandResult {
         return Err(files::with_path(&args.output)(expected).into());
     }
     if args.final_values && suffix == "png" {
-        return Err("final coefficients are real numbers, which PNG cannot hold; name the output .exr or .npy".to_owned().into());
+        return Err("final coefficients are real numbers, which PNG cannot store; use an output file with the suffix .exr or .npy".to_owned().into());
     }
     let ptm = files::read_map(&args.file)?;
     let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
     let channels = ptm.planes.shape.channels();
-    let (bytes, what) = match (&*suffix, args.final_values) {
+    let (bytes, content) = match (&*suffix, args.final_values) {
         ("exr", _) => {
-            let what = format!("final coefficients in {channels} float channels");
-            (export::exr(&ptm)?, what)
+            let content = format!("final coefficients in {channels} float channels");
+            (export::exr(&ptm)?, content)
         }
         ("npy", true) => {
-            let what = "final coefficients, 32-bit floats".to_owned();
+            let content = "final coefficients, 32-bit floats".to_owned();
             let values = ptm.coefficients().values;
-            (export::npy_floats(&values, size, channels), what)
+            (export::npy_floats(&values, size, channels), content)
         }
         ("npy", false) => {
             let bytes = export::npy_bytes(samples, size, channels);
@@ -61,12 +59,12 @@ pub fn run(args: &ExportArgs) -> CommandResult {
         }
         _ => {
             let planes = export::stacked_planes(samples, size, channels);
-            let what = format!("{channels} stored planes below each other");
-            (encode_image(planes, ImageFormat::Png)?, what)
+            let content = format!("{channels} stored planes, stacked vertically");
+            (encode_image(planes, ImageFormat::Png)?, content)
         }
     };
     files::write_atomically(&args.output, bytes)?;
     let (output, size) = (args.output.display(), ptm.header.size);
-    output::print_note(&format!("{output}: {what}, {size} texels\n"));
+    output::print_note(&format!("{output}: {content}, {size} texels\n"));
     Ok(0)
 }

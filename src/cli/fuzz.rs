@@ -1,4 +1,4 @@
-//! `ptm-conform fuzz`
+//! Subcommand `ptm-conform fuzz`.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -27,9 +27,9 @@ pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///
-/// Responses are judged like cases. Failures with the same cause count as one find: the cause is named, the file is reduced, and a
-/// case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected and NAME.received
-/// (frames), NAME.txt (the cause, and the meaning of each byte of the file).
+/// Responses are judged like cases. Failures with the same cause count as one find. For each find, the cause is named, the file
+/// is reduced, and a case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected and
+/// NAME.received (frames), NAME.txt (the cause, and the meaning of each byte of the file).
 ///
 /// Exit status: 0 nothing found, 1 mistakes found, 2 usage error, 3 not a decoder.
 #[derive(Args)]
@@ -46,7 +46,7 @@ pub struct FuzzArgs {
     /// Stop generating files after this many seconds; reducing a find may take longer.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
-    /// Only files of this format, such as LRGB or JPEG_RGB. Repeatable.
+    /// Generate only files of this format, such as LRGB or JPEG_RGB. Repeatable.
     #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT")]
     formats: Vec<Format>,
     /// Request only this view. Repeatable.
@@ -69,7 +69,7 @@ pub struct FuzzArgs {
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
     let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
-    // When the time is over, no more files are generated, but calls in progress are finished.
+    // After the time limit, no more files are generated, but calls in progress are finished.
     let stop = stop_on_signals()?;
     let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
@@ -114,7 +114,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     }
     let end = match result.ended_early {
         _ if decoder.stop.load(Ordering::Relaxed) => "; interrupted",
-        _ if stop.load(Ordering::Relaxed) => "; the time limit is reached",
+        _ if stop.load(Ordering::Relaxed) => "; the time limit was reached",
         Some(_) => "; the decoder does not terminate",
         None => "",
     };

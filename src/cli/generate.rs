@@ -19,16 +19,16 @@ use ptm_conform::tools::profiles::{self, Profile};
 
 /// Write test files: every file of the suite, the expected frame, and a manifest with digests.
 ///
-/// A profile writes a corpus for other projects: expected images as arrays and image files, a manifest in YAML and JSON, and a README.
-/// minimal has small files for every clause and NPY; standard adds every file up to 64 KiB and PNG; exhaustive has every
-/// file and adds EXR. A version writes the same bytes on every machine.
+/// A profile writes a corpus for other projects: expected images as arrays and image files, a manifest in YAML and JSON, and a
+/// README. minimal has small files for every clause, and NPY arrays; standard adds every file up to 64 KiB, and PNG images;
+/// exhaustive has every file and adds EXR images. Each version of ptm-conform writes the same bytes on every machine.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
     /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
-    /// matches one case, the output file (by default ID.ptm), or a directory that exists or ends in /.
+    /// matches one case, it is the output file (by default ID.ptm), or a directory that exists or ends in /.
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
@@ -38,16 +38,16 @@ pub struct GenerateArgs {
     #[cfg(unix)]
     #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "case", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
-    /// Write only the files of the cases whose id matches, each as ID.ptm; * and ? are wildcards.
+    /// Write only the files of cases whose id matches, each as ID.ptm; * and ? are wildcards.
     #[arg(long, value_name = "GLOB", conflicts_with_all = ["all", "profile"])]
     case: Option<String>,
     /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
-    /// Write the files over 4 KiB, too.
+    /// Also write files over 4 KiB.
     #[arg(long)]
     all: bool,
-    /// Files written in parallel; the result does not depend on it.
+    /// Number of files written in parallel; does not affect the result.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }
@@ -107,7 +107,7 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
     let cases: Vec<&Case> = cases.collect();
     if cases.is_empty() {
         let hint = did_you_mean(glob, suite.cases.iter().map(|case| case.id.as_str()));
-        return Err(format!("no case is called {glob:?}{hint}").into());
+        return Err(format!("no case id matches {glob:?}{hint}").into());
     }
     let is_directory =
         |path: &&Path| path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");

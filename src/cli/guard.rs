@@ -15,7 +15,7 @@ use ptm_conform::runner::processes::{self, Descendants};
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::scratch::{Scratch, remove_directory};
 
-/// Scratch directories of a run, and a watcher process that cleans up if this process is killed.
+/// Scratch directories of a run and a watcher process that cleans up if this process is killed.
 pub struct ScratchGuard {
     /// Scratch directories.
     pub scratch: Scratch,
@@ -60,7 +60,7 @@ const POLL_INTERVAL: Timespec = Timespec {
     tv_nsec: 100_000_000,
 };
 
-/// Runs the watcher. Waits until standard input ends, because the run has finished or was killed, and then cleans up.
+/// Runs the watcher. Waits for the end of standard input, which means that the run has ended, and then cleans up.
 ///
 /// Processes are found by their working directories. A process with a hidden working directory is known only as a
 /// descendant of the run, so the watcher tracks these descendants until the run ends.
@@ -108,7 +108,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, String> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         let registered = signal_hook::flag::register(signal, Arc::clone(&stop));
-        registered.map_err(|error| format!("no signals: {error}"))?;
+        registered.map_err(|error| format!("cannot install signal handlers: {error}"))?;
     }
     Ok(stop)
 }

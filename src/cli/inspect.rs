@@ -1,4 +1,4 @@
-//! `ptm-conform inspect`
+//! Subcommand `ptm-conform inspect`.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ use ptm_conform::tools::inspect::inspect;
 
 /// Show every field of a file: offset, clause and value.
 ///
-/// A damaged file is shown up to the damage, with an error message. For compressed files, the marker segments of JPEG and JPEG-LS
-/// streams and the records of side information are shown, too.
+/// A damaged file is shown up to the damage, with an error message. Compressed files are shown with the marker segments of their
+/// JPEG or JPEG-LS streams and the records of their side information.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]

@@ -13,7 +13,7 @@ use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::tools::lint::codes;
 
-/// Returns a line with the URL of a page, or an empty string without a page.
+/// Returns a line with the URL of a page, or an empty string if there is no page.
 pub fn page_line(page: Option<String>) -> String {
     let line = page.map(|page| format!("  page: {}\n", published_url(&page)));
     line.unwrap_or_default()
@@ -43,7 +43,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
         let page = page.filter(|_| id.contains(['-', '/']));
         pages.extend(page.map(|page| (id.to_owned(), page)));
     };
-    // Errors in the files of the suite are reported elsewhere.
+    // Ignore errors in the files of the suite, which are reported elsewhere.
     for case in Suite::load().iter().flat_map(|suite| &suite.cases) {
         put(&case.id, ptm.case_page(&case.id));
     }

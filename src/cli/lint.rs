@@ -1,4 +1,4 @@
-//! `ptm-conform lint`
+//! Subcommand `ptm-conform lint`.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -26,13 +26,14 @@ use ptm_conform::tools::lint::names::escape_name;
 use ptm_conform::tools::lint::settings::Settings;
 use ptm_conform::tools::lint::status::{MAGIC, Status};
 
-/// Check files: errors, what other readers may show, and fixes.
+/// Check files for errors, predict what other readers may show, and suggest fixes.
 ///
-/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. Not judged are files that cannot be
-/// read, symbolic links inside folders, files over --limit, and PTMs of another version or beyond the limits of the reference.
+/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. Files that are not judged are
+/// unreadable files, symbolic links inside folders, files over --limit, and PTMs of an unsupported version or beyond the limits
+/// of the reference.
 ///
-/// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show
-/// another image, PTM-I… information. `ptm-conform explain PTM-W102` describes one.
+/// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show a
+/// different image, PTM-I… information. For example, `ptm-conform explain PTM-W102` describes a code.
 ///
 /// Exit status, the first that applies: 2 usage error, or a file cannot be read; 1 errors in a PTM (or warnings, with
 /// --deny-warnings); 3 a file is not a PTM; 4 a file was not judged; 5 there is no file; 0 all files are sound.
@@ -42,31 +43,31 @@ use ptm_conform::tools::lint::status::{MAGIC, Status};
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct LintArgs {
-    /// PTM files, folders, or - for a list on standard input, a path a line.
+    /// PTM files, folders, or - for a list on standard input, one path per line.
     #[arg(required_unless_present = "codes", value_name = "PATH")]
     files: Vec<PathBuf>,
-    /// Enter the folders inside folders, too.
+    /// Also check the files in subfolders.
     #[arg(short, long)]
     recursive: bool,
-    /// The paths of the list end in a zero byte instead of a line feed.
+    /// Paths in the list end with a zero byte instead of a line feed.
     #[arg(short = '0', long)]
     null: bool,
-    /// The form of the results: text, json, yaml, csv (a row for each file) or sarif (2.1.0).
+    /// The format of the results: text, json, yaml, csv (one row per file) or sarif (2.1.0).
     #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
     format: Option<RowFormat>,
     /// Do not report this code. Repeatable.
     #[arg(long, value_name = "CODE")]
     allow: Vec<String>,
-    /// Report this code only. Repeatable.
+    /// Report only this code. Repeatable.
     #[arg(long, value_name = "CODE")]
     only: Vec<String>,
-    /// Print at most N findings of each file, the worst first; all are counted.
+    /// Print at most N findings per file, worst first; all findings are counted.
     #[arg(long, value_name = "N")]
     max: Option<usize>,
-    /// Give a code another severity: error, warning or info. Repeatable.
+    /// Change the severity of a code to error, warning or info. Repeatable.
     #[arg(long, value_name = "CODE=LEVEL", value_parser = parse_severity)]
     severity: Vec<(String, Severity)>,
-    /// Exit with 1 for warnings, too.
+    /// Also exit with 1 for warnings.
     #[arg(long)]
     deny_warnings: bool,
     /// A YAML file with allow, only, severity (a mapping), max and deny_warnings; options add to it.
@@ -75,14 +76,14 @@ pub struct LintArgs {
     /// Do not read files larger than this.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
     limit: u64,
-    /// Predict what these readers display: the correct image, a wrong image and the reason, or none. Separate readers by
-    /// commas, or write all.
+    /// Predict what these readers display: the correct image, a wrong image and the reason, or none. Separate readers by commas,
+    /// or use `all`.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
     readers: Vec<String>,
-    /// A YAML file with reader profiles in the form of spec-cases/readers.yaml, instead of the built-in ones.
+    /// A YAML file with reader profiles to use instead of the built-in ones, in the format of spec-cases/readers.yaml.
     #[arg(long = "readers", value_name = "FILE", requires = "readers")]
     profiles: Option<PathBuf>,
-    /// Files read in parallel; by default one per processor.
+    /// Number of files read in parallel; one per processor by default.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
     /// List all codes and stop.
@@ -116,7 +117,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut rows = rows.map_err(|error| error.to_string())?;
     let judge = Judge {
         limit: args.limit,
-        room: MemoryPool::new(args.limit.saturating_mul(2)),
+        memory: MemoryPool::new(args.limit.saturating_mul(2)),
         readers: &readers,
         settings: &settings,
     };
@@ -128,7 +129,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     process_in_order(
         walk,
         jobs,
-        &|met| judge.lint_item(met),
+        &|item| judge.lint_item(item),
         |(path, lint, failed)| {
             let fails = lint.errors > 0 || (settings.deny_warnings && lint.warnings > 0);
             let status = match lint.status {
@@ -180,13 +181,13 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
 /// Returns all paths from the command line and the list.
 fn named_sources(args: &LintArgs) -> impl Iterator<Item = NamedPath> + Send {
     let end = if args.null { 0 } else { b'\n' };
-    let of_path = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
+    let expand = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
         match is_list(path) {
             true => Box::new(paths(BufReader::new(io::stdin()), end).map(|path| (path, true))),
             false => Box::new(std::iter::once((path.clone(), false))),
         }
     };
-    args.files.iter().flat_map(of_path)
+    args.files.iter().flat_map(expand)
 }
 
 fn is_list(path: &Path) -> bool {
@@ -209,26 +210,26 @@ fn progress(args: &LintArgs) -> ProgressBar {
     bar
 }
 
-/// Settings that apply to every file.
+/// Checker of files, with the settings that apply to every file.
 struct Judge<'a> {
     limit: u64,
-    room: MemoryPool,
+    memory: MemoryPool,
     readers: &'a [&'a ReaderProfile],
     settings: &'a Settings,
 }
 
 impl Judge<'_> {
     /// Reads and checks a file. A panic affects only the result for this file.
-    fn lint_item(&self, met: WalkItem) -> Row {
+    fn lint_item(&self, item: WalkItem) -> Row {
         let unread = |path: &Path, reason: &str| {
             let name = escape_name(path.as_os_str());
             Lint::unread(&name, None, Some(reason.to_owned()))
         };
-        let (path, judged) = match met {
+        let (path, judged) = match item {
             WalkItem::File(path) => {
                 let judged = catch_unwind(AssertUnwindSafe(|| self.judge(&path)));
-                let own = |_| Err(io::Error::other("internal error in ptm-conform"));
-                let judged = judged.unwrap_or_else(own);
+                let failed = |_| Err(io::Error::other("internal error in ptm-conform"));
+                let judged = judged.unwrap_or_else(failed);
                 (path, judged)
             }
             WalkItem::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
@@ -251,7 +252,7 @@ impl Judge<'_> {
         let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
         file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
         if !bytes.starts_with(MAGIC) {
-            // The reported length of a pipe or device is not its real length.
+            // The file system does not report the real length of a pipe or device.
             let length = length.max(bytes.len() as u64);
             return Ok(Lint {
                 bytes: Some(length),
@@ -262,7 +263,7 @@ impl Judge<'_> {
             return Ok(too_long(Some(length)));
         }
         let needed = estimate_memory(&bytes, length);
-        self.room.run_when_free(needed, || {
+        self.memory.run_when_free(needed, || {
             // A shorter file has already been read completely.
             if bytes.len() as u64 == HEAD_BYTES {
                 let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);

@@ -29,7 +29,7 @@ pub enum RowFormat {
     Sarif,
 }
 
-/// Prints rows. A run that is killed leaves only complete rows.
+/// Printer of rows. A run that is killed leaves only complete rows.
 pub struct Rows {
     format: RowFormat,
     /// Maximum number of findings that are printed per file.
@@ -101,7 +101,7 @@ impl Rows {
             let totals = self.totals.to_text();
             match self.format {
                 RowFormat::Text => emit(&totals)?,
-                // Standard output contains only the document.
+                // The totals are not part of the document.
                 _ => output::print_error(totals.trim_end()),
             }
         }

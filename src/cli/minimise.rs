@@ -1,4 +1,4 @@
-//! `ptm-conform minimize`
+//! Subcommand `ptm-conform minimize`.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -22,8 +22,8 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 
 /// Reduce a file while a decoder fails on it in the same way.
 ///
-/// The file is decoded, made narrower, lower and simpler step by step, and written again. A step is kept if the decoder's response
-/// still differs from the reference in the same way: a wrong image, a refusal or a crash.
+/// The file is decoded, made narrower, shorter and simpler step by step, and written again. A step is kept if the decoder's
+/// response still differs from the reference in the same way: a wrong image, a refusal or a crash.
 ///
 /// Exit status: 0 a smaller file was written, 1 the decoder does not fail on the file, 2 usage error.
 #[derive(Args)]
@@ -31,7 +31,7 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
     after_help = "Example:\n  ptm-conform minimize --view raw -o small.ptm large.ptm -- ./my-decoder"
 )]
 pub struct MinimizeArgs {
-    /// raw, coef or rgb:LU,LV
+    /// The view: raw, coef or rgb:LU,LV.
     #[arg(long, default_value = "raw")]
     view: View,
     /// The output file; by default FILE with the suffix .small.ptm.
@@ -77,8 +77,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     bar.finish_and_clear();
     check_trouble(&decoder)?;
     let Some(small) = small else {
-        let says =
-            "the failure depends on the spelling of the header: the file cannot be made smaller";
+        let says = "the file cannot be made smaller, because the failure depends on the spelling of the header";
         print(&(says.to_owned() + "\n"));
         return Ok(2);
     };
@@ -89,7 +88,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     std::fs::write(&out, &small).map_err(files::with_path(&out))?;
     let (after, before, out) = (small.len(), file.len(), out.display());
     print(&format!(
-        "{found}: {after} bytes instead of {before}, in {out}\n"
+        "{found}: reduced from {before} to {after} bytes in {out}\n"
     ));
     print_causes(&[(&file, first), (&small, ask(&small))], &args.view);
     Ok(0)
@@ -125,7 +124,7 @@ fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
     match (ptm_conform::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
             let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
-            (!is_equivalent).then_some("another image")
+            (!is_equivalent).then_some("a different image")
         }
         (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),
         (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),

@@ -2,7 +2,7 @@
 //!
 //! Commands that start other programs need a Unix system. All others run everywhere.
 
-#![allow(clippy::doc_markdown, reason = "help is printed as it stands")]
+#![allow(clippy::doc_markdown, reason = "help texts are plain text")]
 
 use std::path::Path;
 
@@ -89,12 +89,12 @@ impl CommandError {
     }
 }
 
-/// Converts a message about a usage error or a file that cannot be read or written.
+/// Converts a message about a usage error, or about a file that cannot be read or written.
 impl From<String> for CommandError {
     fn from(says: String) -> CommandError {
         CommandError::new(2, &says)
     }
 }
 
-/// Exit status if no case or file was selected.
+/// Exit status of a command that selects no case or file.
 pub const EXIT_NOTHING_SELECTED: u8 = 5;

@@ -12,14 +12,14 @@ use textwrap::{Options, WordSeparator, WordSplitter};
 
 use ptm_conform::kit::yaml::to_yaml;
 
-/// Options of every command.
+/// Options common to all commands.
 #[derive(Args)]
 pub struct GlobalArgs {
     /// Color: auto (on a terminal, unless NO_COLOR is set), always or never.
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     #[arg(hide_possible_values = true, help_heading = "Global options")]
     color: ColorChoice,
-    /// Print results and errors only: no progress, no notes, no summaries.
+    /// Print only results and errors: no progress, notes or summaries.
     #[arg(short, long, global = true, help_heading = "Global options")]
     quiet: bool,
 }
@@ -91,7 +91,7 @@ impl MachineFormatArgs {
 /// Returns the requested number of workers. The default is the available parallelism of the machine.
 pub fn jobs(requested: Option<usize>) -> Result<usize, String> {
     match requested {
-        Some(0) => Err("--jobs needs at least 1".to_owned()),
+        Some(0) => Err("--jobs must be at least 1".to_owned()),
         Some(jobs) => Ok(jobs),
         None => Ok(std::thread::available_parallelism().map_or(1, usize::from)),
     }
@@ -121,7 +121,7 @@ pub fn with_progress<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) 
 /// Minimum width for wrapped text.
 const MIN_COLUMNS: usize = 40;
 
-/// Returns the width in columns at which to wrap text, or `None` without a terminal.
+/// Returns the width in columns at which to wrap text, or `None` if there is no terminal.
 pub fn columns(size: Option<(Width, Height)>) -> Option<usize> {
     size.map(|(width, _)| usize::from(width.0).max(MIN_COLUMNS))
 }

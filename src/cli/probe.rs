@@ -15,12 +15,12 @@ use ptm_conform::runner::processes;
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::session::probe::{Reproduction, probe};
 
-/// Test a new wrapper step by step, and say what to fix.
+/// Test a new wrapper step by step and say what to fix.
 ///
 /// The decoder is called for ordinary files in every view, for a large file, malformed files and an unknown view, and in serve
 /// mode, if it has one. Wrong images are compared with common wrapper mistakes: flipped rows, BGR, planar samples, wrong byte
 /// order. If nothing is decoded, other ways to call it are tried (the current directory, the file on standard input, FILE before
-/// VIEW). The files that show a fault are kept, and a command repeats each observation.
+/// VIEW). The files that show a fault are kept, along with a command that reproduces each observation.
 ///
 /// With --writer, the program is a writer, and one file of each format is requested.
 ///
@@ -33,7 +33,7 @@ pub struct ProbeArgs {
     /// The program is a writer (see check-writer).
     #[arg(long)]
     writer: bool,
-    /// Wall-clock limit of a call.
+    /// Wall-clock limit for each call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
     /// The directory for files that show a fault; created if there are any.
@@ -65,7 +65,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     let repeat = |repeat: &Reproduction| save_files(repeat, &command, &args.keep);
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
-        (faults, true) => format!("to fix: {faults}; then probe again\n"),
+        (faults, true) => format!("faults to fix: {faults}; then probe again\n"),
         (0, false) => format!("ready. Next: ptm-conform check -- {command}\n"),
         (1, false) => "1 thing to fix; then probe again\n".to_owned(),
         (faults, false) => format!("{faults} things to fix; then probe again\n"),

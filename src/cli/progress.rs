@@ -1,4 +1,4 @@
-//! Progress display on standard error: one updated line on a terminal, or a new line every half minute elsewhere.
+//! Progress display on standard error: a line that is updated on a terminal, or a new line every half minute elsewhere.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 
 use super::output::{bar, is_quiet, print_error};
 
-/// Interval of updates on a terminal, and interval of new lines elsewhere.
+/// Interval between updates on a terminal, and interval between new lines elsewhere.
 const UPDATE_INTERVALS: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
 
 /// Minimum number of finished items for an estimate of the remaining time.
@@ -20,7 +20,7 @@ const MIN_DONE: usize = 10;
 
 /// Current activity of a run.
 struct Activity {
-    what: &'static str,
+    label: &'static str,
     done: Arc<AtomicUsize>,
     /// Number of items; 0 if unknown.
     all: usize,
@@ -33,7 +33,7 @@ struct Activity {
 impl Activity {
     fn status_text(&self) -> String {
         let done = self.done.load(Ordering::Relaxed);
-        let mut words = self.what.to_owned();
+        let mut words = self.label.to_owned();
         if self.all > 0 && !self.is_limit {
             let _ = write!(words, " {done} of {}", self.all);
         }
@@ -62,7 +62,7 @@ fn lock(activity: &Mutex<Activity>) -> MutexGuard<'_, Activity> {
     (activity.lock()).expect("no thread panics while it holds the lock")
 }
 
-/// Displays the current activity of a run until it is dropped.
+/// Display of the current activity of a run. Ends when it is dropped.
 pub struct ProgressLine {
     bar: ProgressBar,
     activity: Arc<Mutex<Activity>>,
@@ -71,9 +71,9 @@ pub struct ProgressLine {
 
 impl ProgressLine {
     /// Starts the display. Nothing is displayed if `--quiet` is given.
-    pub fn new(what: &'static str) -> ProgressLine {
+    pub fn new(label: &'static str) -> ProgressLine {
         let activity = Arc::new(Mutex::new(Activity {
-            what,
+            label,
             done: Arc::default(),
             all: 0,
             is_limit: false,
@@ -105,18 +105,18 @@ impl ProgressLine {
     }
 
     /// Starts a new activity.
-    pub fn begin(&self, what: &'static str) {
+    pub fn begin(&self, label: &'static str) {
         let mut activity = lock(&self.activity);
         (activity.done, activity.all, activity.is_limit) = (Arc::default(), 0, false);
-        (activity.what, activity.since) = (what, Instant::now());
-        self.bar.set_message(what);
+        (activity.label, activity.since) = (label, Instant::now());
+        self.bar.set_message(label);
         self.bar.set_length(0);
         self.bar.set_position(0);
     }
 
-    /// Starts a new activity whose progress is `counter`, with at most `all` steps.
-    pub fn begin_counted(&self, what: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
-        self.begin(what);
+    /// Starts a new activity that counts its steps in `counter`, with at most `all` steps.
+    pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
+        self.begin(label);
         let mut activity = lock(&self.activity);
         (activity.done, activity.all, activity.is_limit) = (Arc::clone(counter), all, true);
     }
@@ -161,7 +161,7 @@ mod tests {
     fn progress_line_contains_done_and_remaining_work() {
         let since = Instant::now().checked_sub(Duration::from_secs(120));
         let mut activity = Activity {
-            what: "asking",
+            label: "running",
             done: Arc::default(),
             all: 0,
             is_limit: false,
@@ -176,7 +176,7 @@ mod tests {
         ] {
             activity.done.store(done, Ordering::Relaxed);
             (activity.all, activity.is_limit) = (all, is_limit);
-            assert_eq!(activity.status_text(), format!("asking{expected}"));
+            assert_eq!(activity.status_text(), format!("running{expected}"));
         }
     }
 }

@@ -30,14 +30,14 @@ pub fn select_profiles<'a>(
         let has_name = |profile: &&ReaderProfile| {
             name == "all" || profile.name == *name || profile.reader == *name
         };
-        let these: Vec<&ReaderProfile> = known.iter().filter(has_name).collect();
-        if these.is_empty() {
+        let matching: Vec<&ReaderProfile> = known.iter().filter(has_name).collect();
+        if matching.is_empty() {
             let names: Vec<&str> = known.iter().map(|profile| &*profile.name).collect();
             let meant = did_you_mean(name, names.iter().copied());
             let names = names.join(", ");
-            return Err(format!("--for {name}: readers are {names}, all{meant}"));
+            return Err(format!("--for {name}: expected {names} or all{meant}"));
         }
-        for profile in these {
+        for profile in matching {
             if !found.iter().any(|one| one.name == profile.name) {
                 found.push(profile);
             }

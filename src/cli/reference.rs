@@ -1,5 +1,5 @@
-//! `ptm-conform reference`: the reference decoder in one-shot and serve mode, and its capabilities. No cases and no YAML
-//! are read here.
+//! `ptm-conform reference`: the reference decoder in one-shot and serve mode, and its capabilities. This module reads neither
+//! cases nor YAML.
 
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use super::{CommandError, CommandResult, files};
 ///
 /// `reference serve` answers requests "SEQ VIEW PATH" on standard input. `reference capabilities` lists its views and formats.
 /// `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file for a
-/// request of check-writer, `reference fit REQUEST OUT` the best fit of images.
+/// request of check-writer, and `reference fit REQUEST OUT` writes the best fit to images.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]
@@ -36,16 +36,16 @@ pub struct Args {
 
 /// Answers the request in `args` and returns the exit status.
 pub fn run(args: &Args) -> CommandResult {
-    let wrong = |what: &str| Err(what.to_owned().into());
+    let usage_error = |message: &str| Err(message.to_owned().into());
     match (args.view.as_str(), &args.file, &args.out) {
         ("write", Some(request), Some(out)) => write(request, out),
-        ("write", Some(_), None) => wrong("write needs a request and the file to write"),
+        ("write", Some(_), None) => usage_error("write needs a request and the file to write"),
         ("fit", Some(request), Some(out)) => fit(request, out),
-        ("fit", Some(_), None) => wrong("fit needs a request and the file to write"),
-        (_, Some(_), Some(_)) => wrong("a view has one file"),
+        ("fit", Some(_), None) => usage_error("fit needs a request and the file to write"),
+        (_, Some(_), Some(_)) => usage_error("a view takes only one file"),
         ("serve", None, _) => status(serve(io::stdin().lock(), io::stdout().lock())),
         ("capabilities", None, _) => status(io::stdout().write_all(capabilities().as_bytes())),
-        (_, None, _) => wrong("a view needs a file"),
+        (_, None, _) => usage_error("a view needs a file"),
         #[cfg(unix)]
         ("texture", Some(file), None) => super::texture::answer(file),
         (view, Some(file), None) => print_view(&view.parse()?, file),
@@ -96,7 +96,7 @@ fn malformed(path: &Path) -> impl Fn(String) -> CommandError + '_ {
     |error| CommandError::refused(path, EXIT_MALFORMED as u8, &error)
 }
 
-/// Writes the requested file, or returns the reason why it cannot be written.
+/// Writes the requested file, or returns an error with the reason why it cannot be written.
 fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::write_requested_file(request) {
         Ok(bytes) => return Ok(files::write_atomically(out, bytes).map(|()| 0)?),

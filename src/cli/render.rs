@@ -1,4 +1,4 @@
-//! `ptm-conform render`
+//! Subcommand `ptm-conform render`.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
 use ptm_conform::tools::render::{encode_image, normals, render_lit, sheet, upscale};
 
-/// Render a map: under one light, under many lights, or its normals.
+/// Render a map under one light or under many lights, or render its normals.
 ///
 /// A light is LU,LV, its direction projected onto the image plane: LU to the right, LV up; 0,0 is the zenith. Colors are rounded
 /// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless) or .jpg (quality
@@ -32,7 +32,8 @@ pub struct RenderArgs {
     /// The longest side of an image on the sheet; larger maps are scaled down.
     #[arg(long, value_name = "PIXELS", default_value_t = 256, requires = "sheet", value_parser = clap::value_parser!(u16).range(1..))]
     cell: u16,
-    /// Render the normals as colors: the direction of the brightest light, x, y and z from -1 to 1 as 0 to 255, x to the right, y up.
+    /// Render the normals as colors: the direction of the brightest light, with x, y and z from -1 to 1 mapped to 0 to 255, x to
+    /// the right, y up.
     #[arg(long, conflicts_with = "light")]
     normals: bool,
     /// Show every texel as a square of N x N pixels.
@@ -53,7 +54,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         files::with_path(&args.output)(expected)
     })?;
     let ptm = files::read_map(&args.file)?;
-    let (image, what) = match (args.sheet, args.normals, args.light) {
+    let (image, content) = match (args.sheet, args.normals, args.light) {
         (Some(side), ..) => {
             let image = sheet(&ptm, side.into(), args.cell.into())?;
             (image, format!("{side} x {side} lights"))
@@ -76,7 +77,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     let (output, (width, height)) = (args.output.display(), image.dimensions());
     files::write_atomically(&args.output, encode_image(image, format)?)?;
     output::print_note(&format!(
-        "{output}: {what}, {width} x {height} pixels{hint}\n"
+        "{output}: {content}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)
 }

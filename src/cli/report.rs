@@ -26,7 +26,7 @@ pub struct ReportArgs {
 
 #[derive(Subcommand)]
 enum ReportCommand {
-    /// Print a report like check does.
+    /// Print a report as check does.
     #[command(
         after_help = "Example:\n  ptm-conform report show ptm-conform-report.yaml --case '*lut*'"
     )]
@@ -40,7 +40,7 @@ enum ReportCommand {
         #[arg(long, value_name = "N", default_value_t = 10)]
         show: usize,
     },
-    /// Write an HTML page: of one report, or a table of decoders and clauses of several.
+    /// Write an HTML page for one report, or a table of decoders and clauses for several.
     ///
     /// A report contains no images; `check --html` writes a page with images.
     #[command(after_help = "Example:\n  ptm-conform report html old.yaml new.yaml -o page.html")]
@@ -63,8 +63,8 @@ enum ReportCommand {
     Markdown(OutputFormatArgs),
     /// Show what changed between two reports.
     ///
-    /// Lists the cases that began to fail, were fixed, changed otherwise, were added or removed, and changes in the decoder, its
-    /// scores, dialect and causes. Many changed cases are grouped by cause and clause.
+    /// Lists the cases that began to fail, were fixed, changed in other ways, were added or removed, and changes in the decoder,
+    /// its scores, dialect and causes. Many changed cases are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
     #[command(after_help = "Example:\n  ptm-conform report diff old.yaml new.yaml")]
@@ -82,11 +82,11 @@ enum ReportCommand {
 
 /// Merge the parts of a sharded run into one report.
 ///
-/// Each part is written by `check --shard I/N --report PART`, on any machine, with the same decoder and arguments. The responses are
-/// kept in PART.answers next to PART. All N parts are needed. Verdicts, dialect and causes are computed again from all
+/// Each part is written by `check --shard I/N --report PART`, on any machine, with the same decoder and arguments. The responses
+/// are kept in PART.answers next to PART. All N parts are needed. Verdicts, dialect and causes are computed again from all
 /// responses, so the result equals the report of an undivided run.
 ///
-/// Exit status: that of check; 2 if a part is missing, damaged, unfinished or of another run.
+/// Exit status: that of check; 2 if a part is missing, damaged, unfinished or from a different run.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  ptm-conform check --shard 1/2 --report part-1.yaml ./my-decoder\n  ptm-conform check --shard 2/2 --report part-2.yaml ./my-decoder\n  ptm-conform report merge part-1.yaml part-2.yaml"
@@ -125,8 +125,8 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     let reports = match &args.command {
         ReportCommand::Html { files, .. } => &files[..],
         ReportCommand::Show { file, .. } => std::slice::from_ref(file),
-        ReportCommand::Junit(made) | ReportCommand::Badge(made) | ReportCommand::Markdown(made) => {
-            std::slice::from_ref(&made.file)
+        ReportCommand::Junit(args) | ReportCommand::Badge(args) | ReportCommand::Markdown(args) => {
+            std::slice::from_ref(&args.file)
         }
         ReportCommand::Merge(args) => {
             // All parts of a run have the same suite, so the first part determines it.
@@ -151,13 +151,13 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     }
 }
 
-/// Prints or writes reports on a suite in another form.
+/// Converts reports on a suite to the requested format and prints or writes the result.
 fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
     let (suite, report) = (C::suite()?, &reports[0]);
     match command {
-        ReportCommand::Junit(made) => made.write(&junit::junit(report)),
-        ReportCommand::Badge(made) => made.write(&badge::badge(report)),
-        ReportCommand::Markdown(made) => made.write(&github::summary(report, suite.cases.len())),
+        ReportCommand::Junit(args) => args.write(&junit::junit(report)),
+        ReportCommand::Badge(args) => args.write(&badge::badge(report)),
+        ReportCommand::Markdown(args) => args.write(&github::summary(report, suite.cases.len())),
         ReportCommand::Html { output, .. } => {
             let page = match reports {
                 [report] => html::page(&suite, report, None),
@@ -184,13 +184,13 @@ fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandR
 
 fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let ending = ReportWriter::new(&suite, &args.report, &args.outputs)?;
+    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
     let answers = RecordedAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
     })?;
-    Ok(ending.finish(&run, report)?)
+    Ok(writer.finish(&run, report)?)
 }
 
 /// Escapes control characters other than line feeds and tabs, so that text from untrusted reports is safe to print.

@@ -12,19 +12,19 @@ use super::output::{jobs, print, print_note};
 
 /// Write the website: the annotated format, and a page for each case, misreading, ruling, lint code and reader.
 ///
-/// The pages need no server; open index.html. Every example of the annotated format is executed, and nothing is written if one
-/// does not hold.
+/// The pages need no server; open index.html. Every example of the annotated format is executed, and nothing is written if one of
+/// them fails.
 #[derive(Args)]
 #[command(after_help = "Example:\n  ptm-conform site --out site")]
 pub struct SiteArgs {
     /// The output directory; other files in it are kept.
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
-    /// The reference decoder as WebAssembly, built from packages/wasm, for the page on which files can be dropped. By default
-    /// ptm_conform_wasm.wasm next to this program, as in released archives.
+    /// The reference decoder as WebAssembly, built from packages/wasm, for the page on which files can be dropped. The default is
+    /// ptm_conform_wasm.wasm next to this program, as in release archives.
     #[arg(long, value_name = "FILE")]
     module: Option<PathBuf>,
-    /// Files decoded in parallel; the result does not depend on it.
+    /// Number of files decoded in parallel; does not affect the result.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
 }
@@ -50,7 +50,7 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let index = args.out.join("index.html");
     print(&format!("{count} files, {size} MB: {}\n", index.display()));
     if module.is_none() {
-        print_note("drop.html says how to add the page on which files can be dropped\n");
+        print_note("drop.html explains how to add the page on which files can be dropped\n");
     }
     Ok(0)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use ptm_conform::protocol::frame::{Answer, ViewKind};
-use ptm_conform::report::words::CALLER;
+use ptm_conform::report::words::CALLER_COMMAND;
 use ptm_conform::runner::caller::Caller;
 use ptm_conform::runner::run::{Decoder, Reply, Request};
 use ptm_conform::runner::template::Template;
@@ -16,7 +16,7 @@ use ptm_conform::suite::cases::{Case, Expect, Suite};
 use super::check_args::CheckArgs;
 use super::files::with_path;
 
-/// Subject of a check, and the part of the suite that applies to it.
+/// Subject of a check and the part of the suite that applies to it.
 pub struct Subject {
     /// Source of answers.
     pub answers: Answers,
@@ -34,7 +34,7 @@ pub enum Answers {
     Program(Decoder),
     /// Precomputed answers, stored in files.
     Precomputed(Outputs),
-    /// Functions of the parent process.
+    /// Functions in the parent process.
     Caller(Caller),
 }
 
@@ -72,7 +72,7 @@ impl Subject {
         };
         if let Some(socket) = &args.caller {
             let caller = Caller::connect(socket, stop).map_err(with_path(socket))?;
-            let words = vec![CALLER.to_owned()];
+            let words = vec![CALLER_COMMAND.to_owned()];
             return Ok(subject(Answers::Caller(caller), words));
         }
         if let Some(directory) = &args.outputs {
@@ -106,7 +106,7 @@ impl Subject {
                 self.views.push("rgb".to_owned());
             }
             if self.views.len() > 1 {
-                let says = "without {view} a template serves one view; select it with --view";
+                let says = "without {view}, a template serves only one view; select it with --view";
                 return Err("--cmd: ".to_owned() + says);
             }
             if self.views == ["rgb"] && !template.has_light() {
@@ -125,19 +125,19 @@ impl Subject {
     }
 }
 
-/// Opens a directory of precomputed outputs, and prints a warning about files that belong to no request.
+/// Opens a directory of precomputed outputs and prints a warning about files that match no request.
 fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
     let matches = |pattern: &str, id: &str| {
         let pattern = glob::Pattern::new(pattern).map_err(|error| error.to_string())?;
         Ok(pattern.matches(id))
     };
     let outputs = Outputs::open(directory, suite, matches)?;
-    let strangers = &outputs.strangers;
-    if !strangers.is_empty() {
-        let (count, first) = (strangers.len(), &strangers[..strangers.len().min(5)]);
+    let unmatched = &outputs.unmatched;
+    if !unmatched.is_empty() {
+        let (count, first) = (unmatched.len(), &unmatched[..unmatched.len().min(5)]);
         let first = first.join(", ");
         super::output::print_error(&format!(
-            "ptm-conform: {count} files belong to no request: {first}"
+            "ptm-conform: {count} files in the output directory match no request: {first}"
         ));
     }
     Ok(outputs)

@@ -32,16 +32,16 @@ enum TextureCommand {
     Render(TextureRenderArgs),
 }
 
-/// Check that the reference answers every case of a file as the file expects.
+/// Check that the reference gives the expected answer to every case in a file.
 ///
-/// The file has the form of spec-cases/texture/cases: a list of cases in YAML, or a document with such a list under "cases".
-/// Numbers are compared within 1e-9, or the case's tolerance. Other readings are computed, too.
+/// The file has the format of spec-cases/texture/cases: a YAML list of cases, or a document with a list of cases under "cases".
+/// Numbers are compared within 1e-9, or the case's tolerance. Other readings are also computed.
 ///
 /// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]
 #[command(after_help = "Example:\n  ptm-conform texture cases spec-cases/texture/cases/table.yaml")]
 struct CasesArgs {
-    /// A file of cases.
+    /// A file with cases.
     file: PathBuf,
     /// Print only the cases that do not hold.
     #[arg(long)]
@@ -77,10 +77,10 @@ struct TextureRenderArgs {
     /// shape's own coordinates (`parameterization: FloatData`) and `rendering_control: PreLight`.
     #[arg(long, value_name = "YAML", default_value = "{}")]
     entry: String,
-    /// Give the map levels by box filter.
+    /// Generate mipmap levels for the map with a box filter.
     #[arg(long)]
     mipmap: bool,
-    /// The visible area beyond the map on each side, in maps: the shape's coordinates run from -N to 1 + N.
+    /// The visible area around the map on each side, in units of the map: the shape's coordinates run from -N to 1 + N.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
     /// The surface's own color: red, green, blue from 0 to 1.
@@ -202,7 +202,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
         around: args.around,
     };
     let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
-        .map_err(|error| format!("these coordinates cannot be drawn: {error}"))?;
+        .map_err(|error| format!("cannot draw these coordinates: {error}"))?;
     let (width, height) = (args.size, args.size);
     let image = rgb(Size { width, height }, drawn);
     write_atomically(&args.output, encode_image(image, image::ImageFormat::Png)?)?;

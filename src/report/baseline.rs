@@ -1,4 +1,4 @@
-//! Known failures: a list of cases that are expected to fail, so that only new failures are errors.
+//! Baselines: lists of cases that are known to fail, so that only new failures are errors.
 //!
 //! ```yaml
 //! - id: table-of-257-entries-ptm-lut
@@ -61,10 +61,10 @@ impl Baseline {
     /// # Errors
     /// Returns a message that names the file and the line if the file is malformed or contains an unknown or duplicate id.
     pub fn read<C: TestCase>(path: &Path, suite: &Suite<C>) -> Result<Baseline, String> {
-        let named = |error: String| format!("{}: {error}", path.display());
+        let in_file = |error: String| format!("{}: {error}", path.display());
         let mut listed = BTreeMap::new();
-        for (number, KnownFailure { id, reason }) in records(&read_text(path)?).map_err(named)? {
-            let fault = |what: String| Err(named(format!("line {number}: {what}")));
+        for (number, KnownFailure { id, reason }) in records(&read_text(path)?).map_err(in_file)? {
+            let fault = |error: String| Err(in_file(format!("line {number}: {error}")));
             if suite.case(&id).is_none() {
                 return fault(format!("unknown case {id:?}"));
             }
@@ -115,7 +115,7 @@ impl Baseline {
             false => to_yaml(&known).expect("strings can be written"),
         };
         format!(
-            "# Known failures, for ptm-conform check --baseline. A reason: may stand below each id.\n{list}"
+            "# Known failures, for ptm-conform check --baseline. An entry may also have a reason:.\n{list}"
         )
     }
 }

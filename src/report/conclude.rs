@@ -1,4 +1,4 @@
-//! Final steps of a run: first build a report with all verdicts, then add the causes of failures.
+//! Final steps of a run: building a report with all verdicts, and then adding the causes of failures.
 //!
 //! The verdicts do not depend on the search for causes and are not affected if the search fails.
 
@@ -34,8 +34,8 @@ pub fn conclude<C: Reported>(
     }))
 }
 
-/// Builds the report of a run without causes. The report includes the declared capabilities and the remarks in `others`,
-/// which do not follow from answers.
+/// Builds the report of a run without causes. The report includes the declared capabilities and the remarks in `others`, which
+/// are not derived from answers.
 ///
 /// # Errors
 /// Returns a message that names the first unknown misreading in `circumstances.assumed`.

@@ -98,7 +98,7 @@ fn write(old: &Report, new: &Report, every_case: bool, out: &mut String) -> fmt:
         }
     }
     if out.is_empty() && old != new {
-        *out += "the cases are in another order, or a case is duplicated\n";
+        *out += "the cases are in a different order, or a case is duplicated\n";
     }
     Ok(())
 }
@@ -128,7 +128,7 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
         return after.outcome.to_string();
     }
     let fields = differing_fields(before, after).join(", ");
-    let how = match before.outcome == after.outcome {
+    let change = match before.outcome == after.outcome {
         true => format!("{} ({fields})", after.outcome),
         false => format!("{} → {}", before.outcome, after.outcome),
     };
@@ -139,9 +139,9 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
     };
     let section = section_of(after.clauses.first().map_or("", String::as_str));
     match cause {
-        Some(cause) => format!("{how}: {} (clause {})", cause.title(), cause.clause),
-        None if fails(before) || fails(after) => format!("{how}: no cause, section {section}"),
-        None => format!("{how}: section {section}"),
+        Some(cause) => format!("{change}: {} (clause {})", cause.title(), cause.clause),
+        None if fails(before) || fails(after) => format!("{change}: no cause, section {section}"),
+        None => format!("{change}: section {section}"),
     }
 }
 

@@ -204,8 +204,8 @@ impl Report {
     /// Returns true if the baseline lists this failure (`--baseline`).
     #[must_use]
     pub fn is_known(&self, case: &CaseResult) -> bool {
-        let news = self.baseline.as_ref();
-        news.is_some_and(|news| news.known.contains(&case.id))
+        let baseline = self.baseline.as_ref();
+        baseline.is_some_and(|baseline| baseline.known.contains(&case.id))
     }
 
     /// Returns the first cause that reproduces this failure, or else the first that explains it in part.

@@ -43,19 +43,19 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
     // Known failures are not reported again.
     let failures = report.with_outcome(Outcome::Fail);
-    let news: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
+    let new: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
     for cause in &report.diagnoses {
         let has_this_cause = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
-        let share = news.iter().filter(has_this_cause).count();
+        let share = new.iter().filter(has_this_cause).count();
         if share > 0 {
             let title = format!("{name}, clause {}: {}", cause.clause, cause.name());
-            let (all, subject) = (news.len(), report.suite.subject());
+            let (all, subject) = (new.len(), report.suite.subject());
             let LikelyCause { effect, fix, .. } = cause;
             let says = format!("{share} of {all} failures: the {subject} {effect}. Fix: {fix}.");
             errors.push((title, says));
         }
     }
-    let unexplained = news.iter().filter(|case| report.cause_of(case).is_none());
+    let unexplained = new.iter().filter(|case| report.cause_of(case).is_none());
     errors.extend(unexplained.map(|case| (format!("{name}, case {}", case.id), case.says.clone())));
     errors
 }
@@ -100,8 +100,8 @@ fn write_head(report: &Report, out: &mut String) -> fmt::Result {
 /// Writes the comparison with the baseline, the causes, and the number of failures without a cause.
 fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     let all = failures.len();
-    if let Some(news) = &report.baseline {
-        let [known, new, fixed] = [&news.known, &news.new, &news.stale].map(Vec::len);
+    if let Some(list) = &report.baseline {
+        let [known, new, fixed] = [&list.known, &list.new, &list.stale].map(Vec::len);
         writeln!(
             out,
             "{known} of {all} failures were known and {new} are new; {fixed} known failures were fixed.\n"

@@ -1,7 +1,7 @@
-//! The report as `JUnit` XML, for tools that read test results.
+//! Reports as `JUnit` XML, for tools that read test results.
 //!
 //! A failed case is a failure, and a case that was not run is an error. A problem of the whole run is also a failure. Known
-//! failures and cases without evidence (unsupported, inconclusive, another dialect, not judged, assumed) are skipped.
+//! failures and cases without evidence (unsupported, inconclusive, other dialect, not judged, assumed) are skipped.
 
 use maud::{Markup, PreEscaped, html};
 
@@ -9,21 +9,21 @@ use crate::report::document::{CaseResult, Report};
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::section_of;
 
-/// Test: its class, its name, the name and markup of its element (`None` if it passed), and its standard error.
+/// Test: its class, its name, the name and markup of its result element (`None` if it passed), and its standard error.
 type Test<'a> = (String, String, Option<(&'static str, Markup)>, &'a str);
 
 /// Returns the problems of the whole run and all cases as tests. The class of a case is the section of its first clause.
 fn tests(report: &Report) -> Vec<Test<'_>> {
     let mut tests = Vec::new();
-    let mut put = |name, element| tests.push(("ptm-conform".to_owned(), name, Some(element), ""));
+    let mut add = |name, element| tests.push(("ptm-conform".to_owned(), name, Some(element), ""));
     if let Some(reason) = &report.reason {
         let element = html! { error message=(report.verdict) { (reason) } };
-        put("first-files".to_owned(), ("error", element));
+        add("first-files".to_owned(), ("error", element));
     }
     let failures = report.remarks.iter().filter(|remark| remark.failure);
     for (number, remark) in (1..).zip(failures) {
         let element = html! { failure message=(remark.says) {} };
-        put(format!("whole-run-{number}"), ("failure", element));
+        add(format!("whole-run-{number}"), ("failure", element));
     }
     tests.extend(report.cases.iter().map(|case| {
         // A dot would separate packages.

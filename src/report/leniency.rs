@@ -25,7 +25,7 @@ pub struct Leniency {
     pub refused: usize,
     /// Number of files for which the decoder exited with status 69.
     pub unsupported: usize,
-    /// Number of files that gave another image or no image.
+    /// Number of files that gave a different image or no image.
     pub other: usize,
 }
 
@@ -34,14 +34,14 @@ impl Leniency {
     pub(super) fn to_summary(&self) -> String {
         let plural = if self.other == 1 { "" } else { "s" };
         let mut counts = Vec::new();
-        for (count, what) in [
+        for (count, label) in [
             (self.decoded, "decoded"),
             (self.refused, "refused"),
             (self.unsupported, "unsupported"),
             (self.other, &format!("other result{plural}")),
         ] {
             if count > 0 {
-                counts.push(format!("{count} {what}"));
+                counts.push(format!("{count} {label}"));
             }
         }
         format!("{}: {}", self.ruling, counts.join(", "))
@@ -58,15 +58,15 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
         let Some(((seen, ruling), judged)) = seen.zip(run.judgement.cases[i].as_ref()) else {
             continue;
         };
-        let of = rulings.entry(ruling).or_insert_with(|| Leniency {
+        let counts = rulings.entry(ruling).or_insert_with(|| Leniency {
             ruling: ruling.to_owned(),
             ..Leniency::default()
         });
         match (&seen.response, judged.outcome) {
-            (Response::Rejected, _) => of.refused += 1,
-            (Response::Unsupported, _) => of.unsupported += 1,
-            (Response::Image { .. }, Outcome::Pass) => of.decoded += 1,
-            _ => of.other += 1,
+            (Response::Rejected, _) => counts.refused += 1,
+            (Response::Unsupported, _) => counts.unsupported += 1,
+            (Response::Image { .. }, Outcome::Pass) => counts.decoded += 1,
+            _ => counts.other += 1,
         }
     }
     rulings.into_values().collect()

@@ -22,7 +22,7 @@ use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, TestCase};
 
 impl Report {
-    /// Creates the report of `run`, without causes. Directories are removed from `command`.
+    /// Creates the report on `run`, without causes. Directories are removed from `command`.
     #[must_use]
     pub fn new<C: Reported>(
         suite: &Suite<C>,
@@ -128,7 +128,7 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
     readings
 }
 
-/// Returns everything for which the decoder always exits with status 69: whole features, and views of a kind of file.
+/// Returns everything for which the decoder always exits with status 69: whole features, and single views of a kind of file.
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     let features = run.judgement.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();
@@ -144,7 +144,7 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
 
 /// Returns remarks on images that were compared with a tolerance larger than rounding requires.
 fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
-    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; another inverse DCT or a small mistake may be the reason";
+    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; a different inverse DCT or a small mistake may be the reason";
     let lossy = format!(
         "responses are JPEG images, which are lossy, so the tolerance is larger by {LOSSY_TOLERANCE} and small mistakes are not found"
     );

@@ -36,16 +36,16 @@ impl<C: Reported> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or belongs to another run, suite or version, or if a part is missing,
-    /// duplicate or incomplete.
+    /// Returns a message if a file is damaged or from a different run, suite or version, or if a part is missing, duplicate or
+    /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, End)> = Vec::new();
         for report in reports {
-            let (kept, end) = read(&shards::answers_path(report))
+            let (answers, end) = read(&shards::answers_path(report))
                 .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
-            for kept in kept {
-                known.insert((kept.file.clone(), kept.view.clone(), kept.alone), kept);
+            for reply in answers {
+                known.insert((reply.file.clone(), reply.view.clone(), reply.alone), reply);
             }
             ends.push((report, end));
         }
@@ -53,7 +53,7 @@ impl<C: Reported> RecordedAnswers<C> {
         ends.sort_by_key(|(_, end)| end.part.number);
         let (first, mut whole) = ends.remove(0);
         if whole.corpus != C::digest(suite) {
-            let says = "made with another suite than that of this program";
+            let says = "made with a suite other than that of this program";
             return Err(format!("{}: {says}", first.display()));
         }
         for (_, part) in &ends {
@@ -93,9 +93,9 @@ impl<C: Reported> RecordedAnswers<C> {
         }
         let observations = session.ask_cases(&contact, progress);
         let mut run = session.verdicts(contact, observations, &|_, _| ());
-        if let Some(what) = missing.into_inner() {
+        if let Some(request) = missing.into_inner() {
             return Err(format!(
-                "no part of the run contains the request for {what}; are the responses of the decoder nondeterministic?"
+                "no part of the run contains the request for {request}; are the responses of the decoder nondeterministic?"
             ));
         }
         let report = conclude(suite, &plan, &mut run, circumstances, remarks)?;
@@ -109,16 +109,16 @@ impl<C: Reported> RecordedAnswers<C> {
         let key = |alone| (file.clone(), request.view.to_string(), alone);
         let known = |alone| self.known.get(&key(alone));
         let again = known(true).filter(|_| request.needs_new_process);
-        let kept = again.or_else(|| known(false))?;
-        let answer = match &kept.answer {
+        let record = again.or_else(|| known(false))?;
+        let answer = match &record.answer {
             Some(answer) => answer.clone(),
-            None => Answer::Decoded(suite.case(&kept.case)?.expected_output(request.view)?),
+            None => Answer::Decoded(suite.case(&record.case)?.expected_output(request.view)?),
         };
         Some(Reply {
-            stderr: kept.stderr.clone(),
-            exit: kept.exit,
-            previous_request: kept.after.clone(),
-            served: kept.served.clone(),
+            stderr: record.stderr.clone(),
+            exit: record.exit,
+            previous_request: record.after.clone(),
+            served: record.served.clone(),
             ..answer.into()
         })
     }
@@ -142,7 +142,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, End
     for (number, line) in BufReader::new(file).lines().enumerate() {
         let line = line.map_err(|error| error.to_string())?;
         match serde_json::from_str(&line) {
-            Ok(AnswerRecord::Answer(kept)) => answers.push(*kept),
+            Ok(AnswerRecord::Answer(answer)) => answers.push(*answer),
             Ok(AnswerRecord::End(end)) => return Ok((answers, *end)),
             Err(error) => return Err(format!("line {}: {error}", number + 1)),
         }
@@ -156,24 +156,24 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
         return Err("no reports to merge".to_owned());
     };
     for (path, end) in ends {
-        let named = |what: &str| Err(format!("{}: {what}", path.display()));
+        let fault = |error: &str| Err(format!("{}: {error}", path.display()));
         if end.version != env!("CARGO_PKG_VERSION") {
             let version = &end.version;
-            return named(&format!("written by version {version} of this program"));
+            return fault(&format!("written by version {version} of this program"));
         }
         let run = |end: &End| {
             let mut end = end.clone();
             end.part.number = 0;
             end.plan.selected.clear();
             (end.remarks, end.ended_early) = (OtherRemarks::default(), None);
-            serde_json::to_string(&end).expect("it can be written")
+            serde_json::to_string(&end).expect("a trailer can be written")
         };
         if run(end) != run(first) {
-            return named(&format!("from another run than {}", first_path.display()));
+            return fault(&format!("not from the run of {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {
             let says = format!("part {} did not finish: {why}", end.part);
-            return named(&format!("{says}. Run this part again"));
+            return fault(&format!("{says}. Run this part again"));
         }
     }
     for number in 1..=first.part.of {

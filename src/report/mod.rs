@@ -1,4 +1,4 @@
-//! Reports, and all text that a user of `check` reads.
+//! Reports and all other text that a user of `check` reads.
 //!
 //! A report is plain data ([`document`]). YAML, text and the other output formats are generated from it and work for all suites.
 

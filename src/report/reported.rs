@@ -1,4 +1,4 @@
-//! Parts of a suite that only reports need.
+//! Parts of a suite that are needed only for reports.
 
 use maud::Markup;
 
@@ -56,10 +56,10 @@ pub trait Reported: TestCase {
     ///
     /// # Errors
     /// Returns a message that names the first unknown misreading.
-    fn assume(_: &Suite<Self>, _: &mut Run<Self>, of: &[String], _: usize) -> Result<(), String> {
-        match of {
+    fn assume(_: &Suite<Self>, _: &mut Run<Self>, ids: &[String], _: usize) -> Result<(), String> {
+        match ids {
             [] => Ok(()),
-            _ => Err("--assume works only with the suite of PTM files".to_owned()),
+            _ => Err("--assume works only with --suite ptm".to_owned()),
         }
     }
     /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
@@ -122,9 +122,9 @@ impl Reported for Case {
     }
 
     fn undo_common_transforms(suite: &Suite, session: &mut Session<Case>, contact: &mut Contact) {
-        let common = transform::common(suite, contact);
+        let common = transform::common_transforms(suite, contact);
         let remarks = &mut contact.remarks;
-        remarks.splice(0..0, transform::in_words(&common));
+        remarks.splice(0..0, transform::remarks(&common));
         session.undo = common.into_iter().map(|of| of.undo).collect();
     }
 

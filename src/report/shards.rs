@@ -1,4 +1,4 @@
-//! Partial runs (shards) for several machines: selection of cases and recording of answers.
+//! Partial runs (shards) on several machines: selection of cases and recording of answers.
 //!
 //! The verdict on a case depends on other cases: on its twin, on cases with the same features, and on the dialect. The
 //! reports of the parts therefore cannot be merged directly. Instead, each part records the answers of the decoder in a
@@ -186,7 +186,7 @@ impl<C: TestCase> AnswerRecorder<C> {
 
     /// Records an answer.
     pub fn record_answer(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
-        let kept = RecordedAnswer {
+        let record = RecordedAnswer {
             case: request.name.to_owned(),
             file: digest(request.file),
             view: request.view.to_string(),
@@ -198,17 +198,17 @@ impl<C: TestCase> AnswerRecorder<C> {
             served: reply.served.clone(),
         };
         let mut state = self.0.lock().expect("no worker panics");
-        if kept.alone {
-            state.write(&kept);
+        if record.alone {
+            state.write(&record);
         } else {
-            let key = (kept.case.clone(), kept.view.clone());
-            if let Some(before) = state.waiting.insert(key, kept) {
+            let key = (record.case.clone(), record.view.clone());
+            if let Some(before) = state.waiting.insert(key, record) {
                 state.write(&before);
             }
         }
     }
 
-    /// Drops the image of the answer that was just recorded if it equals the expected image.
+    /// Drops the image of the answer that was just recorded, if it equals the expected image.
     pub fn record_observation(&self, case: &C, observation: &Observation<C>) {
         let expected = matches!(
             observation.response,
@@ -221,11 +221,11 @@ impl<C: TestCase> AnswerRecorder<C> {
         );
         let mut state = self.0.lock().expect("no worker panics");
         let key = (case.id().to_owned(), observation.view.to_string());
-        if let Some(mut kept) = state.waiting.remove(&key) {
+        if let Some(mut record) = state.waiting.remove(&key) {
             if expected && case.expected_output(&observation.view).is_some() {
-                kept.answer = None;
+                record.answer = None;
             }
-            state.write(&kept);
+            state.write(&record);
         }
     }
 
@@ -237,8 +237,8 @@ impl<C: TestCase> AnswerRecorder<C> {
         let mut state = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = state.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
-        for (_, kept) in waiting {
-            state.write(&kept);
+        for (_, record) in waiting {
+            state.write(&record);
         }
         state.write(end);
         state.failed.map_or_else(|| state.out.flush(), Err)

@@ -6,13 +6,13 @@ use std::fmt::{self, Write};
 use crate::kit::last_message::last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::words::{details, how_it_is_called};
+use crate::report::words::{call_instructions, details};
 use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::suite::test_case::TestCase;
 
-/// Maximum number of example failures for a cause of the catalog, and for a described cause.
+/// Maximum number of example failures for a misreading in the catalog, and for any other cause.
 const MAX_EXAMPLES: (usize, usize) = (2, 1);
 
 impl Report {
@@ -54,7 +54,7 @@ impl Report {
     }
 }
 
-/// Minimum number of failures of a cause that is reported during a run.
+/// Minimum number of failures for which a cause is reported during a run.
 const MIN_FAILURES_PER_CAUSE: usize = 3;
 /// Maximum number of causes that are reported during a run.
 const MAX_FIRST_CAUSES: usize = 5;
@@ -112,7 +112,7 @@ impl<C: TestCase> Page<'_, C> {
             let command = &self.report.decoder.command;
             let subject = self.report.suite.subject();
             writeln!(out, "{command} is not a {subject}: {reason}")?;
-            return writeln!(out, "{}", how_it_is_called(self.report.suite, command));
+            return writeln!(out, "{}", call_instructions(self.report.suite, command));
         }
         for remark in &self.report.remarks {
             let kind = if remark.failure { "FAIL" } else { "note" };
@@ -162,7 +162,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "Unexplained failures: {count} of {all}")?;
         let (alike, single) = group_violations(&unexplained);
         for (kind, cases) in &alike {
-            writeln!(out, "  {} times: {kind}; for example", cases.len())?;
+            writeln!(out, "  {} failures: {kind}; for example", cases.len())?;
             for case in cases.iter().take(2) {
                 self.write_failure(case, out)?;
             }
@@ -224,14 +224,14 @@ impl<C: TestCase> Page<'_, C> {
             let mut choices = C::CHOICES.iter();
             choices.any(|of| of.ruling == known.ruling && of.readings[0].0 == known.reading)
         };
-        let (alike, own): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
+        let (alike, others): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let has_alike = !alike.is_empty();
         let alike = match alike.len() {
             1 => "1 open question is read as the reference reads it".to_owned(),
             many => format!("{many} open questions are read as the reference reads them"),
         };
-        let own = (own.iter()).map(|known| format!("{}: {}", known.ruling, known.reading));
-        let items = has_alike.then_some(alike).into_iter().chain(own);
+        let others = (others.iter()).map(|known| format!("{}: {}", known.ruling, known.reading));
+        let items = has_alike.then_some(alike).into_iter().chain(others);
         write_list(out, "dialect", items)
     }
 
@@ -240,7 +240,7 @@ impl<C: TestCase> Page<'_, C> {
         let mut reasons = BTreeMap::new();
         let twins = match self.failing.is_empty() {
             true => "the valid twin was not decoded",
-            false => "the valid twin was not decoded, or was misread too",
+            false => "the valid twin was not decoded, or was also misread",
         };
         let count = self.report.with_outcome(Outcome::Inconclusive).count();
         if count > 0 {

@@ -18,8 +18,8 @@ fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = 
 /// Maximum number of misreadings with the same effect that are described. Further ones are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
-/// Additional sentence about a cause without the final period: the text before a name, the name of a misreading or case
-/// (may be empty), the text after it, and the page of the misreading on the site.
+/// Additional sentence about a cause, without the final period: the text before a name, the name of a misreading or case (may be
+/// empty), the text after the name, and the page of the misreading on the site.
 type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 
 /// Returns the details of a cause: misreadings with the same effect, misreadings that also occur, and cases that the cause
@@ -27,12 +27,12 @@ type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let subject = suite.subject();
     let mut details: Vec<Detail> = Vec::new();
-    let mut alike = find_misreadings(suite, &cause.or);
-    for [slug, clause, effect] in alike.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
+    let mut equivalent = find_misreadings(suite, &cause.or);
+    for [slug, clause, effect] in equivalent.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
         let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
         details.push((before, slug, ")", Some(suite.misreading_page(slug))));
     }
-    let more = alike.count();
+    let more = equivalent.count();
     if more > 0 {
         let plural = if more == 1 { "" } else { "s" };
         let before = format!("{more} other misreading{plural} would look the same; see the report");
@@ -63,11 +63,11 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     details
 }
 
-/// Command name of a decoder that consists of functions of another process.
-pub const CALLER: &str = "a function of the caller";
+/// Name shown in reports for a decoder whose functions are called in the process that started ptm-conform.
+pub const CALLER_COMMAND: &str = "a function of the caller";
 
 /// Returns lines that explain how the program under test is called.
-pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
+pub(super) fn call_instructions(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(
             "A texture stage is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
@@ -78,14 +78,14 @@ pub(super) fn how_it_is_called(suite: SuiteName, command: &str) -> String {
         SuiteName::Fitters => format!(
             "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
         ),
-        SuiteName::Ptm if command == CALLER => {
+        SuiteName::Ptm if command == CALLER_COMMAND => {
             "The functions raw(file), coef(file) and rgb(file, lu, lv) take the bytes of a file and return an image; see the README of the package.".to_owned()
         }
         SuiteName::Ptm if command.contains("{in}") => {
             "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
-            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find out step by step what is wrong, run: ptm-conform probe DECODER"
+            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
         ),
     }
 }

@@ -1,4 +1,4 @@
-//! Serialization of reports to YAML, and parsing.
+//! Serialization of reports to YAML and parsing of YAML reports.
 //!
 //! A report file is untrusted: its size is limited, anchors and aliases are rejected, and an error names the line.
 
@@ -27,27 +27,27 @@ impl Report {
     /// Reads a report that `check` wrote to `path`.
     ///
     /// # Errors
-    /// Returns a message that names the file and, if known, the line. Short reports and reports of another schema version
+    /// Returns a message that names the file and, if known, the line. Short reports and reports with a different schema version
     /// are rejected.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
-        let named = |error: String| format!("{}: {error}", path.display());
+        let in_file = |error: String| format!("{}: {error}", path.display());
         let list = "\nthe file is a list, like FILE.partial; a report is a mapping that begins with schema:";
         let hint = if text.starts_with("- ") { list } else { "" };
-        let form = from_yaml::<SchemaVersion>(&text).map_err(|error| named(error + hint))?;
+        let form = from_yaml::<SchemaVersion>(&text).map_err(|error| in_file(error + hint))?;
         let error = match form.schema {
-            Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(named)? {
+            Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(in_file)? {
                 report if report.results.is_none() => return Ok(report),
                 _ => "a short report does not list the passing cases; run check without --short"
                     .to_owned(),
             },
             Some(other) => format!(
-                "line 1: a report of schema {other}, but this program reads schema {SCHEMA}"
+                "line 1: the report has schema {other}, but this program reads schema {SCHEMA}"
             ),
             None => format!(
-                "line 1: not a report of schema {SCHEMA}; if an older version wrote the file, run check again"
+                "line 1: not a report with schema {SCHEMA}; if an older version wrote the file, run check again"
             ),
         };
-        Err(named(error))
+        Err(in_file(error))
     }
 }

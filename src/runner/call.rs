@@ -18,7 +18,7 @@ const MAX_STDERR_BYTES: usize = 2000;
 /// A duration longer than any timeout, yet short enough to be added to an `Instant`.
 pub(crate) const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
 
-/// Interval at which memory is measured and the stop flag is read.
+/// Interval at which memory is measured and the stop flag is checked.
 pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Limits of a call.
@@ -36,7 +36,7 @@ pub(crate) struct CallLimits<'a> {
 pub(crate) struct Call {
     pub(crate) child: Child,
     pub(crate) group: Pid,
-    waited_for: bool,
+    reaped: bool,
     exit_event: Option<ExitEvent>,
     stdout: Option<OwnedFd>,
     stderr: Option<OwnedFd>,
@@ -60,7 +60,7 @@ pub(crate) enum CallEnd {
     Stopped,
 }
 
-/// The output of a call, and the way in which it ended.
+/// The output of a call and the way in which it ended.
 pub(crate) struct CallOutput {
     pub(crate) ended: CallEnd,
     pub(crate) stdout: Vec<u8>,
@@ -79,7 +79,7 @@ impl Call {
             group: Pid::from_child(&child),
             exit_event: ExitEvent::new(&child),
             child,
-            waited_for: false,
+            reaped: false,
             stdout,
             stderr,
             output: Vec::new(),
@@ -159,14 +159,14 @@ impl Call {
     }
 
     fn kill(&mut self) -> io::Result<ExitStatus> {
-        if !self.waited_for {
-            // An error means that no process is left.
+        if !self.reaped {
+            // Ignore errors, which mean that no process is left.
             let _ = kill_process_group(self.group, Signal::KILL);
             // The process may have left its group, so also kill it by its id.
             let _ = self.child.kill();
         }
         let status = self.child.wait();
-        if !std::mem::replace(&mut self.waited_for, true) {
+        if !std::mem::replace(&mut self.reaped, true) {
             processes::unregister(self.child.id());
         }
         status

@@ -5,9 +5,9 @@
 //! from the caller    WORD NBYTES, a line feed and NBYTES bytes
 //! ```
 //!
-//! WORD is `ok` before an answer (a frame, an array or an image), and `reject`, `unsupported`, `crash` or `error`
-//! before a message. `error` means that the answer has a different type than requested. There is no timeout, because
-//! a function cannot be ended without ending its process. The caller can exit by itself.
+//! WORD is `ok` before an answer (a frame, an array or an image), and `reject`, `unsupported`, `crash` or `error` before a
+//! message. `error` means that the answer has a type other than the requested one. There is no timeout, because a function cannot
+//! be ended without ending its process. The caller can exit at any time.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -122,8 +122,8 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply to a request for the stored values of one texel, given the bytes of the answer, and whether
-    /// the run was stopped.
+    /// Returns the reply to a request for the stored values of one texel, given the bytes of the answer, and true if the run was
+    /// stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

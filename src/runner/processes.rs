@@ -1,4 +1,4 @@
-//! Process information from the system: the memory of a call, and its orphaned processes.
+//! Process information from the system: the memory of a call and its orphaned processes.
 //!
 //! A decoder may start processes that leave its group and outlive it. On Linux, this process becomes the parent of
 //! such orphans, and every process can be traced to its call by its working directory or its `TMPDIR`. On systems
@@ -110,7 +110,7 @@ pub fn kill_orphans(workplace: &Path) {
     }
 }
 
-/// Kills all processes that work below `scratch`, and all orphans whose working directory cannot be read.
+/// Kills all processes with a working directory or `TMPDIR` in `scratch`, and all orphans.
 pub fn kill_all(scratch: &Path) {
     kill_until_none(|| {
         let marked = processes().filter(|&pid| belongs_to(pid, scratch));
@@ -118,9 +118,9 @@ pub fn kill_all(scratch: &Path) {
     });
 }
 
-fn kill_until_none(those: impl Fn() -> Vec<u32>) {
+fn kill_until_none(list: impl Fn() -> Vec<u32>) {
     for round in 0..200 {
-        let left = those();
+        let left = list();
         if left.is_empty() {
             return;
         }

@@ -1,8 +1,8 @@
-//! Starts a decoder, limits it, and returns the result.
+//! Starts a decoder, enforces its limits, and returns the result.
 //!
-//! Every call has its own process group, which is killed when the call is over. It has a wall-clock limit, a limit on
-//! standard output, an empty standard input, a private working directory, and the caller's environment with `LC_ALL`,
-//! `TZ` and `TMPDIR` set. Standard error is recorded and never affects a verdict.
+//! Every call has its own process group, which is killed when the call ends. It has a wall-clock limit, a limit on standard
+//! output, an empty standard input, a private working directory, and the caller's environment with `LC_ALL`, `TZ` and `TMPDIR`
+//! set. Standard error is recorded and never affects a verdict.
 //!
 //! If this program cannot do its part of a call (write the input, start a process), the decoder is not to blame, and
 //! the call is repeated. If the problem persists, the run stops, and [`Decoder::trouble`] returns the reason.
@@ -31,7 +31,7 @@ use crate::runner::trouble::{Trouble, is_shortage};
 /// Maximum time to repeat a call because of trouble in this program, before the run stops.
 const MAX_TROUBLE_TIME: Duration = Duration::from_secs(5);
 
-/// A decoder, and the limits of its calls.
+/// A decoder and the limits of its calls.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     command: Vec<OsString>,
@@ -43,7 +43,7 @@ pub struct Decoder {
     pub memory: u64,
     /// Flag that stops the run. It is set by the user or because of trouble.
     pub stop: Arc<AtomicBool>,
-    /// An exit status that means a refusal, in addition to 65.
+    /// An exit status other than 65 that also means a refusal.
     pub reject_exit: Option<i32>,
     /// Locale of the decoder, `C` by default.
     pub locale: String,
@@ -131,7 +131,7 @@ impl<T> Reply<T> {
 /// Result of a call.
 #[derive(Clone, Debug)]
 pub struct CallResult {
-    /// The output if the exit status is 0, otherwise the failure.
+    /// The output if the exit status is 0, or else the failure.
     pub output: Result<Vec<u8>, Answer>,
     /// Start of standard error.
     pub stderr: String,
@@ -156,8 +156,8 @@ impl CallResult {
                 )
             }
             Err(answer) => {
-                let decoded = "what was decoded is the output";
-                (answer.decoded().expect_err(decoded), self.stdout)
+                let failure = "a failure has no decoded output";
+                (answer.decoded().expect_err(failure), self.stdout)
             }
         };
         Reply {
@@ -349,9 +349,9 @@ impl Decoder {
             memory: self.memory,
             stop: &self.stop,
         };
-        let remains = call.finish(&limits, workplace);
-        let remains = remains.map_err(|error| Trouble::new("follow a call", &error))?;
-        Ok(self.call_result(remains, &limits)?)
+        let output = call.finish(&limits, workplace);
+        let output = output.map_err(|error| Trouble::new("monitor a call", &error))?;
+        Ok(self.call_result(output, &limits)?)
     }
 
     /// Starts a command line.
@@ -380,7 +380,7 @@ impl Decoder {
                 CallFailure::NotStarted(start::describe_start_failure(&words[0], &error))
             }
         })?;
-        Ok(Call::new(child).map_err(|error| Trouble::new("follow a call", &error))?)
+        Ok(Call::new(child).map_err(|error| Trouble::new("monitor a call", &error))?)
     }
 
     /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes` bytes.
@@ -402,22 +402,22 @@ impl Decoder {
             self.run_command(&words, max_bytes, self.timeout, &workspace.workplace)
         });
         result.output.map_err(|answer| match answer.violation() {
-            Some(what) => format!("{}: {what}", answer.name()),
+            Some(why) => format!("{}: {why}", answer.name()),
             None => answer.name().to_owned(),
         })
     }
 
     pub(crate) fn out_of_memory_answer(&self) -> Answer {
         Answer::OutOfMemory(format!(
-            "the processes of the program held more than {} MiB",
+            "the processes of the program used more than {} MiB",
             self.memory >> 20
         ))
     }
 
     /// Converts the end of a call to its result.
-    fn call_result(&self, remains: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
+    fn call_result(&self, result: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
-        let output = match remains.ended {
+        let output = match result.ended {
             CallEnd::OutOfMemory => Err(self.out_of_memory_answer()),
             CallEnd::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
             CallEnd::Flood => Err(Answer::Flooded(format!(
@@ -431,14 +431,14 @@ impl Decoder {
             CallEnd::Exited(status) => {
                 exit = status.code();
                 match self.failure_answer(status)? {
-                    None => Ok(remains.stdout),
+                    None => Ok(result.stdout),
                     Some(answer) => Err(answer),
                 }
             }
         };
         Ok(CallResult {
             output,
-            stderr: escape_controls(&remains.stderr),
+            stderr: escape_controls(&result.stderr),
             exit,
             stdout: Vec::new(),
         })

@@ -1,4 +1,4 @@
-//! Temporary directories for inputs and decoders. A run removes its directories when it is over.
+//! Temporary directories for inputs and decoders. A run removes its directories when it ends.
 //!
 //! Inputs are written to an in-memory file system if there is one and the file fits, because this avoids waiting for
 //! a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because
@@ -29,15 +29,15 @@ pub struct Scratch {
     /// Directories for inputs, in order of preference. The first one with enough space is used.
     roots: Vec<TempDir>,
     /// Index of the root for working directories.
-    works: usize,
+    work_root: usize,
     /// Unused working directories that were left unchanged.
     free: Mutex<Vec<PathBuf>>,
     next: AtomicU64,
 }
 
 impl Scratch {
-    /// Creates the directories: in `TMPDIR` if it is set, otherwise in memory and in `/tmp`. Also creates directories
-    /// on other file systems, for files that do not fit.
+    /// Creates the directories: in `TMPDIR` if it is set, or else in memory and in `/tmp`. Also creates directories on other file
+    /// systems, for files that do not fit.
     ///
     /// # Errors
     /// Returns an error if no directory can be created.
@@ -65,7 +65,7 @@ impl Scratch {
             return Err(failure.unwrap_or_else(|| io::ErrorKind::NotFound.into()));
         }
         Ok(Scratch {
-            works: find_work_root(&roots),
+            work_root: find_work_root(&roots),
             roots,
             free: Mutex::default(),
             next: AtomicU64::new(0),
@@ -80,7 +80,7 @@ impl Scratch {
     /// Returns the directory that contains the working directories of decoders.
     #[must_use]
     pub fn work_directory(&self) -> &Path {
-        self.roots[self.works].path()
+        self.roots[self.work_root].path()
     }
 
     /// Creates a workspace for one process.
@@ -92,11 +92,11 @@ impl Scratch {
         } else {
             let workplace = self.work_directory().join(format!("work-{name}"));
             fs::create_dir_all(&workplace).map_err(|error| {
-                let what = format!(
-                    "make a working directory in {}",
+                let task = format!(
+                    "create a working directory in {}",
                     self.work_directory().display()
                 );
-                Trouble::new(&what, &error)
+                Trouble::new(&task, &error)
             })?;
             workplace
         };
@@ -168,12 +168,12 @@ impl Workspace<'_> {
             }
         }
         let (root, error) = failure.expect("the root directory exists");
-        let what = format!(
+        let task = format!(
             "write an input of {} bytes in {}",
             bytes.len(),
             root.display()
         );
-        Err(Trouble::new(&what, &error))
+        Err(Trouble::new(&task, &error))
     }
 
     /// Removes the directories of inputs from `text`, so that reports contain file names but no temporary directories.
@@ -212,10 +212,10 @@ fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Returns true if an input is unchanged. A decoder may have replaced it with a pipe, a link or anything else, and
 /// may still change it.
 pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
-    let carefully = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
     let open = fs::OpenOptions::new()
         .read(true)
-        .custom_flags(carefully.bits().cast_signed())
+        .custom_flags(flags.bits().cast_signed())
         .open(path);
     let file = match open {
         Ok(file) => file,
@@ -247,7 +247,7 @@ fn is_unchanged_directory(directory: &Path) -> bool {
         && fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_none())
 }
 
-/// Removes a directory and its contents, even if a decoder has locked some of it. Leaves what cannot be removed.
+/// Removes a directory and its contents, even if a decoder has changed their permissions. Leaves anything that cannot be removed.
 pub fn remove_directory(directory: &Path) {
     if fs::remove_dir_all(directory).is_err() {
         restore_permissions(directory);

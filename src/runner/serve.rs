@@ -6,9 +6,8 @@
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
-//!
-//! Each job has its own process with one request in flight. A process that exits, hangs or answers out of order is
-//! ended. Its request is repeated with a new process, and the next request starts another serving process.
+//! Each job has a separate process with one request in flight. A process that exits, hangs or answers out of order is ended. Its
+//! request is repeated with a new process, and the next request starts a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -94,7 +93,7 @@ impl<'a> Servers<'a> {
         if request.needs_new_process || self.is_serve_mode_disabled() {
             return self.decoder.ask(request, self.scratch);
         }
-        let mut place = self.jobs[job].lock().expect("a job asks alone");
+        let mut place = self.jobs[job].lock().expect("no request panics");
         let started = match place.take() {
             Some(server) => Ok(server),
             None => Server::start(self.decoder, self.scratch),
@@ -168,7 +167,7 @@ impl<'a> Server<'a> {
         let stdin = call.child.stdin.take().map(OwnedFd::from);
         if let Some(stdin) = &stdin {
             rustix::io::ioctl_fionbio(stdin, true)
-                .map_err(|error| Trouble::new("follow a process", &error.into()))?;
+                .map_err(|error| Trouble::new("monitor a process", &error.into()))?;
         }
         Ok(Server {
             call,
@@ -186,7 +185,7 @@ impl<'a> Server<'a> {
         self.sequence += 1;
         self.call.errors.clear();
         self.call.read_available(MAX_LINE_LENGTH)?;
-        self.expect_silence("it wrote", "before it was asked")?;
+        self.expect_silence("it wrote", "before the request")?;
         let name = format!("{}.ptm", self.sequence);
         let input = self.workspace.write_input(&name, request.file)?;
         let outcome = self.exchange(&input, request, decoder);
@@ -318,13 +317,13 @@ impl<'a> Server<'a> {
     /// Returns the answer for a process that ended before it answered.
     fn exit_answer(&mut self) -> Answer {
         let answered = self.sequence - 1;
-        let how = self
+        let status = self
             .call
             .kill_and_reap(&self.workspace.workplace)
             .map(describe_exit);
         Answer::Crashed(format!(
             "the serving process ended ({}) without an answer; it had answered {answered} requests",
-            how.unwrap_or_else(|error| error.to_string())
+            status.unwrap_or_else(|error| error.to_string())
         ))
     }
 
@@ -427,9 +426,9 @@ fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answ
     let Some(frame) = bytes.get(..length as usize) else {
         return Ok(None);
     };
-    let frame = Frame::read(frame).map_err(|what| {
+    let frame = Frame::read(frame).map_err(|error| {
         format!(
-            "the answer announces {length} bytes, including the first line of the frame: {what}"
+            "the answer announces {length} bytes, including the first line of the frame: {error}"
         )
     })?;
     Ok(Some(Answer::Decoded(frame)))
@@ -439,7 +438,7 @@ fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answ
 fn unexpected_line_message(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
-        [b'P', b'T', b'M', b'1', ..] => "; a frame follows a separate line",
+        [b'P', b'T', b'M', b'1', ..] => "; the frame must follow a separate line",
         _ => "",
     };
     format!(
@@ -474,7 +473,7 @@ mod tests {
             let part = read_answer(&whole[..length], 7, 1000, None);
             assert_eq!(part, Ok(None), "{length}");
         }
-        let taken = read_answer(&whole, 7, 1000, None).expect("it is right");
+        let taken = read_answer(&whole, 7, 1000, None).expect("a complete answer");
         assert!(matches!(taken, Some((Answer::Decoded(_), 27))), "{taken:?}");
     }
 
@@ -493,7 +492,7 @@ mod tests {
 
     #[test]
     fn unterminated_line_is_not_an_answer() {
-        let error = read_answer(&[b'x'; 2000], 7, 1000, None).expect_err("it is wrong");
+        let error = read_answer(&[b'x'; 2000], 7, 1000, None).expect_err("not an answer");
         assert!(error.contains("has no line end"), "{error}");
     }
 }

@@ -23,7 +23,7 @@ pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> Stri
     match check_program(program, &name.to_string_lossy()) {
         Err((says, next)) => format!("{says}; {next}"),
         Ok(()) if error.kind() == io::ErrorKind::NotFound => format!(
-            "{}: the file exists, but its loader is missing; is the program built for another C library? See ldd",
+            "{}: the file exists, but its loader is missing; is the program built for a different C library? See ldd",
             name.display()
         ),
         Ok(()) => format!("{}: {error}", name.display()),
@@ -57,7 +57,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         let (says, next) = if here.is_file() {
             (
                 format!(
-                    "{text} is in this directory, and programs without a / are looked up in PATH only"
+                    "{text} is in this directory, and programs without a / are looked up only in PATH"
                 ),
                 format!("write ./{text}"),
             )
@@ -117,7 +117,7 @@ fn find_in_path(word: &OsStr) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// Returns the first bytes of a file, or nothing if the file cannot be read. It may still be executable.
+/// Returns the first bytes of a file, or nothing if the file cannot be read. An unreadable file may still be executable.
 fn read_beginning(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     if fs::metadata(path).is_ok_and(|about| about.is_file()) {
@@ -163,11 +163,11 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
         return check_elf(text, beginning);
     }
     let mut kinds = FOREIGN_FILE_KINDS.iter();
-    let kind = kinds.find(|(first, what, _)| {
-        beginning.starts_with(first) && (*what != MACH_O || cfg!(target_os = "linux"))
+    let kind = kinds.find(|(first, name, _)| {
+        beginning.starts_with(first) && (*name != MACH_O || cfg!(target_os = "linux"))
     });
-    Err(if let Some((_, what, next)) = kind {
-        (format!("{text} is {what}"), (*next).to_owned())
+    Err(if let Some((_, name, next)) = kind {
+        (format!("{text} is {name}"), (*next).to_owned())
     } else if let Some(language) = source_language(text) {
         source_code_obstacle(text, language)
     } else {
@@ -220,7 +220,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
         return Ok(());
     }
     obstacle(
-        format!("{text} is a program for another machine: {name}, {bits} bits"),
+        format!("{text} is a program for a different machine: {name}, {bits} bits"),
         "build the program for this machine, or run it in an emulator: -- qemu-aarch64 ./my-decoder",
     )
 }

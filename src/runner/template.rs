@@ -1,7 +1,7 @@
 //! Command lines for programs that do not implement the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
 //!
-//! The text is split into words like in a shell, but without running one. A placeholder may be anywhere in a word, so
-//! paths with spaces remain one word. `{{` and `}}` are literal braces.
+//! The text is split into words as in a shell, but no shell runs. A placeholder may be anywhere in a word, so paths with spaces
+//! remain one word. `{{` and `}}` are literal braces.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -21,7 +21,7 @@ pub struct Template {
     words: Vec<Vec<TemplatePiece>>,
 }
 
-/// A part of a word.
+/// A piece of a word of a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TemplatePiece {
     Text(OsString),
@@ -237,7 +237,7 @@ fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePi
                 other => {
                     return Err(format!(
                         "unknown placeholder {{{other}}}; placeholders are {{in}}, {{out}}, {{lu}}, {{lv}} and \
-                         {{view}}, and {{{{{other}}}}} is the word in braces"
+                         {{view}}; write {{{{{other}}}}} for the word in braces"
                     ));
                 }
             };
@@ -303,11 +303,7 @@ impl OutputFile {
 
     /// Reads at most `max_bytes` bytes of the file. Follows no links, and opens only regular files.
     pub(crate) fn read(&self, max_bytes: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
-        let fault = |what: &str| {
-            Ok(Err(Answer::ProtocolError(format!(
-                "the output file {what}"
-            ))))
-        };
+        let fault = |why: &str| Ok(Err(Answer::ProtocolError(format!("the output file {why}"))));
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
             Ok(file) => File::from(file),

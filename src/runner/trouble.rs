@@ -33,14 +33,14 @@ const REMEDIES: [(&[Errno], &str); 6] = [
 ];
 
 impl Trouble {
-    /// Creates the message for the operation `what`, which failed because of `error`.
-    pub(crate) fn new(what: &str, error: &io::Error) -> Trouble {
+    /// Creates the message for `task`, which failed because of `error`.
+    pub(crate) fn new(task: &str, error: &io::Error) -> Trouble {
         let known = Errno::from_io_error(error).and_then(|error| {
             let mut remedies = REMEDIES.iter();
             remedies.find(|(errors, _)| errors.contains(&error))
         });
         let remedy = known.map_or(String::new(), |(_, remedy)| format!("; {remedy}"));
-        Trouble(format!("cannot {what}: {error}{remedy}"))
+        Trouble(format!("cannot {task}: {error}{remedy}"))
     }
 
     /// Returns the message.

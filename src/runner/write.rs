@@ -60,7 +60,7 @@ impl Decoder {
 
     fn attempt_to_write(
         &self,
-        order: &WriteCall,
+        call: &WriteCall,
         scratch: &Scratch,
     ) -> Result<CallResult, CallFailure> {
         let template = self
@@ -69,11 +69,11 @@ impl Decoder {
             .expect("a writer is called by a template");
         let mut workspace = scratch.workspace()?;
         let mut inputs: Vec<(PathBuf, &[u8])> = Vec::new();
-        let mut request = order.request.to_owned();
-        let values = order.values.iter();
+        let mut request = call.request.to_owned();
+        let values = call.values.iter();
         let mut values: Vec<(&str, OsString)> =
             values.map(|(name, value)| (*name, value.into())).collect();
-        for attachment in order.attachments {
+        for attachment in call.attachments {
             let path = workspace.write_input(&attachment.file_name, &attachment.bytes)?;
             let name = format!("\"{{{}}}\"", attachment.name);
             request = request.replace(&name, &json_string(&path.to_string_lossy()));
@@ -85,15 +85,15 @@ impl Decoder {
         let output = template.output_file(&workplace)?;
         let output = output.expect("a writer's template names its output");
         let words = template.command_words_with_values(&input, &workplace, &values);
-        let time = self.timeout.saturating_mul(order.timeout_factor);
+        let time = self.timeout.saturating_mul(call.timeout_factor);
         let mut result = self.run_command(&words, 1 << 20, time, &workplace)?;
         result.stderr = workspace.strip_directories(&result.stderr);
-        if output.is_longer_than(order.max_bytes) {
-            let says = format!("more than {} bytes in the output file", order.max_bytes);
+        if output.is_longer_than(call.max_bytes) {
+            let says = format!("more than {} bytes in the output file", call.max_bytes);
             result.output = Err(Answer::Flooded(says));
         } else if let Ok(stdout) = &mut result.output {
             result.stdout = std::mem::take(stdout);
-            result.output = output.read(order.max_bytes)?;
+            result.output = output.read(call.max_bytes)?;
         }
         inputs.push((input, request.as_bytes()));
         for (path, bytes) in inputs {

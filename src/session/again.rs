@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
-use crate::session::asking::{Counting, Session, previous_request_text};
+use crate::session::asking::{CountCallback, Session, previous_request_text};
 use crate::session::judge::Judgement;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
-use crate::session::plan::{Repeat, SAMPLE};
+use crate::session::plan::{Repeat, SAMPLE_INTERVAL};
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::test_case::TestCase;
 
@@ -19,16 +19,15 @@ const MAX_REPEATED_PER_KIND: usize = 8;
 const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {
-    /// Repeats failures and a sample of the other cases; returns true if a response differed.
-    ///
-    /// Similar failures would fail again, so a few of each kind are repeated, and at most a tenth of the run. If one of
-    /// them differs, all are repeated: such a response proves nothing about the format.
+    /// Repeats failures and a sample of the other cases. Returns true if a response differed. Similar failures are likely to
+    /// recur, so only a few of each kind are repeated, and at most a tenth of the run. If one of the responses differs, all are
+    /// repeated, because a varying response proves nothing about the format.
     pub(super) fn ask_again(
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
         judgement: &Judgement<C>,
-        progress: &Counting,
+        progress: &CountCallback,
     ) -> bool {
         if self.plan.repeat == Repeat::Nothing {
             return false;
@@ -40,7 +39,7 @@ impl<C: TestCase> Session<'_, C> {
             // Repeating a timeout would take too long. If two responses already differ, the case is decided.
             let is_settled = observation.nondeterminism.is_some()
                 || matches!(observation.response, Response::Violation(Answer::Hung(_)));
-            // A sample, and the first legal case of each kind that counts as unsupported.
+            // The sample includes the first legal case of each unsupported kind.
             let cases = &self.suite.cases;
             let is_first_unsupported = || {
                 let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
@@ -49,7 +48,7 @@ impl<C: TestCase> Session<'_, C> {
                 unsupported.find(|&place| key(place) == first) == Some(i)
             };
             let sampled = self.plan.repeat == Repeat::FailuresAndSample
-                && (i % SAMPLE == SAMPLE / 2 || is_first_unsupported());
+                && (i % SAMPLE_INTERVAL == SAMPLE_INTERVAL / 2 || is_first_unsupported());
             !is_settled && (judged.outcome == Outcome::Fail || sampled)
         };
         let wanted = (0..observations.len()).filter(is_wanted).collect();
@@ -67,29 +66,29 @@ impl<C: TestCase> Session<'_, C> {
         observations: &[Option<Observation<C>>],
         wanted: Vec<usize>,
     ) -> (Vec<usize>, Vec<usize>) {
-        let most = (observations.iter().flatten().count() / 10).max(MIN_REPEATED);
+        let limit = (observations.iter().flatten().count() / 10).max(MIN_REPEATED);
         let mut kinds: BTreeMap<(C::Feature, &str), Vec<usize>> = BTreeMap::new();
         for &i in &wanted {
             let response = (observations[i].as_ref()).map_or("", |seen| seen.response.name());
             let kind = (self.suite.cases[i].kind(), response);
             kinds.entry(kind).or_default().push(i);
         }
-        let spread = kinds.values().flat_map(|alike| {
-            let step = alike.len().div_ceil(MAX_REPEATED_PER_KIND).max(1);
-            alike.iter().copied().step_by(step)
+        let spread = kinds.values().flat_map(|places| {
+            let step = places.len().div_ceil(MAX_REPEATED_PER_KIND).max(1);
+            places.iter().copied().step_by(step)
         });
-        let some: BTreeSet<usize> = spread.take(most).collect();
+        let some: BTreeSet<usize> = spread.take(limit).collect();
         wanted.into_iter().partition(|i| some.contains(i))
     }
 
-    /// Asks a new process for each of these cases, and another one if the first two responses are of different kinds. Records
-    /// the differences; returns true if there is one.
+    /// Repeats each of these cases in a new process, and once more if only one of the two responses violates the protocol.
+    /// Records differences and returns true if there are any.
     fn repeat_in_new_processes(
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
         places: &[usize],
-        progress: &Counting,
+        progress: &CountCallback,
     ) -> bool {
         let served = self.plan.repeat == Repeat::FailuresAndSample;
         let state = Mutex::new((observations, 0, false));
@@ -139,7 +138,7 @@ fn difference<C: TestCase>(
     let after = previous_request_text(first.after.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
-            "answers with {one}; one repetition in a new process ended with {other}, and the next as before"
+            "answers with {one}; a repetition in a new process ended with {other}, but the next one repeated the first response"
         ),
         Some(_) if served => {
             format!("in serve mode{after}, it answers with {one}; in one-shot mode, with {other}")

@@ -1,7 +1,7 @@
 //! Requests for a case in a view, and their results.
 //!
-//! The decoder is a closure from request to reply, so misreadings inside this program and external programs are requested,
-//! compared and judged in the same way.
+//! The decoder is a closure from request to reply, so simulated misreadings and external programs are requested, compared and
+//! judged in the same way.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -20,15 +20,15 @@ use crate::suite::test_case::TestCase;
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 
-/// A decoder: a function from requests to replies; the number identifies the worker that asks.
+/// A decoder: a function from requests to replies. The number identifies the worker that sends the request.
 pub type Ask<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
 /// A progress callback. It receives the number of finished items and the number of all items.
-pub type Counting<'a> = dyn Fn(usize, usize) + Sync + 'a;
+pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
-pub type Undoing<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
+pub type UndoFn<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 
 /// A common transform of a view, which has been reported and is undone before images are compared.
 #[derive(Clone)]
@@ -36,7 +36,7 @@ pub struct Undo<C: TestCase> {
     /// The affected view.
     pub view: &'static str,
     /// Maps a received output to the output before the transform.
-    pub undo: Arc<Undoing<C::Output>>,
+    pub undo: Arc<UndoFn<C::Output>>,
 }
 
 /// A run in progress: the decoder, the plan, and a count of the requests.
@@ -84,7 +84,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         self.tally.calls.load(Ordering::Relaxed)
     }
 
-    /// Requests `case` in `view` and compares the answer with the expected one. `worker` numbers concurrent callers.
+    /// Requests `case` in `view` and compares the answer with the expected one. `worker` identifies a concurrent caller.
     pub(super) fn observe(
         &self,
         case: &C,
@@ -92,7 +92,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
     ) -> (Observation<C>, ReplyTo<C>) {
-        // The first call may have to warm up.
+        // The decoder may have to warm up in the first call.
         let timeout_factor = match self.tally.calls.fetch_add(1, Ordering::Relaxed) {
             0 => 3,
             _ => 1,
@@ -132,12 +132,12 @@ impl<'a, C: TestCase> Session<'a, C> {
                 let output = undo.map_or(Cow::Borrowed(output), |undo| {
                     Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
                 });
-                let of = case.compare(&built, view, &output);
-                let differs = of.right != Right::InAll(true) && of.difference.is_some();
+                let result = case.compare(&built, view, &output);
+                let differs = result.right != Right::InAll(true) && result.difference.is_some();
                 Response::Image {
-                    right: of.right,
-                    difference: of.difference,
-                    allowance: of.allowance,
+                    right: result.right,
+                    difference: result.difference,
+                    allowance: result.allowance,
                     frame: differs.then(|| output.into_owned()),
                 }
             }
@@ -154,8 +154,9 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Calls `one` with each number below `count`, in as many threads as there are jobs. A worker stops when `one` returns false.
-    pub(super) fn run_in_parallel(&self, count: usize, one: impl Fn(usize, usize) -> bool + Sync) {
+    /// Calls `work` with each number below `count`, in as many threads as there are jobs. A worker stops when `work` returns
+    /// false.
+    pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
         let fixed = self.plan.repeat == Repeat::FailuresAndSample;
@@ -163,7 +164,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             let mut mine = (worker..count).step_by(jobs);
             let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
             while let Some(place) = if fixed { mine.next() } else { any() } {
-                if !one(place, worker) {
+                if !work(place, worker) {
                     return;
                 }
             }

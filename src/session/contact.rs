@@ -78,7 +78,7 @@ impl Contact {
     }
 }
 
-/// Knowledge about a decoder before any case is judged.
+/// The result of first contact: facts about a decoder that are known before any case is judged.
 #[derive(Clone, Debug)]
 pub struct Contact<C: TestCase = Case> {
     /// Replies to the first files.
@@ -104,11 +104,11 @@ impl<C: TestCase> Contact<C> {
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Requests the first files to determine if the program is a decoder, its offer, and its spelling of tables.
+    /// Requests the first files to determine whether the program is a decoder, what it offers, and how it spells tables.
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
-        // The first file that was not answered in serve mode.
+        // Report the first file that was not answered in serve mode.
         let trouble = first.iter().find_map(|First { case, view, reply }| {
             let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
             let says = format!("{} in {view}, {}", case.id(), failure.says);
@@ -116,14 +116,14 @@ impl<C: TestCase> Session<'_, C> {
         });
         let mut remarks: Vec<Remark> = trouble.into_iter().collect();
         let mut contact = Contact {
-            offer: self.offered(&first, &mut remarks),
+            offer: self.derive_offer(&first, &mut remarks),
             first,
             table: TableSpelling::default(),
             remarks,
             not_a_decoder: None,
             ends: None,
         };
-        // If no first file could be requested, the views are those that the user names.
+        // If no first file could be requested, use the views that the user names.
         if contact.first.is_empty() {
             let is_wanted = |view: &&&str| self.plan.views.iter().any(|wanted| wanted == *view);
             contact.offer.views = C::VIEWS.iter().filter(is_wanted).copied().collect();
@@ -132,7 +132,7 @@ impl<C: TestCase> Session<'_, C> {
             contact.not_a_decoder = non_decoder_reason(&contact.first);
             return contact;
         }
-        // A decoder of tables only may refuse all first files because it expects another spelling of the count.
+        // A decoder that supports only tables may refuse all first files because it expects a different spelling of the count.
         let is_answer =
             |first: &First<C>| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected);
         let (offer, first) = (&contact.offer, &contact.first);
@@ -194,9 +194,9 @@ impl<C: TestCase> Session<'_, C> {
         replies
     }
 
-    /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every view except those in
-    /// which every first file of that kind exited with 69.
-    fn offered(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
+    /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every offered view except
+    /// those in which every first file of that kind exited with 69.
+    fn derive_offer(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
         let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
@@ -205,7 +205,7 @@ impl<C: TestCase> Session<'_, C> {
             ..Offer::default()
         };
         let is_decoded = first.iter().any(First::is_decoded);
-        // Returns true if a first file in this view, and of this kind if one is given, was answered with anything but 69.
+        // Returns true if a first file in this view (and of this kind, if one is given) was answered with anything but 69.
         let answered = |view: &str, kind: Option<&C::Feature>| {
             first.iter().any(|first| {
                 C::view_name(&first.view) == view
@@ -216,8 +216,8 @@ impl<C: TestCase> Session<'_, C> {
         for &view in C::VIEWS {
             let in_view = |one: &&First<C>| C::view_name(&one.view) == view;
             let mut in_view = first.iter().filter(in_view);
-            // A refusal offers nothing. If no view decodes any first file, every view that is not answered 69 is offered, so that the
-            // run can report the errors.
+            // A view in which everything is refused is not offered. If no first file is decoded in any view, every view with an
+            // answer other than 69 is offered, so that the run can report the errors.
             let is_offered = match is_decoded {
                 true => in_view.any(First::is_decoded),
                 false => !in_view.all(First::is_unsupported),
@@ -249,7 +249,7 @@ impl<C: TestCase> Session<'_, C> {
                 continue;
             }
             for view in offer.views.clone() {
-                if has(&view) || self.decodes_another(view, &kind) {
+                if has(&view) || self.answers_other_case(view, &kind) {
                     continue;
                 }
                 if declares(view) && offer.declared.contains(&kind.to_string()) {
@@ -263,8 +263,8 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder decodes another case of this kind in this view, so the view is not missing altogether.
-    fn decodes_another(&self, view: &str, kind: &C::Feature) -> bool {
+    /// Returns true if the decoder answers another case of this kind in this view, which shows that the view is not missing.
+    fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
         let others = self.suite.cases.iter().filter(is_other).filter_map(|case| {
@@ -290,8 +290,8 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the spelling of tables that a decoder that shows no `spelling` case correctly reads best, by small tables;
-    /// `None` if the evidence is weak.
+    /// Returns the table spelling that a decoder reads best if it shows no `spelling` case correctly, judged by small tables.
+    /// Returns `None` if the evidence is weak.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
         if self.plan.precomputed {
@@ -300,7 +300,7 @@ impl<C: TestCase> Session<'_, C> {
         let cases = self.suite.cases.iter();
         let is_table = |case: &&C| case.expect() == Expect::Decode && case.has_table();
         let mut probes: Vec<&C> = cases.filter(is_table).collect();
-        // Each file is generated once.
+        // The cached key generates each file only once.
         probes.sort_by_cached_key(|case| C::file(&case.make(TableSpelling::default())).len());
         probes.truncate(PROBES);
         let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
@@ -315,7 +315,7 @@ impl<C: TestCase> Session<'_, C> {
                 }
                 match observation.response {
                     Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
-                    // A wrong image is better evidence than none: its values may be wrong for another reason.
+                    // A wrong image is better evidence than no image: its values may be wrong for a different reason.
                     Response::Image { difference, .. } => {
                         score += 1.0 + difference.map_or(1.0, |of| C::likeness(&of));
                     }

@@ -1,9 +1,9 @@
-//! Tone curves: one function over all values of all images.
+//! Tone curves: a single function applied to all values of all images.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::suite::compare::Expected;
 
-/// A curve over bytes, or a factor for real numbers.
+/// A curve for bytes, or a factor for real numbers.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
     /// Result of the curve for each correct byte.
@@ -15,7 +15,7 @@ pub(super) struct Curve {
 /// A curve with a description of its effect and the suggested fix.
 type Candidate = ((String, String), Curve);
 
-/// Returns the names of all curves, and their results for a value from 0 … 1.
+/// Returns the names of all curves and their results for a value from 0 to 1.
 fn curves(v: f64) -> [(&'static str, f64); 8] {
     let srgb = match v <= 0.003_130_8 {
         true => 12.92 * v,
@@ -47,7 +47,7 @@ fn candidate(says: &str, next: &str, slack: u8, curve: impl Fn(f64) -> f64) -> C
     ((says.to_owned(), next.to_owned()), Curve { table, slack })
 }
 
-/// Returns the possible curves of these images: a factor, and for colors the named curves and the fitted curve.
+/// Returns the candidate curves for these images: a factor and, for colors, the named curves and a fitted curve.
 pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<Candidate> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (expected, frame) in pairs {
@@ -69,7 +69,7 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
 }
 
 impl Curve {
-    /// Returns the frame before the curve, with the correct values if they explain the received ones.
+    /// Returns the frame before the curve was applied, with the correct values where they explain the received ones.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
@@ -111,7 +111,7 @@ impl Curve {
 }
 
 /// Returns the factor between expected and received values, by least squares, if it differs enough from 1. Bytes at the ends of
-/// the range are no evidence.
+/// the range are not evidence.
 fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
@@ -151,10 +151,10 @@ fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotonic steps that are closest to points sorted by their first number. Decreasing neighbors are merged at
-/// their mean.
+/// Returns the monotonic steps that best fit `points`, which are sorted by their first number. Decreasing neighbors are merged
+/// into their mean.
 fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    // Sums of both numbers, and their count.
+    // Each step has the sums of both numbers and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();
     for &(at, value) in points {
         let mut step = (at, value, 1.0);
@@ -167,7 +167,7 @@ fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     means.collect()
 }
 
-/// Interpolates steps at a position between two of them.
+/// Interpolates between the two steps next to a position.
 fn interpolate(steps: &[(f64, f64)], at: f64) -> f64 {
     let next = steps.partition_point(|step| step.0 < at);
     match (next.checked_sub(1).map(|last| steps[last]), steps.get(next)) {

@@ -1,4 +1,4 @@
-//! The decoder's dialect, its readings of open questions, from observations.
+//! The decoder's dialect (its readings of open questions), derived from observations.
 
 use crate::session::observation::{Observation, Response};
 use crate::suite::dialect::{Axis, Dialect, Right};
@@ -15,15 +15,15 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum number of answers that are right only in another reading than the reference's, per answer that is wrong in it. A few
-/// answers of a mistaken decoder are right in another reading by chance.
-const MIN_ANSWERS_TO_ONE: usize = 8;
+/// Minimum number of answers that are right only in a reading other than the reference's, per answer that is wrong in it. A few
+/// answers of a faulty decoder are right in another reading by chance.
+const MIN_RIGHT_PER_WRONG: usize = 8;
 
-/// The choices that affect an answer, and for each combination of their readings true if the answer is right.
+/// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.
 type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
 
-/// Returns the dialect in which most answers are right, among equals the one nearest to the reference's, and for each choice
-/// how well the evidence distinguishes its reading from every other.
+/// Returns the dialect in which most answers are right and, for each choice, how well the evidence distinguishes its reading from
+/// every other. Ties go to the dialect closest to the reference's.
 pub(super) fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
 ) -> (Dialect, Vec<Certainty>) {
@@ -76,7 +76,7 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
         let of_axis = || about.iter().filter(|(shown, _)| shown.contains(&axis));
         let against = of_axis().filter(|one| !is_right(best[0], one)).count();
         let alone = of_axis().filter(|one| is_right(best[0], one) && !is_right(&plain, one));
-        match taken == 0 || alone.count() >= MIN_ANSWERS_TO_ONE * against {
+        match taken == 0 || alone.count() >= MIN_RIGHT_PER_WRONG * against {
             true => (axis, taken, Certainty::Settled),
             false => (axis, taken, Certainty::Likely),
         }
@@ -84,10 +84,10 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
     axes.iter().map(certainty).collect()
 }
 
-/// Groups choices so that all choices of one item of `together` are in the same group.
-fn grouped_axes<'a>(choices: usize, together: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+/// Groups choices so that all choices of a set in `sets` are in the same group.
+fn grouped_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
     let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
-    for axes in together {
+    for axes in sets {
         let is_joined = |group: &mut Vec<Axis>| group.iter().any(|axis| axes.contains(axis));
         let joined: Vec<_> = groups.extract_if(.., is_joined).collect();
         let mut joined = joined.concat();
@@ -105,7 +105,7 @@ mod tests {
 
     type Image = (Vec<Axis>, Vec<bool>);
 
-    /// Returns an image that is right in the combinations of `rulings` that `right` accepts, by its readings of them.
+    /// Returns an image that is right in those combinations of readings of `rulings` that `right` accepts.
     fn image_from_readings(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
         let axes = CHOICES.axes(rulings);
         let is_right = |dialect: &Dialect| {
@@ -138,7 +138,7 @@ mod tests {
 
     #[test]
     fn shared_choices_join_groups() {
-        // The first shows that one of both is read differently from the reference; the second shows which.
+        // The first image shows that one of two choices is read differently from the reference; the second shows which one.
         let images = [
             image_from_readings(&["motion-sign", "jpeg-ls-offset"], |of| of[0] + of[1] == 1),
             image_from_readings(&["jpeg-ls-offset", "side-lossless"], |of| of[0] == 0),
@@ -155,7 +155,7 @@ mod tests {
         let mut all = vec![image(1); 8];
         all.push(image(0));
         assert_eq!(settled(&all).1, [("motion-half", 1)]);
-        // If several are not, it is not a reading.
+        // A reading is not settled if too many answers contradict it.
         assert_eq!(settled(&all[4..]), (settled(&all).0, vec![]));
         for without_evidence in [&[][..], &[image(1), image(0)]] {
             assert_eq!(settled(without_evidence), (CHOICES.reference().0, vec![]));

@@ -1,6 +1,6 @@
 //! Checks on the user's files, which have no expected output.
 //!
-//! The decoder is compared with the reference, in the best matching reading of the open questions, and with itself: other
+//! The decoder is compared with the reference, in the best-matching reading of the open questions, and with itself: other
 //! encodings of the same values must give the same image.
 
 use std::fmt::Write;
@@ -43,7 +43,7 @@ pub struct FileResult {
     /// The reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
-    /// Descriptions of other encodings of the same values for which the decoder gives another image or no image.
+    /// Descriptions of other encodings of the same values for which the decoder gives a different image or no image.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
     /// Number of other encodings that were tried.
@@ -92,12 +92,12 @@ pub fn check_file(
             slack: slack.unwrap_or_default(),
             ..Expected::from_frame(shown)
         };
-        for (how, other) in encodings(&ptm) {
+        for (label, other) in encodings(&ptm) {
             let broken = match answer(view, &other) {
                 Answer::Unsupported => continue,
                 Answer::Decoded(again) => (first.compare(&again))
-                    .map(|difference| format!("{how}: another image: {difference}")),
-                other => Some(format!("{how}: no image, but {}", other.name())),
+                    .map(|difference| format!("{label}: a different image: {difference}")),
+                other => Some(format!("{label}: no image, but {}", other.name())),
             };
             result.encodings += 1;
             result.relations.extend(broken);
@@ -120,9 +120,9 @@ fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
         is_exact && format.channels() == ptm.planes.shape.channels()
     });
     let mut encodings = Vec::new();
-    let mut add = |format: Format, how: &str, spelling: Spelling| {
-        let how = format!("as {}{how}", format.short_name());
-        encodings.extend(encode(ptm, format, spelling).map(|file| (how, file)));
+    let mut add = |format: Format, label: &str, spelling: Spelling| {
+        let label = format!("as {}{label}", format.short_name());
+        encodings.extend(encode(ptm, format, spelling).map(|file| (label, file)));
     };
     for &format in &formats {
         add(format, "", Spelling::default());
@@ -133,14 +133,14 @@ fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     lists.scale_bias_on_two_lines = false;
     add(formats[0], ", with scales and biases on one line", lists);
     blanks.space_before_newline = Line::ALL.to_vec();
-    let how = ", with a space before each line feed of the header";
-    add(formats[0], how, blanks);
+    let label = ", with a space before each line feed of the header";
+    add(formats[0], label, blanks);
     gap.gap = 2;
     add(formats[0], ", with two spaces between numbers", gap);
     encodings
 }
 
-/// Returns the values of `ptm` in another format of the same shape, or `None` if they do not fit into it.
+/// Encodes the values of `ptm` in a format of the same shape. Returns `None` if the format cannot hold them.
 fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     let size = ptm.planes.size;
     // A JPEG-LS stream has at most 65,535 columns and rows.
@@ -203,7 +203,7 @@ fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
     planes.map(|plane| chain(plane).count() as u8).collect()
 }
 
-/// Compares an answer with the reference: returns the fault as an error, or a remark on a correct answer.
+/// Compares an answer with the reference. Returns a remark on a correct answer, or the fault as an error.
 fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
     match (shown, crate::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
@@ -229,13 +229,13 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             let others = readings.filter(|&(_, &taken)| taken > 0);
             let names = others.map(|(choice, &taken)| choice.readings[taken].0);
             let names: Vec<&str> = names.collect();
-            Ok(format!("correct in its own reading: {}", names.join("; ")))
+            Ok(format!("correct in this reading: {}", names.join("; ")))
         }
         (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
             "shows an image of a file that the reference refuses: {error}"
         )),
         (Answer::Decoded(_), Err(error)) => {
-            Ok(format!("the reference does not support it: {error}"))
+            Ok(format!("the reference does not support this file: {error}"))
         }
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
         (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
@@ -244,7 +244,7 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
 }
 
 impl FilesReport {
-    /// Creates the report of some files.
+    /// Creates the report on some files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
         let is_one = |outcome: &Outcome| files.iter().any(|file| file.outcome == *outcome);

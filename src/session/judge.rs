@@ -1,8 +1,6 @@
-//! Verdicts from observations.
-//!
-//! [`outcome`] is the table. Some of its rows depend on other observations: whether the accepted twin of a malformed file was
-//! decoded, whether a feature is supported, how the decoder reads an open question. Those facts are derived here, from
-//! observations alone.
+//! Verdicts from observations. [`outcome`] is the table of verdicts. Some of its rows depend on other observations: whether the
+//! valid twin of a malformed file was decoded, whether a feature is supported, and how the decoder reads an open question. These
+//! facts are derived here, from observations alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -37,7 +35,7 @@ impl<C: TestCase> Judgement<C> {
     }
 }
 
-/// Judges the observations of a run. `observations` has a slot for each case of the suite; None if none of its views is
+/// Judges the observations of a run. `observations` has a slot for each case of the suite: `None` if none of its views is
 /// offered. `selected` marks the cases to judge; the others only serve as twins.
 #[must_use]
 pub fn judge<C: TestCase>(
@@ -111,10 +109,10 @@ impl<C: TestCase> CaseFacts<'_, C> {
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
             return fail(format!(
-                "its capabilities declare {kind}, but it decodes no such file and exits with 69 (unsupported)"
+                "its capabilities declare {kind}, but it decodes no file of this kind and exits with 69 (unsupported)"
             ));
         }
-        // The decoder supports every feature that the case needs, in this view of such files.
+        // True if the decoder supports every feature that the case needs, and this view for its kind.
         let view = &observation.view;
         let is_supported = case.features(view).is_disjoint(self.unsupported);
         let is_supported = is_supported && !offer.lacks(view, &case.kind());
@@ -186,7 +184,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             twins if twins.iter().any(is_decoded) => None,
             [(id, _)] => Some(format!("its twin {id} was not decoded")),
             [(id, _), ..] => Some(format!(
-                "no legal file of its kind was decoded, such as {id}"
+                "no legal file of its kind (such as {id}) was decoded"
             )),
         }
     }
@@ -242,20 +240,21 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Returns features of which no must-accept file was decoded and most were answered 69, and those of which some file was
-/// decoded. Other mistakes, perhaps in the header, refuse some files before their features matter.
+/// Returns the features of which no must-accept file was decoded and most were answered with 69, and the features of which a file
+/// was decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
+/// before the feature matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
 ) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
-    // For each, the number of files and the number that were answered 69.
+    // For each feature, the number of files and the number answered with 69.
     let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, seen) in suite.cases.iter().zip(observations) {
         let Some(observation) = seen else { continue };
         let kind = case.kind();
-        // A first file of its kind was answered 69, whether or not it is selected.
+        // The first files of an unsupported kind were answered with 69, even if they are not selected.
         if offer.unsupported.contains(&kind) {
             asked.entry(kind.clone()).or_insert((1, 1));
         }

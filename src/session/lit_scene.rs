@@ -20,7 +20,7 @@ pub const SIDE: u32 = 64;
 /// The light, from the upper left.
 pub const LIGHT: (f64, f64) = (-0.5, 0.5);
 
-/// Images of the scene under its light: red, green and blue of every texel, the top row first.
+/// Images of the scene under its light: red, green and blue of every texel, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LitScene {
     /// The format of the requested file.
@@ -34,7 +34,7 @@ pub struct LitScene {
 }
 
 impl LitScene {
-    /// Renders the correct scene under another light.
+    /// Renders the correct scene under the light (`lu`, `lv`).
     #[must_use]
     pub fn render(&self, lu: f64, lv: f64) -> Vec<u8> {
         let ptm = decode(&file(self.format, Count::default())).expect("the scene is a legal file");
@@ -42,16 +42,17 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or no image.
+/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or the decoder returns no
+/// image.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| decoded.contains(&Feature::Format(*format)));
-    // The simplest first, then those without loss, then those whose scene is lossy or has other colors.
+    // Prefer formats with the colors of the scene, then lossless ones, then ones without table or compression.
     let format = formats.into_iter().min_by_key(|&format| {
         let (is_lum, is_lossy) = (format == Format::Lum, format.coding() == Some(Coding::Jpeg));
-        let is_stored_otherwise = (format.has_table(), format.coding().is_some());
-        (is_lum, is_lossy, is_stored_otherwise, format.channels())
+        let is_encoded = (format.has_table(), format.coding().is_some());
+        (is_lum, is_lossy, is_encoded, format.channels())
     })?;
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
@@ -75,7 +76,7 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
             format,
             view,
             right: render_scene(&decode(&file).ok()?.coefficients()),
-            received: picture(&file, &frame)?,
+            received: frame_to_image(&file, &frame)?,
         })
     })
 }
@@ -84,9 +85,9 @@ fn render_scene(coefficients: &Coefficients) -> Vec<u8> {
     coefficients.evaluate(LIGHT.0, LIGHT.1).to_bytes()
 }
 
-/// Converts a frame of the scene's `file` to an image under the light, or returns `None` if the frame has another shape.
+/// Converts a frame of the scene's `file` to an image under the light, or returns `None` if the frame has a different shape.
 #[must_use]
-pub fn picture(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
+pub fn frame_to_image(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     let Ptm { header, mut planes } = decode(file).ok()?;
     let channels = frame.view.channels(planes.shape.channels());
     if (frame.width, frame.height, frame.channels as usize) != (SIDE, SIDE, channels) {
@@ -127,8 +128,8 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
         match format.channels() {
             18 => samples.extend(color.iter().flat_map(by_channel)),
             8 => {
-                // The luminance of LUM is the green under the light of the scene, Cr and Cb are the excess of red and blue. It has
-                // fewer colors than other formats, because these differences cannot be negative.
+                // The luminance of LUM is the green value under the light of the scene; Cr and Cb are the excess of red and blue
+                // over green. It has fewer colors than other formats, because these differences cannot be negative.
                 let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
                 let tint = |more: f64| (more.max(0.0) * light).round() as u8;
                 samples.extend(by_channel(&color[1]));
@@ -144,7 +145,7 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     write(&recipe, &model).bytes
 }
 
-/// Paints a striped ball whose luminance is that of a matte surface, the normal times the light; and four corners.
+/// Paints four corners and a striped ball with the luminance of a matte surface: the dot product of normal and light.
 #[must_use]
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;

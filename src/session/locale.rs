@@ -1,7 +1,7 @@
 //! Repetition of the first files in a locale with a decimal comma.
 //!
-//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 there. Numbers of PTM files have a decimal point
-//! in every country.
+//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in these locales. Numbers in PTM files have a
+//! decimal point in every locale.
 
 use std::process::{Command, Stdio};
 
@@ -45,7 +45,7 @@ pub fn difference(
 ) -> Option<String> {
     let mut decoder = decoder.clone();
     locale.clone_into(&mut decoder.locale);
-    // Stored values depend on no numbers except the size, so other views are preferred.
+    // The view raw depends on no number except the size, so other views are preferred.
     let preference = |view: &View| (view.kind() == ViewKind::Raw, view.kind() != ViewKind::Coef);
     let mut first: Vec<&First> = run.first.iter().collect();
     first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
@@ -62,7 +62,7 @@ pub fn difference(
         let got = match &answer {
             answer if answer.is_equivalent(&reply.answer) => return None,
             Answer::Decoded(other) => match (other.width, other.height) {
-                size if size == (frame.width, frame.height) => "another image".to_owned(),
+                size if size == (frame.width, frame.height) => "a different image".to_owned(),
                 (width, height) => format!("an image of {width}x{height}"),
             },
             other => other.describe(),

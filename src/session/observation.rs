@@ -16,7 +16,7 @@ pub struct Observation<C: TestCase = Case> {
     pub weak: bool,
     /// Beginning of standard error.
     pub stderr: String,
-    /// In serve mode, the previous case of the same process.
+    /// In serve mode, the case that the same process answered before.
     pub after: Option<String>,
     /// Difference between two answers to this request, if it was repeated and the answers differ.
     pub nondeterminism: Option<Nondeterminism>,
@@ -63,7 +63,7 @@ pub enum Response<C: TestCase = Case> {
     Rejected,
     /// Exit status 69.
     Unsupported,
-    /// Anything else.
+    /// Any other result, which violates the protocol.
     Violation(Answer<C::Output>),
 }
 

@@ -1,4 +1,4 @@
-//! The offer of a decoder: its views, and the kinds of cases in each.
+//! The offer of a decoder: its views and the kinds of cases in each.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Case, Expect};
 use crate::suite::test_case::TestCase;
 
-/// The offer of a decoder.
+/// The views and kinds of cases that a decoder offers.
 #[derive(Clone, Debug)]
 pub struct Offer<C: TestCase = Case> {
     /// Views, in order of preference.
@@ -47,7 +47,8 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the decoder declares this kind of case, supports none of it, and always answered 69 to this legal one.
+    /// Returns true if the decoder declares this kind of case but supports no case of it and always answered this legal one with
+    /// 69.
     #[must_use]
     pub fn is_broken_by(
         &self,

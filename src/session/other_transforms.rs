@@ -1,7 +1,6 @@
-//! A test that decoders with another inverse DCT pass (ruling `jpeg-samples`).
-//!
-//! The samples of JPEG planes come from two independent decoders in turn; the rest is the reference. Streams that such a
-//! decoder cannot read are left to the reference, and counted.
+//! A test that decoders with a different inverse DCT pass (ruling `jpeg-samples`). The samples of JPEG planes come from two
+//! independent decoders in turn; everything else comes from the reference. Streams that an independent decoder cannot read are
+//! left to the reference and counted.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -22,13 +21,13 @@ use crate::session::run::check;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::Allowance;
 
-/// Planes that the decoder of the current test read, and planes that it left to the reference.
+/// Numbers of planes that the decoder of the current test read, and of planes that it left to the reference.
 static COUNTS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// Samples of a stream.
 type DecodedStream = crate::error::Result<Vec<u8>>;
 
-/// Returns the samples of `decode` if both the reference and `decode` return some.
+/// Returns the samples from `decode`, or those from the reference if `decode` cannot read the stream.
 fn decode_with(stream: &PlaneStream, decode: fn(&[u8]) -> Option<Vec<u8>>) -> DecodedStream {
     let own = planes::decode_stream(stream)?;
     if stream.coding != Coding::Jpeg {
@@ -83,7 +82,7 @@ fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
         _ => None,
     });
     assert!(allowed.any(|allowance| allowance == Allowance::AnotherTransform));
-    // Check the files as a user's files, of which only the bytes are known.
+    // Also check the files as user files, for which only the bytes are known.
     for case in suite.cases.iter().filter(|case| is_jpeg(case)) {
         if case.expect == Expect::Decode && case.damage().is_none() {
             let file = &case.build(TableSpelling::default()).file;

@@ -23,7 +23,7 @@ pub enum Outcome {
     Pass,
     /// The response is wrong.
     Fail,
-    /// The implementation decides, and it differs from the reference.
+    /// The correct response is implementation-defined, and the decoder's differs from the reference.
     ImplementationDefined,
     /// The decoder consistently does not support a feature that the case needs.
     Unsupported,
@@ -38,7 +38,7 @@ pub enum Outcome {
     /// The decoder offers none of the case's views.
     #[serde(rename = "not judged")]
     NotJudged,
-    /// The run ended earlier.
+    /// The run ended before the case was requested.
     #[serde(rename = "not run")]
     NotRun,
 }
@@ -63,7 +63,7 @@ impl Outcome {
         Outcome::NotRun,
     ];
 
-    /// Returns its name in reports.
+    /// Returns the name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -85,7 +85,7 @@ impl Outcome {
 pub enum ResponseKind {
     /// The expected image, or any image if every image is correct.
     Expected,
-    /// Another image.
+    /// A different image.
     Different,
     /// Exit status 65.
     Rejected,
@@ -95,7 +95,7 @@ pub enum ResponseKind {
     Violation,
 }
 
-/// Returns the outcome of a case. docs/protocol.md shows the same table, and the exceptions to it.
+/// Returns the outcome of a case. docs/protocol.md shows the same table and the exceptions to it.
 ///
 /// `is_supported` is true if the decoder supports every feature that the case needs.
 #[must_use]

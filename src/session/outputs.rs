@@ -1,8 +1,7 @@
-//! Answers that were produced elsewhere: by hand in a viewer, in a browser, on another system.
-//!
-//! [`export`] writes every file that can be requested in one view, and a list of instructions. [`Outputs`] reads the results:
-//! for each file an image, a frame or an array under the name of the case, with any suffix; or the information that it was
-//! refused. It answers requests like a decoder, so the verdicts are the same.
+//! Answers that were produced elsewhere: by hand in a viewer, in a browser or on another system. [`export`] writes every file
+//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: for each file an image, a frame or
+//! an array, named after the case with any suffix, or the information that the file was refused. It answers requests like a
+//! decoder, so the verdicts are the same.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
@@ -17,7 +16,7 @@ use crate::protocol::forms;
 use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Reply, Request};
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::corpus::put;
+use crate::suite::corpus::write_file;
 
 /// The list of requests, for programs.
 const LIST_NAME: &str = "requests.yaml";
@@ -26,7 +25,7 @@ const TABLE_NAME: &str = "requests.tsv";
 /// The directory for the answers.
 const ANSWERS_DIR: &str = "outputs";
 
-/// A request: the output to produce for one file.
+/// A request for the output of one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ListedRequest {
@@ -77,7 +76,7 @@ pub fn export(
         if let Some(view) = case.views.iter().find(|offered| offered.name() == view) {
             let built = case.build(TableSpelling::default());
             let listed = ListedRequest::new(case, view, &built.file);
-            put(&directory.join(&listed.file), &built.file)?;
+            write_file(&directory.join(&listed.file), &built.file)?;
             list.push(listed);
         }
         progress(done + 1, suite.cases.len());
@@ -88,9 +87,9 @@ pub fn export(
         let fields = [&*one.id, &one.file, &one.view, &one.output];
         table += &(fields.join("\t") + "\n");
     }
-    put(&directory.join("README.txt"), READ_ME.as_bytes())?;
-    put(&directory.join(TABLE_NAME), table.as_bytes())?;
-    put(&directory.join(LIST_NAME), yaml.as_bytes())?;
+    write_file(&directory.join("README.txt"), READ_ME.as_bytes())?;
+    write_file(&directory.join(TABLE_NAME), table.as_bytes())?;
+    write_file(&directory.join(LIST_NAME), yaml.as_bytes())?;
     fs::create_dir_all(directory.join(ANSWERS_DIR))?;
     Ok(list.len())
 }
@@ -98,7 +97,7 @@ pub fn export(
 /// Answer for a case: a file, or a refusal.
 type OfflineAnswer = Result<PathBuf, Answer>;
 
-/// Names of the lists of refused and unsupported files, and the suffixes of files that stand for one such file.
+/// Names of the lists of refused and unsupported files, suffixes of files that mark a single case, and the answers.
 const REFUSALS: [(&str, &str, Answer); 2] = [
     ("rejected.txt", "reject", Answer::Rejected),
     ("unsupported.txt", "unsupported", Answer::Unsupported),
@@ -110,12 +109,12 @@ pub struct Outputs {
     given: BTreeMap<String, OfflineAnswer>,
     /// The view of all requests.
     pub view: &'static str,
-    /// Files that do not belong to a request.
-    pub strangers: Vec<String>,
+    /// Names of files that match no request.
+    pub unmatched: Vec<String>,
 }
 
 impl Outputs {
-    /// Reads a directory that [`export`] has made. `matches` is true if a pattern matches an id.
+    /// Reads a directory created by [`export`]. `matches` is true if a pattern matches an id.
     ///
     /// # Errors
     /// Returns a message that names the file and, if there is one, the offending line.
@@ -125,12 +124,12 @@ impl Outputs {
         matches: impl Fn(&str, &str) -> Result<bool, String>,
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
-        let named = |error: String| format!("{}: {error}", path.display());
-        let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(named)?;
-        let view = view_of(&list, suite).map_err(named)?;
+        let in_file = |error: String| format!("{}: {error}", path.display());
+        let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(in_file)?;
+        let view = view_of(&list, suite).map_err(in_file)?;
         let directory = directory.join(ANSWERS_DIR);
         let failed = |error| format!("{}: {error}", directory.display());
-        let (mut given, strangers) = answers(&directory, &list).map_err(failed)?;
+        let (mut given, unmatched) = answers(&directory, &list).map_err(failed)?;
         for (name, _, refusal) in REFUSALS {
             for id in listed_ids(&directory.join(name), &list, &matches)? {
                 given.entry(id).or_insert_with(|| Err(refusal.clone()));
@@ -143,7 +142,7 @@ impl Outputs {
         Ok(Outputs {
             given,
             view,
-            strangers,
+            unmatched,
         })
     }
 
@@ -162,9 +161,9 @@ impl Outputs {
             None => Answer::NotStarted("no answer was given".to_owned()),
             Some(Err(refusal)) => refusal.clone(),
             Some(Ok(path)) => {
-                let most = request.max_answer_bytes();
-                let bytes = read(path, most);
-                let frame = bytes.and_then(|bytes| forms::read(&bytes, request.view, most));
+                let limit = request.max_answer_bytes();
+                let bytes = read(path, limit);
+                let frame = bytes.and_then(|bytes| forms::read(&bytes, request.view, limit));
                 frame.map_or_else(Answer::ProtocolError, Answer::Decoded)
             }
         };
@@ -172,7 +171,7 @@ impl Outputs {
     }
 }
 
-/// Returns the ids that the patterns of a list match; none if there is no such list.
+/// Returns the ids that match a pattern in the list at `path`, or none if there is no list.
 fn listed_ids(
     path: &Path,
     list: &[ListedRequest],
@@ -184,7 +183,7 @@ fn listed_ids(
     };
     let mut ids = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
-        let fault = |what: &str| format!("{}: line {number}: {what}: {line:?}", path.display());
+        let fault = |why: &str| format!("{}: line {number}: {why}: {line:?}", path.display());
         let pattern = line.trim();
         if pattern.is_empty() || pattern.starts_with('#') {
             continue;
@@ -202,9 +201,9 @@ fn listed_ids(
     Ok(ids)
 }
 
-/// Returns the view of all requests, whose files are those of `suite`.
+/// Returns the view of all requests. Returns an error if a request is not from `suite` or the views differ.
 fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String> {
-    let other = "these requests are from another version of this program; export them again";
+    let other = "these requests are from a different version of this program; export them again";
     let mut view = None;
     for listed in list {
         let case = suite.case(&listed.id).ok_or(other)?;
@@ -215,7 +214,7 @@ fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String
             return Err(other.to_owned());
         }
         if *view.get_or_insert(asked.name()) != asked.name() {
-            return Err("all requests have one view".to_owned());
+            return Err("all requests must have the same view".to_owned());
         }
     }
     view.ok_or_else(|| "there are no requests".to_owned())
@@ -228,14 +227,14 @@ fn answers(
 ) -> io::Result<(BTreeMap<String, OfflineAnswer>, Vec<String>)> {
     let ids: HashSet<&str> = list.iter().map(|listed| &*listed.id).collect();
     let mut given = BTreeMap::new();
-    let mut strangers = Vec::new();
+    let mut unmatched = Vec::new();
     for entry in fs::read_dir(directory)? {
         let path = entry?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let (id, suffix) = name.split_once('.').unwrap_or((&name, ""));
         if !ids.contains(id) {
             if !REFUSALS.iter().any(|(list, ..)| *list == name) {
-                strangers.push(name.into_owned());
+                unmatched.push(name.into_owned());
             }
             continue;
         }
@@ -245,23 +244,23 @@ fn answers(
             return Err(io::Error::other(format!("two answers for {id}")));
         }
     }
-    strangers.sort();
-    Ok((given, strangers))
+    unmatched.sort();
+    Ok((given, unmatched))
 }
 
-/// Reads an answer of at most `most` bytes. Only a regular file is opened.
-fn read(path: &Path, most: usize) -> Result<Vec<u8>, String> {
+/// Reads an answer of at most `limit` bytes. Only a regular file is opened.
+fn read(path: &Path, limit: usize) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let read = fs::symlink_metadata(path).and_then(|about| match about.is_file() {
         true => fs::File::open(path)?
-            .take(most as u64 + 1)
+            .take(limit as u64 + 1)
             .read_to_end(&mut bytes),
         false => Err(io::Error::other("is not a regular file")),
     });
     let fault = match read {
         Err(error) => error.to_string(),
         Ok(0) => "is empty".to_owned(),
-        Ok(length) if length > most => "is larger than any image of that file".to_owned(),
+        Ok(length) if length > limit => "is larger than any image of that file".to_owned(),
         Ok(_) => return Ok(bytes),
     };
     Err(format!("its output file {fault}"))

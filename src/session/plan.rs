@@ -1,4 +1,4 @@
-//! The plan of a run: the selected cases, and the options.
+//! The plan of a run: the selected cases and the options.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -30,7 +30,7 @@ pub struct RunPlan {
     pub soonest: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
-    /// True if the answers were made before the run: there are no first files, and tables have the default spelling.
+    /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
     /// Set when the user ends the run.
     #[serde(skip)]
@@ -45,12 +45,12 @@ pub enum Repeat {
     Nothing,
     /// Failures, because the decoder may be nondeterministic.
     Failures,
-    /// Failures and one in [`SAMPLE`] other cases, because a serving process may leak state between files.
+    /// Failures and one in [`SAMPLE_INTERVAL`] other cases, because a serving process may leak state between files.
     FailuresAndSample,
 }
 
-/// One in this number of cases that did not fail is repeated.
-pub const SAMPLE: usize = 100;
+/// Sampling interval: one in this number of cases that did not fail is repeated.
+pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {
     /// Creates a plan that requests everything once from a decoder without capabilities.
@@ -73,7 +73,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns true if the user allows a view and the decoder does not declare only other views.
+    /// Returns true if neither the user nor the declaration of the decoder excludes a view.
     pub(super) fn may_ask(&self, view: &str) -> bool {
         let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
         allows(&self.views) && allows(&self.declared_views)

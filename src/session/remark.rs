@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 /// A remark on a run as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remark {
-    /// True if the decoder fails because of it.
+    /// True if the remark makes the decoder fail.
     pub failure: bool,
-    /// A sentence.
+    /// The text, a sentence.
     pub says: String,
 }
 
 impl Remark {
-    /// Makes a remark that makes the decoder fail.
+    /// Creates a remark that makes the decoder fail.
     #[must_use]
     pub fn failure(says: String) -> Remark {
         Remark {
@@ -21,7 +21,7 @@ impl Remark {
         }
     }
 
-    /// Makes a remark for information.
+    /// Creates an informational remark.
     #[must_use]
     pub fn note(says: String) -> Remark {
         Remark {

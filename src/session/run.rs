@@ -1,11 +1,11 @@
-//! One run: first contact, every case once, repeated failures, verdicts.
+//! Runs a suite: makes first contact, requests every case once, repeats failed cases, and computes verdicts.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 pub use crate::session::asking::Session;
-use crate::session::asking::{Ask, Counting, is_hang};
+use crate::session::asking::{Ask, CountCallback, is_hang};
 use crate::session::contact::{Contact, First};
 use crate::session::judge::{Judgement, judge};
 use crate::session::lit_scene::LitScene;
@@ -46,14 +46,14 @@ pub struct Run<C: TestCase = Case> {
     pub scene: Option<LitScene>,
     /// Set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
-    /// Units of work of the search for causes so far, of at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
+    /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
     pub searched: Arc<AtomicUsize>,
 }
 
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
 pub type Observations<C> = Vec<Option<Observation<C>>>;
 
-/// A callback for each finished case: its observation, the number of finished cases and of all cases.
+/// A callback for each finished case. It receives the case, its observation, and the numbers of finished cases and of all cases.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
 
 /// Runs `suite` against a decoder.
@@ -70,8 +70,8 @@ pub fn check<C: TestCase>(
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Returns the indices of the cases to request: every selected case and its twins that the decoder offers a view of; none if the
-    /// program is not a decoder. The prioritized cases, and the others.
+    /// Returns the indices of the prioritized cases and of the other cases to request: selected cases and their twins in views
+    /// that the decoder offers. Both lists are empty if nothing can be requested.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
@@ -111,7 +111,7 @@ impl<C: TestCase> Session<'_, C> {
         }
         let is_legal = |&place: &usize| cases[places[place]].expect() == Expect::Decode;
         let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
-        let made = Mutex::new((observations, 0));
+        let state = Mutex::new((observations, 0));
         self.run_in_parallel(places.len(), |place, worker| {
             let i = places[place];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
@@ -124,18 +124,18 @@ impl<C: TestCase> Session<'_, C> {
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            let (observations, done) = &mut *made.lock().expect("no worker panics");
+            let (observations, done) = &mut *state.lock().expect("no worker panics");
             *done += 1;
             progress(&cases[i], &observation, *done, places.len());
             observations[i] = Some(observation);
             watch.note(place, is_hang(&reply), &self.tally);
             true
         });
-        let (observations, _) = made.into_inner().expect("no worker panics");
+        let (observations, _) = state.into_inner().expect("no worker panics");
         let Some(last) = watch.last() else { return };
         for &i in &places[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                // The call ended in neither a frame nor a refusal, or a serving process did not answer.
+                // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
                 let is_violation = matches!(observation.response, Response::Violation(_))
                     || observation.nondeterminism.is_some();
                 self.tally.calls.fetch_sub(1, Ordering::Relaxed);
@@ -154,9 +154,9 @@ impl<C: TestCase> Session<'_, C> {
         observations
     }
 
-    /// Returns the run as if only these cases had been selected; nothing is repeated.
+    /// Returns the run as if only these cases had been selected. Nothing is repeated.
     #[must_use]
-    pub fn so_far(
+    pub fn partial_run(
         &self,
         contact: &Contact<C>,
         places: &[usize],
@@ -169,14 +169,14 @@ impl<C: TestCase> Session<'_, C> {
         self.run(contact.clone(), observations.to_vec(), judgement)
     }
 
-    /// Judges, repeats failures, and judges again if a response differed. `again` is called after each repeated request with
-    /// the number of finished and of all repetitions.
+    /// Judges the observations, repeats failures, and judges again if a response differed. `progress` is called after each
+    /// repetition with the numbers of finished and of all repetitions.
     #[must_use]
     pub fn verdicts(
         self,
         contact: Contact<C>,
         mut observations: Vec<Option<Observation<C>>>,
-        again: &Counting,
+        progress: &CountCallback,
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
@@ -186,19 +186,19 @@ impl<C: TestCase> Session<'_, C> {
             None => (&self.plan.selected, contact.ends.or(end_reason)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
-        if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, again) {
+        if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, progress) {
             judgement = judge(suite, selected, &observations, &contact.offer);
         }
-        let nothing_decoded = || nothing_decoded(suite, &observations);
-        let not_a_decoder = contact.not_a_decoder.clone().or_else(nothing_decoded);
+        let reason = || all_unsupported_reason(suite, &observations);
+        let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
         let run = self.run(contact, observations, judgement);
         let mut run = Run {
             ended_early,
             not_a_decoder,
             ..run
         };
-        run.explain_what_was_not_run(suite, &self.plan.withheld_in(suite, table));
-        run.state_why_it_ended_early();
+        run.explain_skipped_cases(suite, &self.plan.withheld_in(suite, table));
+        run.report_early_end();
         run
     }
 
@@ -228,7 +228,7 @@ impl<C: TestCase> Session<'_, C> {
 }
 
 /// Returns the reason why a program that answered 69 to every must-accept file is not a decoder.
-fn nothing_decoded<C: TestCase>(
+fn all_unsupported_reason<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],
 ) -> Option<String> {
@@ -241,8 +241,8 @@ fn nothing_decoded<C: TestCase>(
 }
 
 impl<C: TestCase> Run<C> {
-    /// Explains cases that were not requested: on purpose, or because the run ended earlier.
-    fn explain_what_was_not_run(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
+    /// Explains cases that were not requested, either on purpose or because the run ended early.
+    fn explain_skipped_cases(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
         let judged = suite.cases.iter().zip(&mut self.judgement.cases);
         for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {
             let Some(judged) = judged else { continue };
@@ -256,9 +256,9 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Reports why the run ended early, in a place that every form of the report shows: the reason why the program is not a
-    /// decoder, or else a remark.
-    fn state_why_it_ended_early(&mut self) {
+    /// Reports why the run ended early, in a place that every format of the report shows: the reason why the program is not a
+    /// decoder or, if it is one, a remark.
+    fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {
             *reason = format!("{reason}\n{why}");
@@ -295,7 +295,7 @@ impl<C: TestCase> Run<C> {
         self.status(self.judgement.with_outcome(Outcome::Fail).next().is_some())
     }
 
-    /// Returns the exit status if not every failure counts: `failed` is true if one does.
+    /// Returns the exit status of a run for which not every failure counts. `failed` is true if a failure counts.
     #[must_use]
     pub fn status(&self, failed: bool) -> u8 {
         if self.not_a_decoder.is_some() {

@@ -1,13 +1,13 @@
-//! Three scores instead of one percentage.
+//! Scores of a run: three fractions instead of one percentage.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Three scores instead of one percentage.
+/// The three scores of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Scores {
-    /// Cases passed, out of those judged among the required ones of supported features.
+    /// Cases passed, out of those that passed or failed.
     pub correctness: Fraction,
     /// Features decoded, out of those in the selected cases.
     pub breadth: Fraction,

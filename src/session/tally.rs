@@ -36,8 +36,8 @@ impl HangWatch {
         }
     }
 
-    /// Records an answer, and ends the run if three consecutive legal files timed out: consecutive in their order, whenever
-    /// they were answered.
+    /// Records an answer, and ends the run if three consecutive legal files timed out. Files are consecutive by index, regardless
+    /// of the order of their answers.
     pub fn note(&self, place: usize, is_hang: bool, tally: &Tally) {
         let Ok(rank) = self.legal.binary_search(&place) else {
             return;
@@ -75,7 +75,7 @@ mod tests {
             (&[8, 0, 4, 2, 6], &[4, 6, 8], Some(8)),
             (&backward, &[4, 6, 8, 10, 12, 14], Some(8)),
             (&[0, 2, 2, 4], &[0, 2, 4], Some(4)),
-            // Files in between or malformed ones, or an answer in another view.
+            // Other files in between, malformed files, or an answer in a different view.
             (&forward, &[4, 6, 10, 12, 18], None),
             (&[4, 6, 10, 8], &[4, 6, 10], None),
             (&forward, &[1, 3, 5, 7, 9, 11], None),

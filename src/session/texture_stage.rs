@@ -1,4 +1,4 @@
-//! Requests to a program with a texture question.
+//! Requests that send a texture question to a program.
 
 use serde_json::Value;
 
@@ -6,7 +6,7 @@ use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::suite::texture::test_case::TextureView;
 
-/// Sends one request: a file with the question, and a JSON object on standard output.
+/// Sends a file with a question and reads a JSON object from standard output.
 #[must_use]
 pub fn ask(
     decoder: &Decoder,

@@ -1,20 +1,20 @@
-//! First files that are all wrong in the same way: turned over, channels exchanged, scaled, under a curve.
+//! Transforms that make all first files wrong in the same way: flipped images, exchanged channels, a factor or a tone curve.
 //!
-//! Such a mistake fails hundreds of cases but is a single mistake. It is reported once, and undone in every image before
+//! A common transform fails hundreds of cases but is a single mistake. It is reported once, and undone in every image before
 //! comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
 //! default tolerances, and none of them may be right without it.
 
 use std::sync::Arc;
 
 use crate::protocol::frame::{Frame, ViewKind};
-use crate::session::asking::{Undo, Undoing};
+use crate::session::asking::{Undo, UndoFn};
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::curve;
 use crate::session::probe::{Arrangement, ProbeFault, join_texts};
 use crate::session::remark::Remark;
 use crate::suite::cases::{Case, Suite};
 
-/// A change of all images of a view.
+/// A change that affects all images of a view.
 pub struct CommonTransform {
     /// The function that undoes it in every image of the view before comparison.
     pub undo: Undo<Case>,
@@ -35,70 +35,70 @@ fn is_explained_by(undo: &Undo<Case>, (reply, frame): &FirstImage) -> bool {
 /// Returns the changes that the images of all first files have in common, view by view, if none of them is right and one change
 /// explains them.
 #[must_use]
-pub fn common(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
+pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);
     let decoded = |reply| Some((reply, FirstReply::frame(reply)?));
     let decoded: Vec<FirstImage> = replies.iter().filter_map(decoded).collect();
     let of_view = |view| {
-        let mut pictures = decoded.clone();
-        pictures.retain(|(reply, _)| reply.view.kind() == view);
-        in_common(view, &pictures)
+        let mut images = decoded.clone();
+        images.retain(|(reply, _)| reply.view.kind() == view);
+        common_transform(view, &images)
     };
     ViewKind::ALL.into_iter().filter_map(of_view).collect()
 }
 
-/// Describes the changes, and those of several views only once.
+/// Returns a remark for each change. A change that affects several views is described only once.
 #[must_use]
-pub fn in_words(transforms: &[CommonTransform]) -> Vec<Remark> {
-    let mut said: Vec<(Vec<&str>, &CommonTransform)> = Vec::new();
+pub fn remarks(transforms: &[CommonTransform]) -> Vec<Remark> {
+    let mut groups: Vec<(Vec<&str>, &CommonTransform)> = Vec::new();
     for transform in transforms {
         let same = |(_, of): &&mut (Vec<&str>, &CommonTransform)| of.says == transform.says;
-        match said.iter_mut().find(same) {
+        match groups.iter_mut().find(same) {
             Some((views, _)) => views.push(transform.undo.view),
-            None => said.push((vec![transform.undo.view], transform)),
+            None => groups.push((vec![transform.undo.view], transform)),
         }
     }
-    let words = |(views, transform): (Vec<&str>, &CommonTransform)| {
+    let remark = |(views, transform): (Vec<&str>, &CommonTransform)| {
         let CommonTransform { says, next, .. } = transform;
         Remark::failure(format!(
             "{}: {says}; all cases are judged after undoing this\n→ {next}",
             views.join(", ")
         ))
     };
-    said.into_iter().map(words).collect()
+    groups.into_iter().map(remark).collect()
 }
 
-fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform> {
+fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTransform> {
     let (right, wrong): (Vec<&FirstImage>, Vec<&FirstImage>) =
-        pictures.iter().partition(|(reply, _)| reply.is_right());
-    // It must explain nearly all wrong images; one image may match a mistake by chance.
+        images.iter().partition(|(reply, _)| reply.is_right());
+    // A change must explain nearly all wrong images; one image may match a mistake by chance.
     let enough = |count: usize| count >= 2 && 4 * count >= 3 * wrong.len();
     if !enough(wrong.len()) {
         return None;
     }
     let explained = |undo: &Undo<Case>| {
-        let is_explained = |picture: &&&FirstImage| is_explained_by(undo, picture);
+        let is_explained = |image: &&&FirstImage| is_explained_by(undo, image);
         let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) =
             wrong.iter().partition(is_explained);
-        let format = |picture: &FirstImage| picture.0.case.format();
+        let format = |image: &FirstImage| image.0.case.format();
         // A format is explained in all sizes or in none: a change of small images also applies to larger ones.
         let is_whole =
-            |picture: &&FirstImage| open.iter().all(|other| format(other) != format(picture));
+            |image: &&FirstImage| open.iter().all(|other| format(other) != format(image));
         // A change of one format out of several is a mistake about that format.
         let is_common = || {
-            let of_another = |picture: &&FirstImage| format(picture) != format(explained[0]);
+            let of_another = |image: &&FirstImage| format(image) != format(explained[0]);
             right.is_empty() || explained.iter().any(of_another)
         };
-        // A right image must look the same with and without it.
-        let is_said = enough(explained.len())
+        // A correct image must look the same with and without the change.
+        let is_valid = enough(explained.len())
             && is_common()
             && explained.iter().all(is_whole)
-            && right.iter().all(|picture| is_explained_by(undo, picture));
-        is_said.then_some(right.len() + explained.len())
+            && right.iter().all(|image| is_explained_by(undo, image));
+        is_valid.then_some(right.len() + explained.len())
     };
-    let mut changes = candidates(view, pictures).into_iter();
+    let mut changes = candidates(view, images).into_iter();
     let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
-    let (says, all) = (change.says, pictures.len());
+    let (says, all) = (change.says, images.len());
     let says = match count == all {
         true => format!("{says}, in all first files"),
         false => format!("{says}, in {count} of {all} first files"),
@@ -106,9 +106,9 @@ fn in_common(view: ViewKind, pictures: &[FirstImage]) -> Option<CommonTransform>
     Some(CommonTransform { says, ..change })
 }
 
-/// Returns the possible changes of all images, those with the fewest mistakes first.
-fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
-    let change = |(says, next): ProbeFault, undo: Arc<Undoing<Frame>>| {
+/// Returns all candidate changes, those with the fewest mistakes first.
+fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
+    let change = |(says, next): ProbeFault, undo: Arc<UndoFn<Frame>>| {
         let view = view.name();
         CommonTransform {
             undo: Undo { view, undo },
@@ -122,7 +122,7 @@ fn candidates(view: ViewKind, pictures: &[FirstImage]) -> Vec<CommonTransform> {
         let mistakes = join_texts(arrangement.mistakes(), "\n  ");
         change(mistakes, Arc::new(move |frame, _| arrangement.undo(frame)))
     });
-    let pairs = pictures.iter();
+    let pairs = images.iter();
     let pairs: Vec<_> = pairs.map(|&(of, frame)| (&of.expected, frame)).collect();
     let curves = curve::candidates(view, &pairs).into_iter();
     let curves = curves.map(|(fault, curve)| {

@@ -7,7 +7,7 @@ use crate::suite::name::SuiteName;
 /// URL of the published site.
 pub const SITE: &str = env!("CARGO_PKG_HOMEPAGE");
 
-/// Sections with a page; a clause is on the page of its longest prefix in this list.
+/// Sections with a page. A clause is on the page of its longest prefix in this list.
 const CHAPTERS: [&str; 12] = [
     "1.0", "2.0", "2.1", "2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "2.8", "2.9", "2.9.8",
 ];
@@ -58,13 +58,13 @@ impl SuiteName {
             return Some(format!("texture/index.html#{id}"));
         }
         let (section, _) = id.split_once('/')?;
-        let holds = |chapter: &&&str| {
+        let contains = |chapter: &&&str| {
             let rest = section.strip_prefix(**chapter);
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        let holding = CHAPTERS.iter().filter(holds);
-        let holding = holding.max_by_key(|chapter| chapter.len())?;
-        Some(format!("{}#c-{}", chapter(holding), id.replace('/', "-")))
+        let chapters = CHAPTERS.iter().filter(contains);
+        let longest = chapters.max_by_key(|chapter| chapter.len())?;
+        Some(format!("{}#c-{}", chapter(longest), id.replace('/', "-")))
     }
 
     /// Returns the address of a ruling.

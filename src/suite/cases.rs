@@ -20,13 +20,13 @@ use crate::ptm::{Field, Format};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {
-    /// The image.
+    /// The correct image.
     Decode,
     /// Exit status 65.
     Reject,
     /// Exit status 65 or 69.
     Refuse,
-    /// The image, or exit status 65 or 69 (a lenient ruling).
+    /// The correct image, or exit status 65 or 69 (a lenient ruling).
     Lenient,
     /// Like lenient, but any image is correct, because the damage leaves nothing to compare.
     Robust,
@@ -94,10 +94,10 @@ pub struct Built {
     pub fields: Vec<Field>,
     /// The values that a decoder should find.
     pub values: Values,
-    /// Its right images under every reading of the choices that affect it, for each view that was requested.
+    /// Correct images under every reading of the choices that affect the file, for each view that was requested.
     #[cfg_attr(
         not(unix),
-        allow(dead_code, reason = "pictures are compared where decoders are run")
+        allow(dead_code, reason = "images are compared only where decoders run")
     )]
     pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
@@ -170,8 +170,8 @@ impl Case {
         Some(&recipe.compression)
     }
 
-    /// Returns the open choices of 2.9 that affect the stored values of this file: rulings of kind *choice*. Under all readings
-    /// of the others its values are those of the reference.
+    /// Returns the open choices of 2.9 (rulings of kind *choice*) that affect the stored values of this file. Its values do not
+    /// depend on the readings of other choices.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
         match &self.shows {
@@ -204,7 +204,7 @@ impl Case {
     /// Never for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn digest(&self) -> String {
-        // The digest of an earlier request is reused.
+        // Reuse the digest of an earlier request.
         let known = self.digest.get().cloned();
         known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }

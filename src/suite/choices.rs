@@ -1,7 +1,6 @@
-//! Open questions of kind *choice*, and the dialect of a decoder.
-//!
-//! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a file may have several
-//! right images; the image that a decoder shows is evidence of its dialect.
+//! Open questions of kind *choice* about PTM files, and the dialect of a decoder. Each listed reading of a choice is correct, and
+//! a decoder must use one of them throughout a run. A file may therefore have several correct images; the image that a decoder
+//! shows is evidence of its dialect.
 
 use std::sync::Arc;
 
@@ -70,7 +69,7 @@ const SIDE_LOSSLESS: Readings<Reading> = &[
     }),
 ];
 
-/// All choices that can change an image, in the order of the text.
+/// All choices that can change an image, in the order of the specification.
 pub const CHOICES: Choices<Reading> = Choices(&[
     Choice::new("lum-vector", LUM_VECTOR),
     Choice::new("lum-major", LUM_MAJOR),
@@ -84,9 +83,9 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice::new("side-lossless", SIDE_LOSSLESS),
 ]);
 
-/// Returns the choices that affect a case in a view; none in most cases.
+/// Returns the choices that affect a case in a view. Most cases have none.
 ///
-/// A choice that is not listed here must have no effect on the case: its readings all make the same image.
+/// A choice that is not returned must have no effect on the case: all of its readings give the same image.
 #[must_use]
 pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     match case.format() {
@@ -97,12 +96,12 @@ pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     }
 }
 
-/// Returns the right image in every one of [`Choices::combinations`] of `axes`; that of the reference is known by construction.
+/// Returns the correct image for each of the [`Choices::combinations`] of `axes`. The reference's image is known by construction.
 ///
-/// They are stored with the file, because a suite is run repeatedly.
+/// The images are stored with the file, because a suite is run repeatedly.
 #[cfg_attr(
     not(unix),
-    allow(dead_code, reason = "pictures are compared where decoders are run")
+    allow(dead_code, reason = "images are compared only where decoders run")
 )]
 pub(crate) fn pictures(built: &Built, view: &View, reference: Expected, axes: &[Axis]) -> Pictures {
     let mut known = built.pictures.lock().expect("no worker panics");

@@ -30,7 +30,7 @@ pub enum ClauseStatus {
     Informative,
     /// Not visible in any file.
     Untestable,
-    /// Tested by cases under a ruling, because the text leaves it open.
+    /// Tested by cases under a ruling, because the text leaves the question open.
     Ruled,
 }
 
@@ -59,11 +59,11 @@ pub struct Ruling {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RulingKind {
-    /// A decoder with another reading fails.
+    /// A decoder with a different reading fails.
     Must,
     /// Each listed reading is correct if it is used throughout.
     Choice,
-    /// The file may be refused, or read like the reference.
+    /// The file may be refused, or read as the reference reads it.
     Lenient,
     /// Any answer is correct, and a difference is reported.
     #[serde(rename = "implementation-defined")]
@@ -90,7 +90,7 @@ pub fn section_of(clause: &str) -> &str {
     ends.map_or(clause, |(section, _)| section)
 }
 
-/// Returns all clauses, in the order of the text.
+/// Returns all clauses, in the order of the specification.
 ///
 /// # Errors
 /// Returns a message that names the offending line.

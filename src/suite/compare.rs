@@ -32,8 +32,8 @@ pub struct Expected {
 /// Tolerance of a byte relative to the exact color: one for rounding, and 1/64 for arithmetic in `f32`.
 const COLOR_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 
-/// Additional tolerance for a byte of a JPEG image. At quality 95 no sample of the images of the suite deviates by more than
-/// 29; the rest is for other encoders and their tables.
+/// Additional tolerance for a byte of a JPEG image. At quality 95, no sample of the images of the suite deviates by more than 29;
+/// the rest allows for other encoders and their tables.
 pub const LOSSY_TOLERANCE: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {
@@ -82,7 +82,7 @@ impl Expected {
         Some(Expected::exact(view.kind(), ptm.header.size, values))
     }
 
-    /// Returns the samples of a frame, to be compared with another frame.
+    /// Returns the samples of a frame as expected samples, for comparison with another frame.
     #[must_use]
     pub fn from_frame(frame: &Frame) -> Expected {
         let (width, height) = (frame.width, frame.height);
@@ -113,7 +113,7 @@ impl Expected {
         }
     }
 
-    /// Returns the first difference of `frame`, or `None` if the frame is correct.
+    /// Returns the first difference between `frame` and the expected samples, or `None` if the frame is correct.
     #[must_use]
     pub fn compare(&self, frame: &Frame) -> Option<Difference> {
         let (width, height) = (frame.width, frame.height);
@@ -167,14 +167,14 @@ impl Expected {
 /// First difference between a frame and the expected one.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// Another view, size, number of channels or type.
+    /// A different view, size, number of channels or sample type.
     Shape {
         /// The expected shape.
         expected: String,
         /// The shape of the frame.
         received: String,
     },
-    /// Other samples.
+    /// Different samples.
     Samples {
         /// Column of the first texel that differs, from the left.
         x: usize,
@@ -188,13 +188,13 @@ pub enum Difference {
         received: Vec<f64>,
         /// Number of samples that differ.
         wrong: usize,
-        /// Number of all samples.
+        /// Total number of samples.
         samples: usize,
     },
 }
 
-/// Returns true if `received` is close enough to a sample of a view whose inverse DCTs differ by `slack`, in an image that was
-/// compressed with some loss.
+/// Returns true if `received` is close enough to a sample of a view. Correct inverse DCTs differ by at most `slack`, and a lossy
+/// image adds the tolerance `loss`.
 pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, loss: f64) -> bool {
     let apart = (expected - received).abs();
     match view {
@@ -253,7 +253,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Magnitude from which numbers are printed with an exponent.
+/// Minimum magnitude of numbers that are printed with an exponent.
 const MIN_WITH_EXPONENT: f64 = 1e16;
 
 /// Formats a number with at most `decimals` decimals, or with an exponent if it is too small or too large for that.

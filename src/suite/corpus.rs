@@ -24,7 +24,7 @@ pub struct ManifestEntry {
     pub file: String,
     /// Size of the file in bytes.
     pub bytes: usize,
-    /// Its digest.
+    /// Digest of the file.
     pub sha256: String,
     /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
@@ -50,7 +50,7 @@ pub struct ExpectedFile {
 /// A file to write: path and contents.
 pub type CorpusFile = (String, Vec<u8>);
 
-/// Returns the manifest entry of a case, and its files.
+/// Returns the manifest entry and the files of a case.
 #[must_use]
 pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     let built = case.build(TableSpelling::default());
@@ -80,8 +80,8 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     (entry, outputs)
 }
 
-/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files above `largest` bytes are only listed.
-/// The output does not depend on `jobs`.
+/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files larger than `largest` bytes are only
+/// listed. The output does not depend on `jobs`.
 ///
 /// # Errors
 /// Returns an error with the path of a file that cannot be written.
@@ -96,7 +96,7 @@ pub fn write(
         let (entry, outputs) = entry(&suite.cases[place]);
         if outputs.iter().all(|(_, bytes)| bytes.len() <= largest) {
             for (path, bytes) in outputs {
-                put(&directory.join(path), &bytes)?;
+                write_file(&directory.join(path), &bytes)?;
             }
         }
         Ok(entry)
@@ -105,15 +105,15 @@ pub fn write(
     let manifest = to_yaml(&entries).map_err(io::Error::other)?;
     let manifest =
         format!("# Written by `ptm-conform generate`; see spec-cases/README.md.\n{manifest}");
-    put(&directory.join("MANIFEST.yaml"), manifest.as_bytes())?;
+    write_file(&directory.join("MANIFEST.yaml"), manifest.as_bytes())?;
     Ok(entries)
 }
 
-pub(crate) fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let named =
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let with_path =
         |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     if let Some(parent) = path.parent() {
-        fs::create_dir_all(parent).map_err(named)?;
+        fs::create_dir_all(parent).map_err(with_path)?;
     }
-    fs::write(path, bytes).map_err(named)
+    fs::write(path, bytes).map_err(with_path)
 }

@@ -61,8 +61,8 @@ mod tests {
         for row in ERRORS.trim_matches('\n').lines() {
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}\n");
-            let said = read(&text).expect_err("it is no damage");
-            assert!(said.starts_with(error), "{said}");
+            let message = read(&text).expect_err("not a damage");
+            assert!(message.starts_with(error), "{message}");
         }
     }
 }

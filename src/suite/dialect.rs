@@ -1,7 +1,6 @@
-//! Open questions of kind *choice* for any suite, and the dialect of a decoder.
-//!
-//! Each listed reading of a choice is right, and a decoder must use one of them throughout a run. So a case may have several
-//! right answers; the answer that a decoder gives is evidence of its dialect.
+//! Open questions of kind *choice* for any suite, and the dialect of a decoder. Each listed reading of a choice is correct, and a
+//! decoder must use one of them throughout a run. A case may therefore have several correct answers; the answer that a decoder
+//! gives is evidence of its dialect.
 
 use std::ops::Deref;
 
@@ -12,7 +11,7 @@ pub type Axis = usize;
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// Its readings.
+    /// The readings of the ruling.
     pub readings: Readings<R>,
 }
 
@@ -25,7 +24,7 @@ impl<R> Choice<R> {
     }
 }
 
-/// All open questions of a suite, in the order of its text.
+/// All open questions of a suite, in the order of its specification.
 pub struct Choices<R: 'static>(pub &'static [Choice<R>]);
 
 /// One reading of every choice, by its index in [`Choice::readings`].
@@ -93,7 +92,7 @@ impl<R> Choices<R> {
         axes.iter().fold(0, step)
     }
 
-    /// Returns the axes of these rulings, in the order of the text.
+    /// Returns the axes of these rulings, in the order of the specification.
     #[must_use]
     pub fn axes(&self, rulings: &[&str]) -> Vec<Axis> {
         ((0..self.len()).filter(|&axis| rulings.contains(&self[axis].ruling))).collect()

@@ -13,7 +13,7 @@ pub enum Feature {
     LargeTables,
     /// The `rgb` view of LUM files.
     LumColor,
-    /// Planes that are predicted from others.
+    /// Planes that are predicted from other planes.
     Prediction,
     /// References that are inverted.
     Inversion,

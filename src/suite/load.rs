@@ -9,7 +9,7 @@ use super::record::CaseRecord;
 use super::words::Words;
 use crate::kit::{embedded, yaml::records};
 
-/// The files of `spec-cases/cases/`, in the order of the text.
+/// The files of `spec-cases/cases/`, in the order of the specification.
 const FILES: &[(&str, &str)] = embedded![
     "spec-cases/cases",
     "first.yaml",
@@ -68,8 +68,8 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Bodies of invalid cases, each with the start of its error. `MAKE` expands to the keys of a generated image, and `↵` to a line
-    /// feed.
+    /// Bodies of invalid cases, each with the start of its error. `MAKE` expands to the keys of a generated image, and `↵` to a
+    /// line feed.
     const INVALID_CASES: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`
   expcet: decode => line 4: unknown field `expcet`
@@ -90,8 +90,8 @@ MAKE  views: [coefs] => line 1: case a:
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = text.replace("MAKE", MAKE).replace('↵', "\n");
             let text = format!("- id: a\n  clauses: [2.1/1]\n  because: It is.\n{text}\n");
-            let said = Suite::from_files(&[("x.yaml", &text)]).expect_err("it is no case");
-            assert!(said.starts_with(&format!("x.yaml: {error}")), "{said}");
+            let found = Suite::from_files(&[("x.yaml", &text)]).expect_err("not a case");
+            assert!(found.starts_with(&format!("x.yaml: {error}")), "{found}");
         }
     }
 }

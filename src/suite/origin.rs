@@ -12,7 +12,7 @@ use crate::suite::cases::Case;
 /// A description of bytes, the clause that defines them, and their position in the file.
 pub(crate) type Origin = (String, &'static str, Range<usize>);
 
-/// Returns the bytes that determine `channels` of the texel at column `x` and row `y`, counted from the top.
+/// Returns the bytes that determine `channels` of the texel in column `x` and row `y`, counted from the top.
 ///
 /// Returns an empty list if the file ends earlier.
 pub(crate) fn origin_of_samples(
@@ -34,7 +34,7 @@ pub(crate) fn origin_of_samples(
     };
     let format = case.format();
     let found = match (block_containing(format, channels.start), format.coding()) {
-        (Some((which, block)), _) => map.block(which, block, channels),
+        (Some((index, block)), _) => map.block(index, block, channels),
         (None, None) => map.entry(format.entry_size(), channels),
         (None, Some(_)) => map.plane(case, channels.start),
     };
@@ -46,11 +46,11 @@ pub(crate) fn origin_of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origi
     let (fields, _) = fields(file);
     let coefficient = channel % 6;
     let mut origins = Vec::new();
-    for (clause, what) in [("2.4/3", "scale"), ("2.4/4", "bias")] {
+    for (clause, name) in [("2.4/3", "scale"), ("2.4/4", "bias")] {
         let mut numbers = fields.iter().filter(|field| field.clause == clause);
         if let Some(field) = numbers.nth(coefficient) {
-            let what = format!("{what} of a{coefficient}");
-            origins.push((what, clause, field.range.clone()));
+            let name = format!("{name} of a{coefficient}");
+            origins.push((name, clause, field.range.clone()));
         }
     }
     origins
@@ -65,19 +65,19 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// Returns the bytes of occurrence `which` of the field called `name`.
-    fn range(&self, name: &str, which: usize) -> Option<Range<usize>> {
+    /// Returns the bytes of occurrence `index` of the field called `name`.
+    fn range(&self, name: &str, index: usize) -> Option<Range<usize>> {
         let mut named = self.fields.iter().filter(|field| field.name == name);
-        Some(named.nth(which)?.range.clone())
+        Some(named.nth(index)?.range.clone())
     }
 
-    /// Returns the bytes of block `which`.
-    fn block(&self, which: usize, block: &Block, channels: Range<usize>) -> Option<Vec<Origin>> {
+    /// Returns the bytes of block `index`.
+    fn block(&self, index: usize, block: &Block, channels: Range<usize>) -> Option<Vec<Origin>> {
         let first = self.texel * block.channels + channels.start - block.channel;
-        let start = self.range("the texels", which)?.start + first;
+        let start = self.range("the texels", index)?.start + first;
         let Map { texel, texels, .. } = self;
-        let what = format!("texel {texel} of {texels} in stored order, bottom row first");
-        Some(vec![(what, block.clause, start..start + channels.len())])
+        let name = format!("texel {texel} of {texels} in stored order, bottom row first");
+        Some(vec![(name, block.clause, start..start + channels.len())])
     }
 
     /// Returns the bytes of an index and of the entry that it refers to.
@@ -103,21 +103,21 @@ impl Map<'_> {
     /// Returns the bytes of the stream of a plane, and of the record that corrects this texel.
     fn plane(&self, case: &Case, channel: usize) -> Option<Vec<Origin>> {
         let stream = self.range("a compressed plane", channel)?;
-        let mut what = format!("the stream of plane {channel}");
+        let mut text = format!("the stream of plane {channel}");
         let plan = case.compression();
         let reference = plan.and_then(|plan| plan.references.get(channel).copied());
         if let Some(Ok(reference)) = reference.map(usize::try_from) {
             let name = channel_name(case.format().channels(), reference);
-            let _ = write!(what, ", predicted from plane {reference} ({name})");
+            let _ = write!(text, ", predicted from plane {reference} ({name})");
         }
-        let mut origins = vec![(what, "2.9.8/2", stream)];
+        let mut origins = vec![(text, "2.9.8/2", stream)];
         let side = self.range("side information", channel).unwrap_or(0..0);
         let records = self.file.get(side.clone())?.chunks_exact(5).enumerate();
         for (i, _) in records.filter(|(_, record)| number(record[..4].iter()) == self.texel) {
             let start = side.start + 5 * i;
-            let what =
+            let text =
                 format!("record {i} of the side information of the plane corrects this texel");
-            origins.push((what, "2.9.8/5", start..start + 5));
+            origins.push((text, "2.9.8/5", start..start + 5));
         }
         Some(origins)
     }

@@ -1,4 +1,4 @@
-//! [`TestCase`] for PTM files: a request is a file and a view, an answer is a frame.
+//! [`TestCase`] for PTM files: a request is a file and a view, and an answer is a frame.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -133,7 +133,7 @@ impl TestCase for Case {
         let is_other = *view == View::Raw && expected.as_ref().is_some_and(is_other);
         let allowance = match difference {
             _ if frame.lossy => Allowance::Lossy,
-            // Another inverse DCT decoded the lossy JPEG planes.
+            // A different inverse DCT decoded the lossy JPEG planes.
             None if is_other => Allowance::AnotherTransform,
             _ => Allowance::None,
         };
@@ -161,7 +161,7 @@ impl TestCase for Case {
     }
 
     fn difference_in(&self, view: &View, frame: &Frame, dialect: &Dialect) -> Option<Difference> {
-        // Files that are affected by a choice have no table, so there is one spelling.
+        // Files that are affected by a choice have no table, so there is only one spelling.
         let built = self.build(TableSpelling::default());
         let axes = relevant_axes(self, view);
         let expected = Expected::new(&built.values, view)?;

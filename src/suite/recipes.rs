@@ -112,7 +112,7 @@ fn set_compression(
         let text = &words.fill(text);
         match name.as_str() {
             "parameter" => plan.parameter = number(name, text)?,
-            // These three are repeated.
+            // These three lists are repeated.
             "transforms" => plan.transforms = plan.cycled(&numbers(name, text)?, everywhere),
             "motion_x" => plan.motion_x = plan.cycled(&numbers(name, text)?, everywhere),
             "motion_y" => plan.motion_y = plan.cycled(&numbers(name, text)?, everywhere),

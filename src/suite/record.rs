@@ -31,7 +31,7 @@ pub(super) struct CaseRecord {
     values: Option<HandValues>,
     pub twin_of: Option<String>,
     damage: Option<String>,
-    /// Rulings, separated by spaces; `none` for none.
+    /// Rulings separated by spaces, or `none` if there are none.
     shows: Option<String>,
     expect: Expect,
     views: Option<Vec<String>>,
@@ -130,8 +130,8 @@ impl CaseRecord {
     }
 }
 
-/// Checks that a case uses only the raw view if another inverse DCT may turn a sample from 255 to 0: there the distance between
-/// the two is one.
+/// Checks that a case uses only the raw view if a different inverse DCT may turn a sample from 255 to 0. In the raw view, the
+/// distance between these values is one.
 fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let lossy = recipe.format.coding() == Some(Coding::Jpeg)
         && recipe.compression.residuals == Residuals::Natural;

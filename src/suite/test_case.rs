@@ -31,7 +31,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     const VIEWS: &'static [&'static str];
     /// The open questions.
     const CHOICES: Choices<Self::Decisions>;
-    /// Message for an answer if a refusal is expected.
+    /// Message for an answer to a case that expects a refusal.
     const ACCEPTED_MESSAGE: &'static str = "accepted a file that must be refused";
     /// Message for exit status 69 if other cases with the same features were answered.
     const UNSUPPORTED_MESSAGE: &'static str =

@@ -77,7 +77,7 @@ impl Piece {
     }
 }
 
-/// Returns the format that a piece names.
+/// Returns the format that the piece `format` names.
 pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.is == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
@@ -102,21 +102,21 @@ impl HandValues {
 
     pub(super) fn views(&self) -> Result<Vec<View>, String> {
         let coef = self.coef.iter().map(|_| Ok(View::Coef));
-        let light = self.rgb.iter().map(|picture| &picture.light);
+        let light = self.rgb.iter().map(|image| &image.light);
         let rgb = light.map(|light| format!("rgb:{light}").parse());
         [Ok(View::Raw)].into_iter().chain(coef).chain(rgb).collect()
     }
 
     pub(super) fn check(&self, format: Format) -> Result<(), String> {
         let texels = self.size.parse::<Size>()?.texels();
-        let check = |what: &str, lines: &[String], channels: usize| {
+        let check = |name: &str, lines: &[String], channels: usize| {
             let words = lines.iter().map(|line| line.split_whitespace().count());
             let numbers = HandValues::numbers(lines).len();
             if lines.len() != texels
                 || words.clone().any(|count| count != channels)
                 || words.sum::<usize>() != numbers
             {
-                return Err(format!("{what} needs {texels} lines of {channels} numbers"));
+                return Err(format!("{name} needs {texels} lines of {channels} numbers"));
             }
             Ok(())
         };
@@ -125,7 +125,7 @@ impl HandValues {
             check("coef", coef, format.channels())?;
         }
         match &self.rgb {
-            Some(picture) => check("rgb", &picture.texels, 3),
+            Some(image) => check("rgb", &image.texels, 3),
             None => Ok(()),
         }
     }

@@ -9,7 +9,7 @@ use serde::de::{DeserializeOwned, IntoDeserializer, value};
 pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Words<'a> {
-    /// Returns every combination, the last key changing fastest.
+    /// Returns every combination. The last key changes fastest.
     pub fn combinations(for_each: &'a BTreeMap<String, Vec<String>>) -> Vec<Words<'a>> {
         let mut all = vec![Vec::new()];
         for (key, words) in for_each {
@@ -23,12 +23,12 @@ impl<'a> Words<'a> {
         all.into_iter().map(Words).collect()
     }
 
-    /// Replaces each `{key}` in `text` by its word, or by the value of a word `name = value`.
+    /// Replaces each `{key}` in `text` with its word, or with the value of a word `name = value`.
     pub fn fill(&self, text: &str) -> String {
         self.replaced(text, |_, value| value.to_owned())
     }
 
-    /// Fills an id template: replaces each `{key}` by the slug of its word, or of the name of a word `name = value`.
+    /// Fills in an id template: replaces each `{key}` with the slug of its word, or of the name of a word `name = value`.
     pub fn id(&self, text: &str) -> String {
         self.replaced(text, |name, _| slug(name))
     }

@@ -20,7 +20,7 @@ use crate::protocol::frame::{View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
-use crate::suite::corpus::put;
+use crate::suite::corpus::write_file;
 use crate::tools::export::{encode_exr, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::{encode_image, rgb};
@@ -198,7 +198,7 @@ pub fn write(
     let entries = map_in_parallel(cases.len(), jobs, progress, &|place| {
         let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
-            put(&directory.join(path), &bytes)?;
+            write_file(&directory.join(path), &bytes)?;
         }
         Ok(entry)
     });
@@ -210,12 +210,12 @@ pub fn write(
     };
     let yaml = to_yaml(&manifest).map_err(io::Error::other)?;
     let json = serde_json::to_string_pretty(&manifest).map_err(io::Error::other)?;
-    put(&directory.join("MANIFEST.yaml"), yaml.as_bytes())?;
-    put(&directory.join("MANIFEST.json"), (json + "\n").as_bytes())?;
+    write_file(&directory.join("MANIFEST.yaml"), yaml.as_bytes())?;
+    write_file(&directory.join("MANIFEST.json"), (json + "\n").as_bytes())?;
     let readme = README.replace("{profile}", profile.name());
     let readme = readme.replace("{version}", manifest.version);
-    put(&directory.join("README.md"), readme.as_bytes())?;
-    put(&directory.join(".gitattributes"), GITATTRIBUTES.as_bytes())?;
+    write_file(&directory.join("README.md"), readme.as_bytes())?;
+    write_file(&directory.join(".gitattributes"), GITATTRIBUTES.as_bytes())?;
     Ok(manifest)
 }
 

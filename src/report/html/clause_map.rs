@@ -86,7 +86,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
             h2 #clauses { "Clauses" }
             p {
                 "A case may test several clauses, and a failing case counts for each of them. The mark ▸ shows the clause that the diagnosis names. "
-                "A clause filters the cases above."
+                "Select a clause to filter the cases above."
             }
             p.legend {
                 span.tile data-state="fail" { "✗" } " a case failed "
@@ -100,13 +100,13 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
                         span.section { (section) }
                         div {
                             @for clause in clauses {
-                                @let of = tally(&tallies, clause);
-                                @let (state, mark) = of.state();
+                                @let counts = tally(&tallies, clause);
+                                @let (state, mark) = counts.state();
                                 @let blamed = is_misread(&clause.id);
                                 @let ordinal = clause.id.split(['/', '-']).next_back().unwrap_or_default();
                                 button.tile type="button" data-state=(state) data-blamed[blamed] data-clause=(clause.id)
-                                    title={ (clause.id) ": " (clause.rule) " " (of.passed) " passed, " (of.failed) " failed." }
-                                    aria-label={ "clause " (clause.id) ": " (of.passed) " passed, " (of.failed) " failed" } {
+                                    title={ (clause.id) ": " (clause.rule) " " (counts.passed) " passed, " (counts.failed) " failed." }
+                                    aria-label={ "clause " (clause.id) ": " (counts.passed) " passed, " (counts.failed) " failed" } {
                                     @if blamed { "▸" } (mark) small { (ordinal) }
                                 }
                             }
@@ -123,17 +123,17 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
 fn table(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {
-            summary { "The clauses in words" }
+            summary { "All clauses and their rules" }
             table.list.rules {
                 thead { tr { th scope="col" { "clause" } th scope="col" { "result" } th.number scope="col" { "passed" } th.number scope="col" { "failed" } th.number scope="col" { "open" } th scope="col" { "rule" } } }
                 tbody {
                     @for clause in clauses {
-                        @let of = tally(tallies, clause);
-                        @let (state, mark) = of.state();
+                        @let counts = tally(tallies, clause);
+                        @let (state, mark) = counts.state();
                         tr {
                             td { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) }
                             td data-state=(state) { (mark) " " (result(state, clause.status)) }
-                            td.number { (of.passed) } td.number { (of.failed) } td.number { (of.open) }
+                            td.number { (counts.passed) } td.number { (counts.failed) } td.number { (counts.open) }
                             td { (clause.rule) }
                         }
                     }

@@ -1,11 +1,11 @@
-//! Descriptions of the causes with fixes, and next steps for programs that are not decoders.
+//! Descriptions of causes and fixes, and next steps for programs that are not decoders.
 
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::cases::Group;
 use crate::report::html::shell::linked;
-use crate::report::words::{details, how_it_is_called};
+use crate::report::words::{call_instructions, details};
 use crate::session::outcome::Outcome;
 use crate::suite::address::published_url;
 use crate::suite::clauses::Clause;
@@ -29,7 +29,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
                         p.share { b { (group.cases.len()) } " of " (failures) " failures" }
                         div {
                             h3 { "Unexplained failures" }
-                            p { a href={ "#" (group.anchor()) } { "See the cases" } ", in the order of the text." }
+                            p { a href={ "#" (group.anchor()) } { "See the cases" } ", in the order of the specification." }
                         }
                     },
                 }
@@ -67,13 +67,13 @@ fn render_cause(report: &Report, cause: &LikelyCause, group: &Group, clauses: &[
 
 /// Renders the next steps for a program that is not a decoder.
 pub(super) fn next_steps(report: &Report) -> Markup {
-    let called = how_it_is_called(report.suite, &report.decoder.command);
+    let called = call_instructions(report.suite, &report.decoder.command);
     html! {
         section #main tabindex="-1" aria-labelledby="next" {
             h2 #next { "What to do next" }
             p.lead { "No case was judged, because the program does not implement the protocol yet." }
             ol.steps { @for line in called.lines() { li { (line) } } }
-            p { a href=(published_url(report.suite.protocol_page())) { "The protocol" } " says what a call looks like and what each exit status means. "
+            p { a href=(published_url(report.suite.protocol_page())) { "The protocol" } " describes how a decoder is called and what each exit status means. "
                 "The directory " code { "examples/decoders" } " contains a wrapper to start from." }
         }
     }

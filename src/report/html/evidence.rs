@@ -161,11 +161,11 @@ fn sample_origins(
 
 fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     html! {
-        @if !origins.is_empty() { p.label { "Bytes of " (name) " of this texel" } }
-        @for (what, clause, range) in origins {
+        @if !origins.is_empty() { p.label { "Bytes of " (name) " in this texel" } }
+        @for (field, clause, range) in origins {
             p.origin {
                 @if range.len() == 1 { "Byte " (range.start) } @else { "Bytes " (range.start) "–" (range.end.max(1) - 1) }
-                ": " (what) " " span.clauses { (clause) }
+                ": " (field) " " span.clauses { (clause) }
             }
             (excerpt(file, range))
         }

@@ -1,4 +1,4 @@
-//! Matrix of implementations and clauses: many decoders on one page.
+//! Matrix of decoders and clauses: the results of several decoders on one page.
 
 use maud::{Markup, html};
 
@@ -74,17 +74,17 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
 fn name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
     let has_same_command = |report: &&Report| report.decoder.command == *command;
-    let alike = |reports: &[Report]| reports.iter().filter(has_same_command).count();
+    let count = |reports: &[Report]| reports.iter().filter(has_same_command).count();
     html! {
         code { (command) }
-        @if alike(reports) > 1 { " " span.quiet { "(" (alike(&reports[..=i])) ")" } }
+        @if count(reports) > 1 { " " span.quiet { "(" (count(&reports[..=i])) ")" } }
     }
 }
 
 /// Maximum number of causes displayed per report. The page of the report lists all of them.
 const MAX_CAUSES: usize = 4;
 
-/// Renders the first causes: the slug for misreadings of the catalog, a description for other causes.
+/// Renders the first causes: the slug for misreadings in the catalog, and a description for other causes.
 fn mistakes(causes: &[LikelyCause]) -> Markup {
     html! {
         @for cause in causes.iter().take(MAX_CAUSES) {

@@ -76,7 +76,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
 
 /// Renders the scores and the number of cases with each outcome.
 fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
-    let of = report.cases.len();
+    let selected = report.cases.len();
     html! {
         dl.scores {
             (score("Correctness", report.scores.correctness, "passed cases among the judged cases that the decoder supports"))
@@ -87,15 +87,15 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
             @for outcome in Outcome::ALL {
                 @let count = report.with_outcome(outcome).count();
                 @if count > 0 {
-                    button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (slug(outcome)) } title="Show these cases alone" {
+                    button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (slug(outcome)) } title="Show only these cases" {
                         (mark(outcome)) " " span.count { (count) } " " (outcome.name())
                     } " "
                 }
             }
-            @if let Some(news) = &report.baseline {
-                span.quiet { (news.known.len()) " known failures, " (news.new.len()) " new failures; " (news.stale.len()) " fixed" } " "
+            @if let Some(baseline) = &report.baseline {
+                span.quiet { (baseline.known.len()) " known failures, " (baseline.new.len()) " new failures, " (baseline.stale.len()) " fixed" } " "
             }
-            @if of < suite.cases.len() { span.quiet { (of) " of " (suite.cases.len()) " cases were selected" } }
+            @if selected < suite.cases.len() { span.quiet { (selected) " of " (suite.cases.len()) " cases were selected" } }
         }
     }
 }
@@ -148,7 +148,7 @@ fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
             p { "The specification leaves some values open. Each of these readings is correct if the decoder follows it in all files." }
-            @if report.dialect.is_empty() { p.quiet { "No case distinguishes them." } } @else {
+            @if report.dialect.is_empty() { p.quiet { "No case distinguishes the readings." } } @else {
                 table.list {
                     thead { tr { th scope="col" { "ruling" } th scope="col" { "the question" } th scope="col" { "this decoder" } } }
                     tbody {
@@ -180,7 +180,7 @@ fn footer(report: &Report) -> Markup {
             }
             ul { @for limit in &report.tool.limits { li { (limit) } } }
             p {
-                "A case, clause, ruling or misreading is explained by " code { "ptm-conform explain ID" } ", and on "
+                "Cases, clauses, rulings and misreadings are explained by " code { "ptm-conform explain ID" } " and on "
                 a href=(SITE) { "the site" } ". This page loads nothing from a server."
             }
         }

@@ -101,7 +101,7 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Renders the planes, one table per color. Colors without a difference are only mentioned.
+    /// Renders the planes, one table per color. Colors without a difference are only named in the caption.
     fn planes(&self) -> Markup {
         let channels = self.expected.channels;
         let wrong: Vec<usize> = ((0..channels).map(|channel| self.wrong_count(channel))).collect();
@@ -137,9 +137,9 @@ impl ImageComparison<'_> {
     /// Renders the legend of the difference colors.
     fn color_scale(&self) -> Markup {
         let (least, most) = match self.expected.view {
-            ViewKind::Raw => ("1", "128, around the circle of 256 values"),
+            ViewKind::Raw => ("1", "128, modulo 256"),
             view if view.sample_type() == "u8" => ("1", "255"),
-            _ => ("a little", "the range of the plane"),
+            _ => ("small", "the range of the plane"),
         };
         html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: within the tolerance" } }
     }

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::html::compare::ComparedImages;
 use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
 
-/// Maximum mean difference of samples at which two images look the same.
+/// Maximum mean difference between the samples of two images that look the same.
 const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;
 
 /// Renders the received scene next to the correct one.
@@ -22,7 +22,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (images.markup("this decoder"))
             figcaption {
-                b { (describe_fault(scene)) } " The scene is a ball lit from the upper left, in " (scene.format.short_name())
+                b { (describe_fault(scene)) } " The scene is a ball that is lit from the upper left, in " (scene.format.short_name())
                 ", requested as " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
@@ -34,7 +34,7 @@ const LAST_INDEX: usize = SIDE as usize - 1;
 
 /// Common transforms of the image: the source of each column, row and channel, and a description.
 const CHANGES: &str = "\
-x y rgb: This decoder shows it almost correctly.
+x y rgb: This decoder shows the scene almost correctly.
 x -y rgb: The image is upside down.
 -x y rgb: The image is mirrored.
 -x -y rgb: The image is rotated by 180°.
@@ -56,7 +56,7 @@ u -v: The image is lit from below, so v points down.
 fn describe_fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.right, &scene.received);
     if right == received {
-        return "This decoder shows it correctly.";
+        return "This decoder shows the scene correctly.";
     }
     let side = SIDE as usize;
     for line in CHANGES.lines().chain(LIGHTS.lines()) {
@@ -130,8 +130,8 @@ mod tests {
                 };
                 scene.right = scene.render(LIGHT.0, LIGHT.1);
                 scene.received = change(&scene);
-                let said = describe_fault(&scene);
-                assert!(said.contains(says), "{format}: {says}: {said}");
+                let text = describe_fault(&scene);
+                assert!(text.contains(says), "{format}: {says}: {text}");
             }
         }
     }

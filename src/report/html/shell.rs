@@ -1,4 +1,4 @@
-//! HTML page skeleton, and the symbols for outcomes.
+//! HTML page skeleton and symbols for outcomes.
 
 use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};

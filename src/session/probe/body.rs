@@ -21,14 +21,14 @@ pub(super) fn interpret_frame(
             Samples::U8(values) => values.clone(),
             Samples::F32(values) => values.iter().flat_map(|v| v.to_le_bytes()).collect(),
         };
-        // A frame may be well-formed and its samples still be bytes of another type.
-        let mut meant = interpretations(&bytes, expected);
+        // A frame may be well-formed even if its samples are bytes of a different type.
+        let mut results = interpretations(&bytes, expected);
         if kind == expected.view.sample_type() {
-            meant.push((frame.samples.to_reals(), Vec::new()));
+            results.push((frame.samples.to_reals(), Vec::new()));
         }
         let shape = (frame.width, frame.height, frame.channels);
         let mistakes = line_mistakes(frame.view.name(), shape, kind, expected);
-        return Some((mistakes, meant));
+        return Some((mistakes, results));
     }
     let end = bytes.iter().position(|&byte| byte == b'\n')?;
     let line = std::str::from_utf8(&bytes[..end]).ok()?;
@@ -87,14 +87,14 @@ fn line_mistakes(
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;
-    let mut meant = Vec::new();
-    // Samples of the right type, with an optional line end after them.
+    let mut results = Vec::new();
+    // Samples of the correct type, optionally followed by a line end.
     let right_width = if is_real { 4 } else { 1 };
     if let Some(rest @ 0..=2) = bytes.len().checked_sub(right_width * count) {
         let (samples, trailing) = bytes.split_at(right_width * count);
         let says = || fault("trailing-bytes", &[("rest", &trailing.escape_ascii())]);
         let mistakes = (rest > 0).then(says).into_iter().collect();
-        meant.push((numbers(samples, right_width, false), mistakes));
+        results.push((numbers(samples, right_width, false), mistakes));
     }
     for (is_big_endian, order) in [(false, "low"), (true, "high")] {
         let other_types = [
@@ -108,7 +108,7 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
                 let values = numbers(bytes, width, is_big_endian).into_iter();
                 let whole = |value: f64| if is_real { value } else { value.round() };
                 let values = values.map(|value| whole(value * factor)).collect();
-                meant.push((values, vec![fault(name, &[("order", &order)])]));
+                results.push((values, vec![fault(name, &[("order", &order)])]));
             }
         }
     }
@@ -116,7 +116,7 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
         for (alpha, place) in [(3, "last"), (0, "first")] {
             let colors = bytes.iter().enumerate().filter(|(i, _)| i % 4 != alpha);
             let values = colors.map(|(_, &byte)| byte.into()).collect();
-            meant.push((values, vec![fault("alpha", &[("place", &place)])]));
+            results.push((values, vec![fault("alpha", &[("place", &place)])]));
         }
     }
     // Numbers in ASCII.
@@ -124,12 +124,12 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
         let words = text.split(|c: char| c.is_whitespace() || c == ',');
         let words = words.filter(|word| !word.is_empty());
         let values: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-        meant.extend(values.map(|values| (values, vec![fault("ascii", &[])])));
+        results.extend(values.map(|values| (values, vec![fault("ascii", &[])])));
     }
-    meant
+    results
 }
 
-/// Reads bytes, or floats of 4 or 8 bytes.
+/// Converts bytes, or floats of 4 or 8 bytes, to numbers.
 fn numbers(bytes: &[u8], width: usize, is_big_endian: bool) -> Vec<f64> {
     let number = |sample: &[u8]| {
         let mut sample = sample.to_vec();

@@ -1,4 +1,4 @@
-//! Calls of the probed decoder by the protocol and in other ways.
+//! Calls of the probed decoder, as the protocol defines and in other ways.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -50,7 +50,7 @@ impl Calls<'_> {
     }
 
     fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
-        // All output is examined: an f64 for each byte of the file, and more.
+        // All output is examined, so the limit leaves room for an f64 for each byte of the file, and more.
         let request = Request::new("probe", view, file, file.len().max(1 << 12) * 18);
         let other = template.map(|template| self.decoder.with_command_line(template));
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
@@ -65,7 +65,7 @@ impl Calls<'_> {
     }
 
     /// Explains an answer that is not a frame, if its cause is known.
-    pub(super) fn why_no_frame(
+    pub(super) fn explain_no_frame(
         &self,
         file: &[u8],
         expected: &Expected,
@@ -89,7 +89,7 @@ impl Calls<'_> {
         self.find_other_call(file, expected, view)
     }
 
-    /// Finds another command line for which the decoder prints a frame.
+    /// Finds a different command line for which the decoder prints a frame.
     fn find_other_call(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");

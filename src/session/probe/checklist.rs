@@ -9,11 +9,11 @@ use super::message::ProbeFault;
 /// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Correct.
+    /// The step succeeded.
     Good,
-    /// To be fixed.
+    /// Something must be fixed.
     Bad,
-    /// Missing, but optional.
+    /// An optional part is missing.
     Absent,
 }
 
@@ -26,16 +26,16 @@ pub struct ProbeStep {
     pub says: String,
     /// The next step, if there is something to do.
     pub next: Option<String>,
-    /// Instructions to repeat the observation by hand, if there is something to fix.
+    /// Instructions for reproducing the observation by hand, if there is something to fix.
     pub repeat: Option<Reproduction>,
 }
 
 impl ProbeStep {
-    /// Creates a step with something to fix in `what`, and instructions to reproduce it.
-    pub(super) fn to_fix(what: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
+    /// Creates a step with a fault found in `subject` and instructions to reproduce it.
+    pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
-            says: format!("{what}: {}", fault.0),
+            says: format!("{subject}: {}", fault.0),
             next: Some(fault.1),
             repeat: Some(repeat),
         }
@@ -45,7 +45,7 @@ impl ProbeStep {
 /// Requests that reproduce an observation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reproduction {
-    /// True if they are sent to one process in serve mode.
+    /// True if all requests are sent to one process in serve mode.
     pub serve: bool,
     /// The requests, in order.
     pub requests: Vec<ProbeRequest>,
@@ -124,14 +124,19 @@ impl Checklist {
         self.add(Mark::Good, says, None);
     }
 
-    /// Adds something to fix, and a suggestion.
+    /// Adds a fault and a suggested fix.
     pub(crate) fn add_bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
         self.add(Mark::Bad, says, Some(next.into()));
     }
 
-    /// Adds something to fix in `what`, and instructions to reproduce it.
-    pub(super) fn add_fault(&mut self, what: &dyn Display, fault: ProbeFault, by: Reproduction) {
-        self.steps.push(ProbeStep::to_fix(what, fault, by));
+    /// Adds a fault found in `subject`, with instructions to reproduce it.
+    pub(super) fn add_fault(
+        &mut self,
+        subject: &dyn Display,
+        fault: ProbeFault,
+        repeat: Reproduction,
+    ) {
+        self.steps.push(ProbeStep::bad(subject, fault, repeat));
     }
 
     pub(crate) fn add_absent(&mut self, says: impl Into<String>) {
@@ -148,14 +153,14 @@ impl Checklist {
         }
     }
 
-    /// Returns the number of steps to be fixed.
+    /// Returns the number of faults.
     #[must_use]
     pub fn faults(&self) -> usize {
         let bad = self.steps.iter().filter(|step| step.mark == Mark::Bad);
         bad.count()
     }
 
-    /// Returns the list as text for a terminal; `command` makes the command line that repeats an observation.
+    /// Returns the list as text for a terminal. `command` returns the command line that reproduces an observation.
     #[must_use]
     pub fn to_text(&self, command: &dyn Fn(&Reproduction) -> Option<String>) -> String {
         let mut text = String::new();

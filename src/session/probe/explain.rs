@@ -7,7 +7,7 @@ use crate::runner::run::Reply;
 use super::message::{ProbeFault, Slots, fault};
 
 /// Returns the last line of the decoder's standard error, on a separate line.
-fn its_last_words(reply: &Reply) -> String {
+fn last_stderr_line(reply: &Reply) -> String {
     last_message(&reply.stderr).map_or(String::new(), |line| {
         format!("\nits standard error ends: {line}")
     })
@@ -37,7 +37,7 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
         Answer::Tampered(_) => "changed-input",
         Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Decoded(_) => "by-hand",
     };
-    let (answer, stderr) = (reply.answer.describe(), its_last_words(reply));
+    let (answer, stderr) = (reply.answer.describe(), last_stderr_line(reply));
     let step = buffer_size(reply).unwrap_or_default();
     let slots: &Slots = &[("size", &size), ("step", &step)];
     let slots = [slots, &[("answer", &answer), ("stderr", &stderr)]].concat();
@@ -59,7 +59,7 @@ pub(super) fn not_refused(reply: &Reply) -> ProbeFault {
         (Answer::Unsupported, _) => fault("unsupported-malformed", &[]),
         (Answer::ProtocolError(what), _) => fault("silent-malformed", &[("what", what)]),
         (Answer::Crashed(_), Some(status)) => {
-            let slots: &Slots = &[("status", &status), ("stderr", &its_last_words(reply))];
+            let slots: &Slots = &[("status", &status), ("stderr", &last_stderr_line(reply))];
             fault("crash-malformed", slots)
         }
         _ => explain(reply),

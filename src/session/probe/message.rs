@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use crate::kit::yaml::from_yaml;
 
-/// An observation, and a suggested fix.
+/// An observation and a suggested fix.
 pub(in crate::session) type ProbeFault = (String, String);
 
 /// Values of the slots of a message.
@@ -27,7 +27,7 @@ pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {
     (fill("says"), fill("next"))
 }
 
-/// Joins the messages of several mistakes; `separator` is between their fixes.
+/// Joins the messages of several mistakes. Their fixes are separated by `separator`.
 pub(in crate::session) fn join_texts(mistakes: Vec<ProbeFault>, separator: &str) -> ProbeFault {
     let (says, next): (Vec<String>, Vec<String>) = mistakes.into_iter().unzip();
     (says.join("; and "), next.join(separator))

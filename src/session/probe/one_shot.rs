@@ -12,7 +12,7 @@ use super::message::{Slots, fault};
 use super::repair::repair;
 use super::sample::Sample;
 
-/// The formats that most readers support. The others follow in the order of the text.
+/// The formats that most readers support. The others follow in the order of the specification.
 const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];
 
 /// A file and the replies to it in each view.
@@ -67,7 +67,7 @@ impl FileReplies {
     }
 }
 
-/// Finds a format that the decoder reads, and judges the images. Returns the replies that are frames.
+/// Finds a format that the decoder reads and judges the images. Returns the replies that are frames.
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let mut lacking = Vec::new();
@@ -99,15 +99,15 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
     }
     let FileReplies { sample, replies } = troubled.or(unsupported)?;
     let (view, reply) = &replies[0];
-    let known = calls.why_no_frame(&sample.file, &sample.expected(view), view, reply);
+    let known = calls.explain_no_frame(&sample.file, &sample.expected(view), view, reply);
     if known.is_none() && reply.answer == Answer::Unsupported {
         let (says, next) = fault("nothing-supported", &[]);
         list.add_bad(says, next);
         return None;
     }
-    let what = format!("{} {view}", sample.format.short_name());
+    let subject = format!("{} {view}", sample.format.short_name());
     let fault = known.unwrap_or_else(|| explain(reply));
-    list.add_fault(&what, fault, sample.repeat(view));
+    list.add_fault(&subject, fault, sample.repeat(view));
     None
 }
 
@@ -121,29 +121,29 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
         };
         let count = format!("\"{}\"{newline}", sample.spelling.count.name());
         list.add_good(format!(
-            "{name}: read if the number of entries is spelled {count}"
+            "{name}: decoded if the number of entries is spelled {count}"
         ));
     }
     for (view, reply) in replies {
-        let what = format!("{name} {view}");
+        let subject = format!("{name} {view}");
         let expected = sample.expected(view);
         let wrong = match &reply.answer {
             Answer::Decoded(frame) => match expected.compare(frame) {
                 None => {
-                    list.add_good(format!("{what}: decoded correctly"));
+                    list.add_good(format!("{subject}: decoded correctly"));
                     continue;
                 }
                 Some(difference) => fault("wrong-image", &[("difference", &difference)]),
             },
             Answer::Unsupported => {
-                let says = "exited with 69: this view is not offered, which is fine";
-                list.add_absent(format!("{what}: {says}"));
+                let says = "exited with 69: this view is not offered, which is allowed";
+                list.add_absent(format!("{subject}: {says}"));
                 continue;
             }
             answer => fault("no-image", &[("answer", &answer.describe())]),
         };
         let fault = repair(&reply.stdout, &expected, view).unwrap_or(wrong);
-        list.add_fault(&what, fault, sample.repeat(view));
+        list.add_fault(&subject, fault, sample.repeat(view));
     }
 }
 
@@ -152,10 +152,10 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
     let sample = Sample::large(first.sample.format, first.sample.spelling);
     for (view, _) in &first.replies {
         let reply = calls.ask(view, &sample.file);
-        let what = sample.size_text(view);
+        let subject = sample.size_text(view);
         let fault = match &reply.answer {
             Answer::Decoded(frame) if sample.has_size(frame) => {
-                list.add_good(format!("{what}: complete"));
+                list.add_good(format!("{subject}: complete"));
                 continue;
             }
             Answer::Decoded(frame) => {
@@ -165,21 +165,21 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
             }
             _ => explain(&reply),
         };
-        list.add_fault(&what, fault, sample.repeat(view));
+        list.add_fault(&subject, fault, sample.repeat(view));
     }
 }
 
 /// Requests files that every decoder must refuse.
 pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let view = &first.replies[0].0;
-    for (what, file_name, file) in malformed(&first.sample.file) {
+    for (subject, file_name, file) in malformed(&first.sample.file) {
         let reply = calls.ask(view, file);
         if reply.answer == Answer::Rejected {
-            list.add_good(format!("{what}: refused with 65"));
+            list.add_good(format!("{subject}: refused with 65"));
             continue;
         }
         let repeat = Reproduction::one_shot(view, file_name, file);
-        list.add_fault(&what, not_refused(&reply), repeat);
+        list.add_fault(&subject, not_refused(&reply), repeat);
     }
 }
 

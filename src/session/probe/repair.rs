@@ -20,15 +20,16 @@ impl Repair {
     }
 }
 
-/// Returns the fewest mistakes that must be undone to make `bytes` the right answer; None if there are none.
+/// Describes the smallest set of mistakes that must be undone to make `bytes` the correct answer. Returns `None` if there is
+/// none.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
-    // The first among equals.
+    // Of several smallest sets, the first is returned.
     let repairs = repairs(bytes, expected, view).into_iter();
     let smallest = repairs.min_by_key(|repair| repair.mistakes.len());
     smallest.map(Repair::fault)
 }
 
-/// Returns all sets of mistakes that can be undone to make `bytes` the right answer; none if nothing has to be undone.
+/// Returns all sets of mistakes that can be undone to make `bytes` the correct answer, except the empty set.
 pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Repair> {
     let mut repairs = Vec::new();
     for (bytes, mistakes) in streams(bytes) {
@@ -52,7 +53,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 /// Repaired bytes and the mistakes that were undone.
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
-/// Returns the bytes, unchanged and with text mode, encodings and messages undone.
+/// Returns the bytes unchanged, and without text mode, other encodings, and text before the frame.
 fn streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));

@@ -11,7 +11,7 @@ use crate::suite::values::Values;
 
 use super::checklist::Reproduction;
 
-/// A file, and the result of a correct decoder.
+/// A file and the result of a correct decoder.
 pub(super) struct Sample {
     pub(super) format: Format,
     /// Spelling of the table, if the file has one.
@@ -32,11 +32,11 @@ impl Sample {
             let model = Model::paint(&recipe);
             (recipe, model)
         });
-        // Text mode is noticed only if there is a line feed to change.
-        let tells = |model: &Model| {
+        // Text mode is detected only if there is a line feed to change.
+        let reveals_text_mode = |model: &Model| {
             model.samples.contains(&b'\n') && !model.samples.windows(2).any(|pair| pair == b"\r\n")
         };
-        let made = made.find(|(_, model)| size.texels() > 100 || tells(model));
+        let made = made.find(|(_, model)| size.texels() > 100 || reveals_text_mode(model));
         let (recipe, model) = made.expect("one of a thousand files of noise has a line feed in it");
         Sample {
             format,
@@ -73,7 +73,7 @@ impl Sample {
         (frame.width, frame.height) == (self.size.width, self.size.height)
     }
 
-    /// Returns instructions to request it in `view`.
+    /// Returns instructions for requesting the file in `view`.
     pub(super) fn repeat(&self, view: &dyn Display) -> Reproduction {
         let name = self.format.short_name().to_lowercase();
         Reproduction::one_shot(view, format!("{name}-{}.ptm", self.size), &self.file)

@@ -1,7 +1,7 @@
 //! The steps of a probe in serve mode, which is optional but faster: one process for all files.
 //!
 //! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
-//! unsupported FEATURE`, at once. The right answer here is that of one-shot mode, even if that image is wrong.
+//! unsupported FEATURE`, at once. The correct answer here is that of one-shot mode, even if its image is wrong.
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -27,12 +27,12 @@ type Stop = Option<(usize, ProbeFault)>;
 /// Runs the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
 pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
-        Ok(()) => list.add_good("serve: it ends when its input ends"),
+        Ok(()) => list.add_good("serve: the process ends when its input ends"),
         Err(None) => {
             list.add_absent("serve: not offered (optional); ptm-conform example shows both modes");
         }
         Err(Some((count, fault))) => {
-            // The first requests of the dialog.
+            // Reproduce the dialog up to the fault.
             let whole = first.sample.repeat(&first.replies[0].0).requests.remove(0);
             let malformed = ProbeRequest {
                 file_name: "malformed.ptm".to_owned(),
@@ -60,7 +60,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         Served::Answer(line, bytes) => {
             judge(&line, &bytes, view, right).map_err(|fault| Some((1, fault)))?;
         }
-        // Some programs take the word for a view and wait; some answer when their input ends.
+        // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
         Served::Nothing => match dialog.end() {
             Served::Answer(line, _) if line.starts_with("1 ") => return after(1, "serve-buffered"),
             _ => return Err(None),
@@ -128,8 +128,8 @@ struct Dialog<'a> {
     timeout: Duration,
 }
 
-/// Maximum number of bytes of an answer.
-const MAX_ANSWER: usize = 1 << 20;
+/// Maximum size of an answer in bytes.
+const MAX_ANSWER_BYTES: usize = 1 << 20;
 
 impl<'a> Dialog<'a> {
     fn start(calls: &Calls<'a>) -> Option<Dialog<'a>> {
@@ -164,7 +164,7 @@ impl<'a> Dialog<'a> {
         }
     }
 
-    /// Closes its input and waits for a last answer, or for its end.
+    /// Closes the input of the process and waits for a last answer, or for the end of the process.
     fn end(&mut self) -> Served {
         self.call.child.stdin = None;
         self.wait()
@@ -174,8 +174,8 @@ impl<'a> Dialog<'a> {
         let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
-            let read = self.call.read_available(MAX_ANSWER);
-            if let Some(served) = self.whole_answer() {
+            let read = self.call.read_available(MAX_ANSWER_BYTES);
+            if let Some(served) = self.take_answer() {
                 return served;
             }
             if has_ended {
@@ -183,16 +183,16 @@ impl<'a> Dialog<'a> {
                 return Served::Gone(status.is_ok_and(|status| status.success()));
             }
             let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER {
+            if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER_BYTES {
                 return Served::Nothing;
             }
-            // An error will occur again in the next read.
+            // If there is an error, the next read returns it, too.
             let _ = self.call.wait_for_event(None, left.min(POLL_INTERVAL));
         }
     }
 
-    /// Removes an answer from the output if it is complete.
-    fn whole_answer(&mut self) -> Option<Served> {
+    /// Removes and returns the first answer in the output, if it is complete.
+    fn take_answer(&mut self) -> Option<Served> {
         let output = &mut self.call.output;
         let end = output.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
@@ -201,7 +201,7 @@ impl<'a> Dialog<'a> {
         let wrong = |name| Some(Served::Wrong(fault(name, &[("line", &shown)])));
         let size = match words[..] {
             [_, "ok", size] => match size.parse() {
-                Ok(size @ 0..=MAX_ANSWER) => size,
+                Ok(size @ 0..=MAX_ANSWER_BYTES) => size,
                 _ => return wrong("serve-size"),
             },
             [_, "reject" | "unsupported", ..] => 0,

@@ -1,7 +1,7 @@
 //! Faults of a wrapper, found by `check` before any case is requested, with the first files, a large one and malformed ones.
 //!
-//! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. So the
-//! run ends here, with the messages of [`probe`](super::probe).
+//! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
+//! therefore ends at this point, with the messages of [`probe`](super::probe).
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -23,9 +23,9 @@ use super::one_shot::malformed;
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
 
-/// Returns the faults of the wrapper of `decoder`, from its answers to the first files, a large one and malformed ones; none if
-/// it is ready. Each has a fix and the number of affected views. `command` is empty if it is not a command to which the file
-/// can be appended. Refusals are tested only if the run is to judge any.
+/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large one and malformed ones.
+/// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested
+/// only if the run judges any.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],
@@ -60,14 +60,14 @@ pub fn wrapper_faults(
         replies.find(|reply| reply.frame().is_some())
     };
     let decoded: Vec<&FirstReply> = views.iter().filter_map(decoded).collect();
-    // A truncated frame that is larger than the buffer of a pipe.
+    // Detect the truncation of a frame that is larger than the buffer of a pipe.
     let large = |i: usize| {
         let (first, view) = (decoded[i], decoded[i].view);
         let sample = Sample::large(first.case.format(), contact.table);
         let reply = calls.ask(view, &sample.file);
         buffer_size(&reply)?;
-        let (what, repeat) = (sample.size_text(view), sample.repeat(view));
-        Some(ProbeStep::to_fix(&what, explain(&reply), repeat))
+        let (subject, repeat) = (sample.size_text(view), sample.repeat(view));
+        Some(ProbeStep::bad(&subject, explain(&reply), repeat))
     };
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
@@ -83,22 +83,22 @@ pub fn wrapper_faults(
 
 /// Keeps one of several faults with the same fix and appends the number of the others.
 fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
-    let mut each: Vec<(ProbeStep, usize)> = Vec::new();
+    let mut list: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {
-        match each.iter_mut().find(|(first, _)| first.next == fault.next) {
+        match list.iter_mut().find(|(first, _)| first.next == fault.next) {
             Some((_, more)) => *more += 1,
-            None => each.push((fault, 0)),
+            None => list.push((fault, 0)),
         }
     }
     let with_count = |(first, more): (ProbeStep, usize)| ProbeStep {
         says: match more {
             0 => first.says,
-            1 => first.says + "\n(and likewise in another view)",
-            _ => format!("{}\n(and likewise in {more} other views)", first.says),
+            1 => first.says + "\n(and the same in one other view)",
+            _ => format!("{}\n(and the same in {more} other views)", first.says),
         },
         ..first
     };
-    each.into_iter().map(with_count).collect()
+    list.into_iter().map(with_count).collect()
 }
 
 impl FirstReply<'_> {
@@ -113,11 +113,12 @@ impl FirstReply<'_> {
     fn step(&self, fault: ProbeFault) -> ProbeStep {
         let file_name = format!("{}.ptm", self.case.id);
         let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
-        ProbeStep::to_fix(self.view, fault, repeat)
+        ProbeStep::bad(self.view, fault, repeat)
     }
 }
 
-/// Returns the smallest set of mistakes that, undone, corrects most frames of a view, one of them a wrapper's.
+/// Returns the smallest set of mistakes that corrects most frames of a view when undone, unless only the order of samples is
+/// wrong.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
@@ -145,17 +146,17 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     (is_common && !repair.is_order).then(|| reply.step(repair.fault()))
 }
 
-/// Returns the reason why no first file gave a frame, from the first reply that shows one.
+/// Returns the reason why no first file gave a frame, from the first reply that shows it.
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
-    let tells = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
-    let first = replies.iter().find(tells).or_else(|| replies.first())?;
+    let failed = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
+    let first = replies.iter().find(failed).or_else(|| replies.first())?;
     match first.reply.answer {
         Answer::Unsupported | Answer::NotStarted(_) | Answer::NotAsked(_) => return None,
         _ if calls.command.is_empty() => return None,
         _ => {}
     }
-    let known = calls.why_no_frame(&first.file, &first.expected, first.view, first.reply);
-    // The answer itself has been reported.
+    let known = calls.explain_no_frame(&first.file, &first.expected, first.view, first.reply);
+    // The answer itself has already been reported.
     let unknown = || {
         (
             "this is an ordinary file".to_owned(),
@@ -165,7 +166,7 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
     Some(first.step(known.unwrap_or_else(unknown)))
 }
 
-/// Checks for malformed files that all end in one exit status which is not that of a refusal.
+/// Returns a fault if all malformed files cause the same exit status and it does not mean a refusal.
 fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);
@@ -175,8 +176,8 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     if !(replies.iter()).all(|reply| is_crash(reply) && reply.exit == Some(exit)) {
         return None;
     }
-    let (what, file_name, file) = files[0];
-    let what = format!("{what}, and other malformed files");
+    let (subject, file_name, file) = files[0];
+    let subject = format!("{subject}, and other malformed files");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::to_fix(&what, not_refused(&replies[0]), repeat))
+    Some(ProbeStep::bad(&subject, not_refused(&replies[0]), repeat))
 }

@@ -1,4 +1,4 @@
-//! The embedded suite of texture cases, and case files in the same form.
+//! The embedded suite of texture cases, and case files in the same format.
 
 use std::sync::OnceLock;
 

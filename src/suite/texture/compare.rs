@@ -42,7 +42,7 @@ fn as_gray(expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
 
 fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
     let is_near = |a: f64, b: f64| match tolerance {
-        Some(most) => (a - b).abs() <= most,
+        Some(limit) => (a - b).abs() <= limit,
         None => is_close(a, b, 0.0),
     };
     match (expected, received) {

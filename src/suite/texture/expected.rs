@@ -11,7 +11,7 @@ use crate::suite::texture::question::Refusal;
 use crate::texture::Rules;
 
 impl TextureCase {
-    /// Returns true if the question is out of the valid range and must be refused.
+    /// Returns true if the question is outside the valid range and must be refused.
     #[must_use]
     pub fn must_be_refused(&self) -> bool {
         self.expect.get("error").is_some()
@@ -27,8 +27,8 @@ impl TextureCase {
         }
     }
 
-    /// Returns the expected answer under a dialect: its own for the dialect of the reference; else the listed one, which is the
-    /// reference's answer under that reading.
+    /// Returns the expected answer under a dialect: the answer in the case for the dialect of the reference, and the answer of
+    /// the reference under the readings of the dialect for others.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {

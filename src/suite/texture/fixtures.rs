@@ -14,7 +14,7 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
         .expect("the embedded maps are well-formed")
 });
 
-/// Replaces the names of maps in `given` by maps and removes the fields that select a reading.
+/// Replaces the names of maps in `given` with the maps, and removes the fields that select a reading.
 #[must_use]
 pub fn expand_maps(given: &Value) -> Value {
     match given {
@@ -41,17 +41,17 @@ const READINGS: [&str; 2] = ["reading", "grid"];
 /// Returns the readings that `given` names.
 #[must_use]
 pub fn readings(given: &Value) -> Vec<&str> {
-    let named = READINGS.iter();
-    named.filter_map(|field| given[*field].as_str()).collect()
+    let fields = READINGS.iter();
+    fields.filter_map(|field| given[*field].as_str()).collect()
 }
 
 fn new_map(value: &Value) -> Value {
     if let Some(map) = value.as_str().and_then(|name| MAPS.get(name)) {
         return map.clone();
     }
-    let named = value["ptm"].as_str().and_then(|name| MAPS.get(name));
+    let file = value["ptm"].as_str().and_then(|name| MAPS.get(name));
     let mut value = value.clone();
-    if let Some(map) = named {
+    if let Some(map) = file {
         value["ptm"] = Value::String(hex(&map["pieces"]));
     }
     value

@@ -1,13 +1,12 @@
 //! Texture stages under test: the cases of `spec-cases/texture`, requested one by one.
 //!
-//! The protocol is PTM-CP 1 with another view:
+//! The protocol is PTM-CP 1 with an additional view:
 //!
 //! ```text
 //! DECODER [ARG…] texture FILE
 //! ```
-//!
-//! FILE is a question in JSON, the answer on standard output is a JSON object, because nearly every language reads and writes
-//! JSON without a library. Exit status: 0 answered, 65 the question is out of the valid range, 69 not supported.
+//! FILE is a question in JSON, and the answer on standard output is a JSON object, because nearly every language reads and writes
+//! JSON without a library. Exit status: 0 answered, 65 the question is outside the valid range, 69 not supported.
 //! `spec-cases/texture/README.md` lists every field.
 
 pub mod cases;

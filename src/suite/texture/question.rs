@@ -25,7 +25,7 @@ pub struct Question(Arc<TextureStep>);
 /// Reason why a question has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// The input is not a question, or it is out of the valid range; exit status 65.
+    /// The input is not a question, or it is outside the valid range; exit status 65.
     Malformed(String),
     /// The question needs something that the reference does not support; exit status 69.
     Unsupported(String),
@@ -50,7 +50,7 @@ impl Question {
     /// Parses a question from the bytes of a file.
     ///
     /// # Errors
-    /// Returns [`Refusal::Unsupported`] for an unknown op, otherwise [`Refusal::Malformed`]. Both name the position.
+    /// Returns [`Refusal::Unsupported`] for an unknown op, and [`Refusal::Malformed`] for all other errors.
     pub fn read(file: &[u8]) -> Result<Question, Refusal> {
         let value: Value =
             serde_json::from_slice(file).map_err(|error| Refusal::Malformed(error.to_string()))?;
@@ -356,7 +356,7 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// Some fields of an entry; missing fields have their fallback values.
+/// Some fields of an entry. Missing fields have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
@@ -443,14 +443,14 @@ impl TryFrom<Map<String, Value>> for PointGiven {
     }
 }
 
-/// Reads the point of the spline surface: `nurb` is one, or is true if the fields next to it are one.
+/// Reads the point of a spline surface from the field `nurb`, or from the fields next to it if `nurb` is true or missing.
 fn spline(fields: &mut Map<String, Value>) -> serde_json::Result<Option<SplinePoint>> {
     let names = ["u", "v", "data_splines"].into_iter();
-    let own: Map<String, Value> = names.filter_map(|name| fields.remove_entry(name)).collect();
+    let flat: Map<String, Value> = names.filter_map(|name| fields.remove_entry(name)).collect();
     let mut spline = match fields.remove("nurb") {
         Some(Value::Bool(false)) => return Ok(None),
-        None if own.is_empty() => return Ok(None),
-        Some(Value::Bool(true)) | None => Value::Object(own),
+        None if flat.is_empty() => return Ok(None),
+        Some(Value::Bool(true)) | None => Value::Object(flat),
         Some(nurb) => nurb,
     };
     // A data spline with one value may be a number.
@@ -463,11 +463,11 @@ fn spline(fields: &mut Map<String, Value>) -> serde_json::Result<Option<SplinePo
     serde_json::from_value(spline).map(Some)
 }
 
-/// A map.
+/// A map in a question: a name, a PTM, or texels.
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "Value")]
 enum MapGiven {
-    /// `"default"`
+    /// The name of a map; only `"default"` exists.
     Named(String),
     Ptm(PtmGiven),
     Levels(LevelsGiven),
@@ -599,7 +599,7 @@ impl TexelGiven {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SurfaceGiven {
-    /// The color before light.
+    /// The color before lighting.
     color: Color,
     #[serde(default = "opaque")]
     alpha: f64,

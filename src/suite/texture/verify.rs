@@ -40,14 +40,14 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
             says,
         }
     };
-    let own = with_readings(&Rules::SPEC, &fixtures::readings(&case.given));
-    let mut lines = vec![line(None, &case.expect, own)];
+    let base = with_readings(&Rules::SPEC, &fixtures::readings(&case.given));
+    let mut lines = vec![line(None, &case.expect, base)];
     for also in &case.also {
         let mut readings = fixtures::readings(&also.given);
         if readings.is_empty() {
             readings.push(&also.reading);
         }
-        let rules = own.and_then(|own| with_readings(&own, &readings));
+        let rules = base.and_then(|base| with_readings(&base, &readings));
         lines.push(line(Some(&also.reading), &also.expect, rules));
     }
     lines
@@ -66,7 +66,7 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
             None => (Some(true), expected_fields(expect, &answer)),
-            Some(what) => (Some(false), what),
+            Some(difference) => (Some(false), difference),
         },
         Err(Refusal::Malformed(why)) if expect.get("error").is_some() => {
             (Some(true), format!("refused: {why}"))

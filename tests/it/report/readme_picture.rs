@@ -9,7 +9,7 @@ use ptm_conform::generate::spelling::Count;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, View};
 use ptm_conform::ptm::Format;
-use ptm_conform::session::lit_scene::{SIDE, file, picture};
+use ptm_conform::session::lit_scene::{SIDE, file, frame_to_image};
 
 use crate::in_process::misreading;
 
@@ -36,7 +36,7 @@ fn readme_image_is_up_to_date() {
         let Answer::Decoded(frame) = answer else {
             panic!("{slug:?}: an image")
         };
-        picture(&file, &frame).expect("of the scene")
+        frame_to_image(&file, &frame).expect("of the scene")
     });
     let distinct: std::collections::BTreeSet<_> = scenes.iter().collect();
     assert_eq!(distinct.len(), scenes.len(), "two mistakes look alike");

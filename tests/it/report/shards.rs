@@ -191,7 +191,7 @@ fn merge_rejects_incomplete_or_foreign_shards() {
     let twice = [first.clone(), second.clone(), first.clone()];
     assert_eq!(refused(&twice), "duplicate part 1/2");
     let other = run(3, 3);
-    assert!(refused(&[first.clone(), other]).contains("from another run than "));
+    assert!(refused(&[first.clone(), other]).contains("not from the run of "));
 
     let cut = answers_path(&second);
     let text = std::fs::read_to_string(&cut).expect("text");

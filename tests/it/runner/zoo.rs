@@ -48,7 +48,7 @@ accepts-all | 1 | | 17 | received raw 1x1
 accepts-malformed | 1 | | 2 | accepted a file that must be refused
 wrong-size | 1 | | 15 | received raw 1x1 with 1 channels
 crashes-on-malformed
-  | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && see it again:↵  $
+  | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && to reproduce it:↵  $
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
@@ -56,13 +56,13 @@ upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all firs
 blue-first | 1 | | none | rgb: red and blue are exchanged (BGR), in all first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
 brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
-high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && see it again:↵  $
-cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && see it again:↵  $
+high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && to reproduce it:↵  $
+cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && to reproduce it:↵  $
 unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB
 is-silent-about-lum | 0 | | none | unsupported (exit status 69): LUM
-declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no such file
+declares-lum-and-lacks-it | 1 | | hand-lum hand-lum-in-color header-plain-lum | declare LUM, but it decodes no file of this kind
 declares-coef-and-lacks-it | 1 | | none | declare view coef, but it exits with 69
 declares-coef-only | 0 | | none | pass:
 declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a refusal
@@ -72,7 +72,7 @@ declares-exit-0 | 0 | | none | note: capabilities: exit status 0 cannot mean a r
 const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
-hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program held more than 150 MiB
+hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program used more than 150 MiB
 hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
@@ -89,7 +89,7 @@ serves-huge-numbers
   | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, but no frame
 serves-impossible-numbers | 1 | --serve | none | serve mode failed && expected "1 ok NBYTES"
 serves-without-the-line | 1 | --serve | none | serve mode failed && including the first line of the frame
-serves-bare-frames | 1 | --serve | none | serve mode failed && a frame follows a separate line
+serves-bare-frames | 1 | --serve | none | serve mode failed && the frame must follow a separate line
 serves-logs | 1 | --serve | none | serve mode failed && found "decoding"
 serves-text-mode | 1 | --serve | none | serve mode failed && text mode
 serves-without-flush
@@ -103,7 +103,7 @@ serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | hang: no answer within 2 s
-serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program held more than 250 MiB
+serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program used more than 250 MiB
 serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
 serves-with-leaks | 1 | --serve --jobs 1 | 11 | state leaks between files && alone, with an image
 serves-other-answers
@@ -297,7 +297,7 @@ fn decimal_comma_is_detected() {
         run_measured(command, &here.path("report.yaml")).0
     };
     let checked = check("reads-commas");
-    let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives another image";
+    let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives a different image";
     checked.ends(1, says);
     assert!(checked.cases("fail").is_empty());
     check("right").ends(0, "");

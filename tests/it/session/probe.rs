@@ -62,7 +62,7 @@ fn a_correct_decoder_is_ready() {
     let Some(decoder) = python_decoder() else {
         return;
     };
-    let says = "✓ serve: it ends when its input ends && ✓ capabilities: declared";
+    let says = "✓ serve: the process ends when its input ends && ✓ capabilities: declared";
     let output = assert_probed(&decoder, "0", says);
     assert!(!output.contains('✗'), "{output}");
 }
@@ -98,7 +98,7 @@ fn commands_that_cannot_be_started() {
         r#"
 ./no-such-decoder | no such file | check the path of the decoder
 no-such-decoder-in-path | no program with this name is in PATH | name the decoder
-in-this-directory | looked up in PATH only | write ./in-this-directory
+in-this-directory | looked up only in PATH | write ./in-this-directory
 'python3 plain.py' | no program with this name
   | several words; write them without quotation marks: -- python3 plain.py
 sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
@@ -111,7 +111,7 @@ sh no-such-script.sh | no-such-script.sh: no such file in this directory | give 
 ./empty | is empty | write the decoder
 ./windows.exe | is a Windows program | wine
 ./some.jar | is an archive | java -jar
-./elsewhere | a program for another machine: | build the program for this machine"#,
+./elsewhere | a program for a different machine: | build the program for this machine"#,
     ) {
         let output = here.exits(3, &format!("probe -- {decoder}"));
         assert_says(&output, &format!("{says} && {next}"));

@@ -136,7 +136,7 @@ fn commands_have_the_expected_status_and_output() {
 2 | render first-lrgb.ptm --light north -o x.png | two numbers such as
 2 | export first-lrgb.ptm -o x.tif | .exr, .npy or .png
 2 | export first-lrgb.ptm --final -o x.png | PNG cannot hold
-2 | convert first-lrgb.ptm --to TIFF -o x.ptm | formats are RGB, LUM
+2 | convert first-lrgb.ptm --to TIFF -o x.ptm | expected one of RGB, LUM
 2 | inspect no-such-file.ptm | no-such-file.ptm
 65 | render half-payload-lrgb.ptm -o x.png | ptm-conform inspect
 0 | explain PTM-E070 | code PTM-E070 (error, clause 2.7/3) && Fix:
