@@ -9,8 +9,8 @@ use super::{CommandResult, files, output};
 use ptm_conform::tools::export;
 use ptm_conform::tools::render::encode_image;
 
-/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output. .exr has the final coefficients, (raw
-/// - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 … blue.a5; for LUM maps Cr, Cb). .npy has the
+/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output. .exr has the final coefficients,
+/// (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 … blue.a5; for LUM maps Cr, Cb). .npy has the
 /// stored bytes as an array of height x width x channels or, with --final, the final coefficients as 32-bit floats. .png has the
 /// stored planes stacked vertically, in specification order. The top row is always first.
 ///
