@@ -206,14 +206,14 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
 fn plan(
     args: &CheckArgs,
     suite: &Suite,
-    subject: &Subject,
+    tested: &Subject,
     serves: bool,
 ) -> Result<RunPlan, String> {
-    let precomputed = matches!(subject.answers, Answers::Precomputed(_));
+    let precomputed = matches!(tested.answers, Answers::Precomputed(_));
     Ok(RunPlan {
         soonest: smoke::selection(suite)?,
-        views: subject.views.clone(),
-        withheld: subject.withheld.clone(),
+        views: tested.views.clone(),
+        withheld: tested.withheld.clone(),
         precomputed,
         repeat: match (precomputed, serves) {
             (true, _) => Repeat::Nothing,

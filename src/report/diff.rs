@@ -148,12 +148,12 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
 /// Writes the number of cases and one example for each key, most frequent key first.
 fn write_counts(
     out: &mut String,
-    pairs: &[ChangedCase],
+    cases: &[ChangedCase],
     old: &Report,
     new: &Report,
 ) -> fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
-    for pair in pairs {
+    for pair in cases {
         let group = groups.entry(group_key(old, new, pair));
         group.or_default().push(pair.1);
     }

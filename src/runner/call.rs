@@ -92,11 +92,7 @@ impl Call {
     }
 
     /// Reads until the process ends or reaches a limit, then kills all remaining processes of the call.
-    pub(crate) fn finish(
-        mut self,
-        limits: &CallLimits,
-        workplace: &Path,
-    ) -> io::Result<CallOutput> {
+    pub fn finish(mut self, limits: &CallLimits, workplace: &Path) -> io::Result<CallOutput> {
         let kill_reason = self.watch(limits, workplace)?;
         let status = self.kill_and_reap(workplace)?;
         let ended = match kill_reason {
@@ -173,11 +169,7 @@ impl Call {
     }
 
     /// Sleeps until there is output, `writing` becomes writable, the process ends, or `left` has passed.
-    pub(crate) fn wait_for_event(
-        &self,
-        writing: Option<BorrowedFd>,
-        left: Duration,
-    ) -> io::Result<()> {
+    pub fn wait_for_event(&self, writing: Option<BorrowedFd>, left: Duration) -> io::Result<()> {
         let reading = [
             self.stdout.as_ref().map(AsFd::as_fd),
             self.stderr.as_ref().map(AsFd::as_fd),

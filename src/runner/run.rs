@@ -271,10 +271,7 @@ impl Decoder {
     }
 
     /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
-    pub(crate) fn retry(
-        &self,
-        attempt: impl Fn() -> Result<CallResult, CallFailure>,
-    ) -> CallResult {
+    pub fn retry(&self, attempt: impl Fn() -> Result<CallResult, CallFailure>) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);
         loop {

@@ -284,17 +284,8 @@ impl<'a> Server<'a> {
     }
 
     /// Consumes the answer from the output if it is complete.
-    fn take_answer(
-        &mut self,
-        max_bytes: usize,
-        decoder: &Decoder,
-    ) -> Result<Option<Answer>, Answer> {
-        let read = read_answer(
-            &self.call.output,
-            self.sequence,
-            max_bytes,
-            decoder.reject_exit,
-        );
+    fn take_answer(&mut self, limit: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
+        let read = read_answer(&self.call.output, self.sequence, limit, decoder.reject_exit);
         let taken = read.map_err(Answer::ProtocolError)?;
         Ok(taken.map(|(answer, length)| {
             self.call.output.drain(..length);

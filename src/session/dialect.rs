@@ -24,7 +24,7 @@ type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
 
 /// Returns the dialect in which most answers are right and, for each choice, how well the evidence distinguishes its reading from
 /// every other. Ties go to the dialect closest to the reference's.
-pub(super) fn dialect_of<C: TestCase>(
+pub fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
 ) -> (Dialect, Vec<Certainty>) {
     let observed = observations.iter().flatten();

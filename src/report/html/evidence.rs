@@ -131,16 +131,11 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
 }
 
 /// Returns the byte ranges that a sample of `view` is computed from.
-fn sample_origins(
-    case: &Case,
-    file: &[u8],
-    expected: &Expected,
-    spot: SamplePosition,
-) -> Vec<Origin> {
+fn sample_origins(case: &Case, file: &[u8], image: &Expected, spot: SamplePosition) -> Vec<Origin> {
     let (x, y, channel) = spot;
-    let stored = |channels| origin_of_samples(case, file, expected.size, (x, y), channels);
+    let stored = |channels| origin_of_samples(case, file, image.size, (x, y), channels);
     let shape = decode(file).map(|ptm| ptm.planes.shape);
-    match (expected.view, shape) {
+    match (image.view, shape) {
         (ViewKind::Raw, _) => stored(channel..channel + 1),
         (ViewKind::Coef, Ok(shape)) => {
             let mut origins = stored(channel..channel + 1);
