@@ -271,11 +271,11 @@ impl Decoder {
     }
 
     /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
-    pub fn retry(&self, attempt: impl Fn() -> Result<CallResult, CallFailure>) -> CallResult {
+    pub(crate) fn retry(&self, call: impl Fn() -> Result<CallResult, CallFailure>) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);
         loop {
-            let trouble = match attempt() {
+            let trouble = match call() {
                 Ok(result) => return result,
                 Err(CallFailure::NotStarted(why)) => return Answer::NotStarted(why).into(),
                 Err(CallFailure::Trouble(trouble)) => trouble.into_text(),

@@ -128,12 +128,12 @@ impl Template {
             .all(|wanted| self.pieces().any(|piece| piece == wanted))
     }
 
-    /// Returns the command line of a call that requests `view`, reads `input` and runs in `workplace`. For a view
+    /// Returns the command line of a call that requests `view`, reads `file` and runs in `workplace`. For a view
     /// without a light, the light is 0, 0.
-    pub fn command_words(&self, view: &str, input: &Path, workplace: &Path) -> Vec<OsString> {
+    pub(crate) fn command_words(&self, view: &str, file: &Path, workplace: &Path) -> Vec<OsString> {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
-        self.fill_placeholders(input, workplace, &|piece| match piece {
+        self.fill_placeholders(file, workplace, &|piece| match piece {
             TemplatePiece::Lu => lu.into(),
             TemplatePiece::Lv => lv.into(),
             _ => view.into(),
