@@ -8,8 +8,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 
 use super::arguments::{parse_refusal, parse_size, positive_seconds};
-use ptm_conform::runner::processes;
-use ptm_conform::runner::run::Decoder;
+use ptm_conform::runner::{processes, run::Decoder};
 
 /// Flag that is set when the user ends a run.
 pub type StopFlag = Arc<AtomicBool>;

@@ -4,8 +4,6 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::calls::quote_command;
-use super::check_args::CheckArgs;
 use super::driver::{Check, ProgramRun};
 use super::ending::ReportWriter;
 use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
@@ -15,22 +13,19 @@ use super::probe::save_files;
 use super::subject::{Answers, Subject, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
+use super::{calls::quote_command, check_args::CheckArgs};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::report::reported::find_misreadings;
 use ptm_conform::report::shards::{Circumstances, OtherRemarks};
-use ptm_conform::runner::processes;
-use ptm_conform::runner::run::Request;
-use ptm_conform::runner::scratch::Scratch;
-use ptm_conform::runner::serve::Servers;
+use ptm_conform::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
 use ptm_conform::session::contact::Contact;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::probe::{ProbeStep, wrapper_faults};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::{lit_scene, locale, texture_stage};
 use ptm_conform::strength::smoke;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::texture::test_case::TextureView;
+use ptm_conform::suite::{cases::Suite, texture::test_case::TextureView};
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {

@@ -7,15 +7,13 @@ use clap::Args;
 
 use super::arguments::{id_filter, is_at_or_below, parse_refusal};
 use super::calls::{RunArgs, quote_command};
-use super::ending::OutputArgs;
-use super::names::did_you_mean;
 use super::{CommandError, EXIT_NOTHING_SELECTED};
+use super::{ending::OutputArgs, names::did_you_mean};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::report::shards::Shard;
 use ptm_conform::runner::processes;
 use ptm_conform::session::plan::SAMPLE_INTERVAL;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::test_case::TestCase;
+use ptm_conform::suite::{cases::Suite, test_case::TestCase};
 
 /// Run the suite on a decoder and name the clauses that it misreads.
 ///

@@ -7,13 +7,10 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
-use super::arguments::id_filter;
-use super::calls::RunArgs;
-use super::driver::ProgramRun;
-use super::ending::OutputArgs;
 use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
+use super::{arguments::id_filter, calls::RunArgs, driver::ProgramRun, ending::OutputArgs};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::processes;
 use ptm_conform::runner::run::{Decoder, Request};

@@ -7,9 +7,7 @@ use clap::Args;
 use super::{CommandError, CommandResult, files, output, readers};
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::convert::{Target, convert};
-use ptm_conform::tools::convert_for::convert_for;
-use ptm_conform::tools::dissection::Dissection;
-use ptm_conform::tools::repair::repair;
+use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repair::repair};
 
 /// Convert a map to another format, losslessly or not at all.
 ///

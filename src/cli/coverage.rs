@@ -5,14 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 
 use ptm_conform::kit::yaml::to_yaml;
-use ptm_conform::strength::coverage::Coverage;
-use ptm_conform::strength::matrix::matrix;
-use ptm_conform::strength::smoke;
+use ptm_conform::strength::{coverage::Coverage, matrix::matrix, smoke};
 use ptm_conform::suite::cases::Suite;
 
-use super::CommandResult;
-use super::files::write_atomically;
 use super::output::{jobs, print, with_progress};
+use super::{CommandResult, files::write_atomically};
 
 /// Measure the suite: clauses covered, misreadings caught and distinguished, parameter pairs, redundant cases. Takes minutes.
 #[derive(Args)]

@@ -8,13 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use super::CommandResult;
-use super::calls::RunArgs;
 use super::ending::{OutputArgs, ReportWriter};
-use super::files::with_path;
-use super::guard::check_trouble;
-use super::output::jobs;
 use super::progress::{self, ProgressLine};
+use super::{CommandResult, calls::RunArgs};
+use super::{files::with_path, guard::check_trouble, output::jobs};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reported;
@@ -23,11 +20,9 @@ use ptm_conform::report::shards::{
 };
 use ptm_conform::report::text::first_causes_to_text;
 use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::session::asking::Ask;
-use ptm_conform::session::contact::Contact;
-use ptm_conform::session::observation::Observation;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
+use ptm_conform::session::{asking::Ask, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
 /// Minimum number of cases outside the smoke subset for which first causes are reported.

@@ -9,13 +9,10 @@ use std::time::Duration;
 
 use clap::Args;
 
-use super::CommandResult;
-use super::arguments::is_at_or_below;
-use super::links::page_line;
-use super::names::nearest_names;
 #[cfg(unix)]
 use super::output::{bar, jobs};
 use super::terminal::print_styled;
+use super::{CommandResult, arguments::is_at_or_below, links::page_line, names::nearest_names};
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 use ptm_conform::ptm::Format;
@@ -26,9 +23,8 @@ use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::address;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::suite::clauses::{self, Clause, Ruling, section_of};
-use ptm_conform::suite::name::SuiteName;
-use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::suite::{name::SuiteName, test_case::TestCase};
 use ptm_conform::tools::lint::codes::{self, Code};
 
 /// Explain a case, a clause, a ruling, a misreading or a lint code.

@@ -6,8 +6,7 @@ use clap::Args;
 use image::ImageFormat;
 
 use super::{CommandResult, files, output};
-use ptm_conform::tools::export;
-use ptm_conform::tools::render::encode_image;
+use ptm_conform::tools::{export, render::encode_image};
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output. .exr has the final coefficients,
 /// (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 … blue.a5; for LUM maps Cr, Cb). .npy has the

@@ -8,18 +8,16 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 
-use super::arguments::positive_seconds;
-use super::calls::CallArgs;
 use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandError, CommandResult};
+use super::{arguments::positive_seconds, calls::CallArgs};
 use ptm_conform::fuzz::find::Find;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::ptm::Format;
-use ptm_conform::runner::run::Request;
-use ptm_conform::runner::serve::Servers;
+use ptm_conform::runner::{run::Request, serve::Servers};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
 /// Template of a progress bar that counts calls.

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::arguments::id_filter;
-use super::names::did_you_mean;
 use super::output::{jobs, print_note, with_progress};
 use super::{CommandResult, files};
+use super::{arguments::id_filter, names::did_you_mean};
 #[cfg(unix)]
 use ptm_conform::protocol::frame::ViewKind;
 #[cfg(unix)]

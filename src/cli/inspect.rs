@@ -6,8 +6,7 @@ use clap::Args;
 
 use super::output::{self, MachineFormatArgs};
 use super::{CommandResult, files};
-use ptm_conform::tools::dissection::Dissection;
-use ptm_conform::tools::inspect::inspect;
+use ptm_conform::tools::{dissection::Dissection, inspect::inspect};
 
 /// Show every field of a file: offset, clause and value.
 ///

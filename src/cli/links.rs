@@ -7,10 +7,8 @@ use std::sync::LazyLock;
 
 use ptm_conform::misreadings;
 use ptm_conform::suite::address::{self, published_url};
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::clauses;
-use ptm_conform::suite::name::SuiteName;
 use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::suite::{cases::Suite, clauses, name::SuiteName};
 use ptm_conform::tools::lint::codes;
 
 /// Returns a line with the URL of a page, or an empty string if there is no page.

@@ -6,13 +6,10 @@ use std::path::Path;
 use clap::ValueEnum;
 use ptm_conform::kit::yaml::to_yaml;
 use ptm_conform::readers::ReaderProfile;
-use ptm_conform::tools::lint::codes::Severity;
-use ptm_conform::tools::lint::status::Status;
-use ptm_conform::tools::lint::totals::Totals;
 use ptm_conform::tools::lint::{Lint, csv, sarif};
+use ptm_conform::tools::lint::{codes::Severity, status::Status, totals::Totals};
 
-use super::links::add_links;
-use super::output;
+use super::{links::add_links, output};
 
 /// Output format of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -5,12 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::CommandResult;
-use super::calls::CallArgs;
-use super::files;
-use super::fuzz::CALLS_TEMPLATE;
 use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::output::{bar, print};
+use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
 use ptm_conform::diagnose::equal_up_to_rounding;
 use ptm_conform::fuzz::reduce;

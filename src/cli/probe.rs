@@ -6,13 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::CommandResult;
-use super::arguments::positive_seconds;
-use super::calls::quote_command;
 use super::guard::{ScratchGuard, check_trouble};
 use super::terminal::print_styled;
-use ptm_conform::runner::processes;
-use ptm_conform::runner::run::Decoder;
+use super::{CommandResult, arguments::positive_seconds, calls::quote_command};
+use ptm_conform::runner::{processes, run::Decoder};
 use ptm_conform::session::probe::{Reproduction, probe};
 
 /// Test a new wrapper step by step and say what to fix.

@@ -6,11 +6,9 @@ use ptm_conform::kit::yaml;
 use ptm_conform::readers::{
     OpenedFile, ReaderPrediction, ReaderProfile, Shown, profiles, profiles_of,
 };
-use ptm_conform::tools::convert_for::convert_for;
-use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
 
-use super::files::with_path;
-use super::names::did_you_mean;
+use super::{files::with_path, names::did_you_mean};
 
 /// Returns the reader profiles of a file, or the built-in ones if no file is given.
 pub fn load_profiles(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {

@@ -7,14 +7,10 @@ use clap::{Args, Subcommand};
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use ptm_conform::report::merge::RecordedAnswers;
-use ptm_conform::report::reported::Reported;
 use ptm_conform::report::{Report, badge, github, html, junit};
-use ptm_conform::suite::cases::Case;
-use ptm_conform::suite::name::SuiteName;
-use ptm_conform::suite::texture::cases::TextureCase;
-use ptm_conform::writers::cases::WriterCase;
-use ptm_conform::writers::fitting::cases::FitCase;
+use ptm_conform::report::{merge::RecordedAnswers, reported::Reported};
+use ptm_conform::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
+use ptm_conform::writers::{cases::WriterCase, fitting::cases::FitCase};
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]

@@ -13,8 +13,7 @@ use ptm_conform::runner::template::Template;
 use ptm_conform::session::outputs::Outputs;
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
-use super::check_args::CheckArgs;
-use super::files::with_path;
+use super::{check_args::CheckArgs, files::with_path};
 
 /// Subject of a check and the part of the suite that applies to it.
 pub struct Subject {

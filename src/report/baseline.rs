@@ -15,10 +15,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::yaml::{read_text, records, to_yaml};
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
+use crate::session::{outcome::Outcome, run::Run};
+use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Known failures: case id and optional reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -8,14 +8,10 @@ use std::sync::atomic::Ordering;
 
 use crate::diagnose::Causes;
 use crate::report::document::{LikelyCause, Report};
-use crate::report::make::likely_causes;
-use crate::report::reported::Reported;
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::session::plan::RunPlan;
-use crate::session::remark::Remark;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
+use crate::report::{make::likely_causes, reported::Reported};
+use crate::session::{plan::RunPlan, remark::Remark, run::Run};
+use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Builds the complete report of a run, with verdicts and causes.
 ///

@@ -5,13 +5,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
-use crate::kit::digest::sha256;
-use crate::kit::yaml::to_yaml;
-use crate::report::baseline::BaselineComparison;
-use crate::report::leniency::Leniency;
-use crate::session::outcome::Outcome;
-use crate::session::remark::Remark;
-use crate::session::scores::Scores;
+use crate::kit::{digest::sha256, yaml::to_yaml};
+use crate::report::{baseline::BaselineComparison, leniency::Leniency};
+use crate::session::{outcome::Outcome, remark::Remark, scores::Scores};
 use crate::suite::name::SuiteName;
 
 /// Version of the report schema. Reports with any other version are rejected.

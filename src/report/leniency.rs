@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::session::observation::Response;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{observation::Response, outcome::Outcome, run::Run};
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::test_case::TestCase;
 

@@ -12,14 +12,9 @@ use crate::report::leniency::{leniency, passing_case_ids};
 use crate::report::reported::Reported;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
-use crate::session::outcome::Outcome;
-use crate::session::remark::Remark;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
-use crate::suite::compare::LOSSY_TOLERANCE;
-use crate::suite::dialect::Right;
-use crate::suite::name::SuiteName;
+use crate::session::{outcome::Outcome, remark::Remark, run::Run};
 use crate::suite::test_case::{Allowance, TestCase};
+use crate::suite::{cases::Suite, compare::LOSSY_TOLERANCE, dialect::Right, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.

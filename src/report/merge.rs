@@ -13,16 +13,12 @@ use serde::de::DeserializeOwned;
 
 use crate::kit::strip_os_error_code;
 use crate::protocol::frame::Answer;
-use crate::report::conclude::conclude;
-use crate::report::document::Report;
-use crate::report::reported::Reported;
 use crate::report::shards::{self, AnswerRecord, End, OtherRemarks, RecordedAnswer, Shard};
+use crate::report::{conclude::conclude, document::Report, reported::Reported};
 use crate::runner::run::{Reply, Request};
-use crate::session::asking::ReplyTo;
-use crate::session::remark::Remark;
 use crate::session::run::{Progress, Run, Session};
-use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
+use crate::session::{asking::ReplyTo, remark::Remark};
+use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Recorded answers of all parts of a run.
 pub struct RecordedAnswers<C: TestCase> {

@@ -3,24 +3,17 @@
 use maud::Markup;
 
 use crate::diagnose::{self, Causes};
-use crate::kit::digest::sha256;
-use crate::kit::parallel::map_in_parallel;
+use crate::kit::{digest::sha256, parallel::map_in_parallel};
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
-use crate::report::document::FollowedReading;
-use crate::report::html::evidence;
-use crate::report::leniency::passing_case_ids;
-use crate::session::contact::Contact;
-use crate::session::observation::Observation;
+use crate::report::{document::FollowedReading, html::evidence, leniency::passing_case_ids};
 use crate::session::run::{Run, Session};
 use crate::session::transform;
+use crate::session::{contact::Contact, observation::Observation};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::clauses::{self, Clause, Ruling};
 use crate::suite::features::Feature;
-use crate::suite::name::SuiteName;
-use crate::suite::test_case::TestCase;
-use crate::suite::texture;
-use crate::suite::texture::cases::TextureCase;
+use crate::suite::{name::SuiteName, test_case::TestCase, texture, texture::cases::TextureCase};
 
 /// Case type of a suite for which reports can be created.
 pub trait Reported: TestCase {

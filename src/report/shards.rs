@@ -23,8 +23,7 @@ use crate::protocol::frame::Answer;
 use crate::runner::run::Request;
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
-use crate::session::plan::RunPlan;
-use crate::session::remark::Remark;
+use crate::session::{plan::RunPlan, remark::Remark};
 use crate::suite::dialect::Right;
 use crate::suite::test_case::{Allowance, TestCase};
 

@@ -7,10 +7,8 @@ use crate::kit::last_message::last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::words::{call_instructions, details};
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
-use crate::suite::test_case::TestCase;
+use crate::session::{outcome::Outcome, run::Run};
+use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Maximum number of example failures for a misreading in the catalog, and for any other cause.
 const MAX_EXAMPLES: (usize, usize) = (2, 1);

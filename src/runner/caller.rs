@@ -15,8 +15,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::protocol::forms;
-use crate::protocol::frame::Answer;
+use crate::protocol::{forms, frame::Answer};
 use crate::runner::run::{Reply, Request};
 
 /// Maximum length of the first line of an answer, in bytes.

@@ -1,8 +1,7 @@
 //! Queries the capabilities of a decoder with `DECODER capabilities`.
 
 use crate::protocol::capabilities::Capabilities;
-use crate::runner::run::Decoder;
-use crate::runner::scratch::Scratch;
+use crate::runner::{run::Decoder, scratch::Scratch};
 
 /// Maximum number of bytes in an answer.
 const MAX_ANSWER_BYTES: usize = 16 * 1024;

@@ -14,8 +14,7 @@ use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::dialect::Right;
-use crate::suite::test_case::TestCase;
+use crate::suite::{dialect::Right, test_case::TestCase};
 
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;

@@ -7,14 +7,9 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::runner::run::Reply;
 use crate::session::asking::{ReplyTo, Session, is_hang, serve_mode_failure};
 use crate::session::observation::Response;
-use crate::session::offer::Offer;
-use crate::session::plan::Repeat;
-use crate::session::remark::Remark;
-use crate::session::tally::HangWatch;
+use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::HangWatch};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::compare::Expected;
-use crate::suite::dialect::Right;
-use crate::suite::test_case::TestCase;
+use crate::suite::{compare::Expected, dialect::Right, test_case::TestCase};
 
 /// The reply of the decoder to a first file.
 #[derive(Clone, Debug)]

@@ -16,10 +16,7 @@ use crate::ptm::{Coding, Field, Format, Limits, Ptm, Shape};
 use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::outcome::Outcome;
-use crate::suite::choices::CHOICES;
-use crate::suite::compare::Expected;
-use crate::suite::dialect::Dialect;
-use crate::suite::values::Values;
+use crate::suite::{choices::CHOICES, compare::Expected, dialect::Dialect, values::Values};
 
 /// Results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -5,14 +5,12 @@ use std::collections::BTreeSet;
 
 use crate::decode::decode;
 use crate::evaluate::{Coefficients, polynomial};
-use crate::generate::plan::Residuals;
-use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
+use crate::generate::{plan::Residuals, spelling::Count};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Coding, Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
-use crate::session::asking::Ask;
-use crate::session::offer::Offer;
+use crate::session::{asking::Ask, offer::Offer};
 use crate::suite::features::Feature;
 
 /// Width and height in texels.

@@ -8,8 +8,7 @@ use std::process::{Command, Stdio};
 use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
-use crate::session::contact::First;
-use crate::session::run::Run;
+use crate::session::{contact::First, run::Run};
 use crate::suite::cases::Suite;
 
 /// Languages for which every locale has a decimal comma.

@@ -14,10 +14,7 @@ use crate::ptm::Coding;
 use crate::reading::Reading;
 use crate::runner::run::Request;
 use crate::session::files::check_file;
-use crate::session::observation::Response;
-use crate::session::outcome::Outcome;
-use crate::session::plan::RunPlan;
-use crate::session::run::check;
+use crate::session::{observation::Response, outcome::Outcome, plan::RunPlan, run::check};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::Allowance;
 

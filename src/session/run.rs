@@ -10,12 +10,9 @@ use crate::session::contact::{Contact, First};
 use crate::session::judge::{Judgement, judge};
 use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
-use crate::session::offer::Offer;
-use crate::session::outcome::Outcome;
-use crate::session::plan::RunPlan;
-use crate::session::remark::Remark;
 use crate::session::scores::{Fraction, Scores};
 use crate::session::tally::HangWatch;
+use crate::session::{offer::Offer, outcome::Outcome, plan::RunPlan, remark::Remark};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
 

@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use super::compare::Expected;
 use super::values::{HandValues, Piece, Values};
-use crate::generate::plan::Compression;
-use crate::generate::spelling::Count;
 use crate::generate::{Damage, Model, Recipe, write};
+use crate::generate::{plan::Compression, spelling::Count};
 use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};

@@ -6,9 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::kit::digest::sha256;
-use crate::kit::parallel::map_in_parallel;
-use crate::kit::yaml::to_yaml;
+use crate::kit::{digest::sha256, parallel::map_in_parallel, yaml::to_yaml};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 

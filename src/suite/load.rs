@@ -5,8 +5,7 @@
 use std::collections::HashMap;
 
 use super::cases::{Case, Suite};
-use super::record::CaseRecord;
-use super::words::Words;
+use super::{record::CaseRecord, words::Words};
 use crate::kit::{embedded, yaml::records};
 
 /// The files of `spec-cases/cases/`, in the order of the specification.

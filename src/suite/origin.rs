@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use crate::decode::fields;
-use crate::decode::texels::block_containing;
+use crate::decode::{fields, texels::block_containing};
 use crate::parts::Block;
 use crate::ptm::{Field, Size, channel_name};
 use crate::suite::cases::Case;

@@ -6,14 +6,12 @@ use std::sync::OnceLock;
 use serde::Deserialize;
 
 use super::cases::{Case, Expect, Source};
-use super::damages;
-use super::recipes::MakeRecord;
 use super::values::{HandValues, Piece, format_of};
 use super::words::Words;
+use super::{damages, recipes::MakeRecord};
 use crate::codec::Coding;
-use crate::generate::plan::Residuals;
-use crate::generate::spelling::Count;
 use crate::generate::{Model, Recipe, write};
+use crate::generate::{plan::Residuals, spelling::Count};
 use crate::protocol::frame::View;
 
 /// A record of a case file. With `for_each`, it defines a case for every combination of the listed words.

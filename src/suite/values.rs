@@ -3,8 +3,7 @@
 use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
 
-use crate::generate::Model;
-use crate::generate::spelling::Count;
+use crate::generate::{Model, spelling::Count};
 use crate::protocol::frame::View;
 use crate::ptm::{Format, Size};
 

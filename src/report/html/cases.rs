@@ -8,10 +8,8 @@ use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{linked, mark};
 use crate::report::reported::Reported;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
-use crate::suite::cases::Suite;
-use crate::suite::name::SuiteName;
+use crate::session::{outcome::Outcome, run::Run};
+use crate::suite::{cases::Suite, name::SuiteName};
 
 /// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
 /// error. Evidence that does not fit is omitted, and the page mentions the omission.

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::report::document::Report;
-use crate::report::html::shell::linked;
+use crate::report::{document::Report, html::shell::linked};
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus, section_of};
 use crate::suite::name::SuiteName;

@@ -3,12 +3,10 @@
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
-use crate::report::html::cases::Group;
-use crate::report::html::shell::linked;
 use crate::report::words::{call_instructions, details};
+use crate::report::{html::cases::Group, html::shell::linked};
 use crate::session::outcome::Outcome;
-use crate::suite::address::published_url;
-use crate::suite::clauses::Clause;
+use crate::suite::{address::published_url, clauses::Clause};
 
 /// Renders the causes, sorted by the number of cases that each explains.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {

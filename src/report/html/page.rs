@@ -8,13 +8,8 @@ use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{linked, mark, page_with_head, verdict_mark};
 use crate::report::html::{clause_map, scene};
 use crate::report::reported::Reported;
-use crate::session::lit_scene::LitScene;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
-use crate::session::scores::Fraction;
-use crate::suite::address::SITE;
-use crate::suite::cases::Suite;
-use crate::suite::clauses::Ruling;
+use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
+use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
 /// Renders the page of a report. Images are included if `run` is available.
 ///

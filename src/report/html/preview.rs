@@ -9,8 +9,7 @@ use maud::{Markup, html};
 use crate::decode::decode;
 use crate::protocol::frame::{Frame, Samples, View, ViewKind};
 use crate::ptm::{ColorMatrix, Ptm, Shape};
-use crate::suite::cases::Built;
-use crate::suite::compare::Expected;
+use crate::suite::{cases::Built, compare::Expected};
 
 /// Maximum number of samples of a map with a preview. Larger maps have no preview.
 const MAX_SAMPLES: usize = 24 << 10;

@@ -6,8 +6,7 @@
 
 use std::ffi::OsString;
 
-use crate::runner::run::Decoder;
-use crate::runner::scratch::Scratch;
+use crate::runner::{run::Decoder, scratch::Scratch};
 
 pub(super) use arrangement::Arrangement;
 pub use checklist::{Checklist, Mark, ProbeRequest, ProbeStep, Reproduction};

@@ -9,8 +9,7 @@ use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};
 use super::explain::{explain, not_refused};
 use super::message::{Slots, fault};
-use super::repair::repair;
-use super::sample::Sample;
+use super::{repair::repair, sample::Sample};
 
 /// The formats that most readers support. The others follow in the order of the specification.
 const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];

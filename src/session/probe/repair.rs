@@ -3,9 +3,8 @@
 use crate::protocol::frame::{Frame, View};
 use crate::suite::compare::Expected;
 
-use super::arrangement::arrangements;
-use super::body::interpret_frame;
 use super::message::{ProbeFault, fault, join_texts};
+use super::{arrangement::arrangements, body::interpret_frame};
 
 /// Mistakes that must be undone to get the correct image.
 pub(super) struct Repair {

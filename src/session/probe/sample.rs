@@ -5,9 +5,7 @@ use std::fmt::Display;
 use crate::generate::{Model, Recipe, write};
 use crate::protocol::frame::{Frame, View};
 use crate::ptm::{Format, Size};
-use crate::suite::cases::TableSpelling;
-use crate::suite::compare::Expected;
-use crate::suite::values::Values;
+use crate::suite::{cases::TableSpelling, compare::Expected, values::Values};
 
 use super::checklist::Reproduction;
 

@@ -18,10 +18,9 @@ use crate::suite::cases::{Case, Expect, Suite};
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};
 use super::explain::{buffer_size, explain, not_refused};
-use super::message::ProbeFault;
-use super::one_shot::malformed;
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
+use super::{message::ProbeFault, one_shot::malformed};
 
 /// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large one and malformed ones.
 /// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested

@@ -9,9 +9,8 @@ use crate::kit::embedded;
 use crate::kit::yaml::{from_files, from_yaml};
 use crate::suite::cases::Suite;
 use crate::suite::clauses::{Clause, Ruling};
-use crate::suite::dialect::Axis;
-use crate::suite::texture::fixtures;
 use crate::suite::texture::question::{Question, Refusal};
+use crate::suite::{dialect::Axis, texture::fixtures};
 
 const FILES: &[(&str, &str)] = embedded![
     "spec-cases/texture/cases",
