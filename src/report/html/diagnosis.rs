@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
+use crate::report::html::{cases::Group, shell::linked};
 use crate::report::words::{call_instructions, details};
-use crate::report::{html::cases::Group, html::shell::linked};
 use crate::session::outcome::Outcome;
 use crate::suite::{address::published_url, clauses::Clause};
 

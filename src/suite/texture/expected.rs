@@ -6,7 +6,7 @@ use crate::protocol::frame::Answer;
 use crate::suite::dialect::{Axis, Dialect};
 use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::choices::CHOICES;
-use crate::suite::{texture::compare::difference, texture::question::Refusal};
+use crate::suite::texture::{compare::difference, question::Refusal};
 use crate::texture::Rules;
 
 impl TextureCase {

@@ -9,7 +9,7 @@ use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, Right};
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::texture::cases::{Basis, TextureCase};
-use crate::suite::{texture::choices::CHOICES, texture::compare::difference};
+use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::texture::Rules;
 
 /// Maximum number of bytes of an answer, a small JSON object.

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::choices;
-use crate::suite::{texture::compare::difference, texture::fixtures, texture::question::Refusal};
+use crate::suite::texture::{compare::difference, fixtures, question::Refusal};
 use crate::texture::Rules;
 
 /// Tolerance for expected numbers that were computed by hand.
