@@ -169,7 +169,7 @@ pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     let area = u64::from(factor) * u64::from(factor);
     let bytes = area.saturating_mul(image.len() as u64);
     if bytes > MAX_IMAGE_BYTES {
-        let says = "is too large; enlarge it less";
+        let says = "is too large; choose a smaller factor";
         return Err(format!("an image of {bytes} bytes {says}"));
     }
     let (width, height) = (image.width() * factor, image.height() * factor);
