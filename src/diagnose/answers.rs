@@ -17,19 +17,19 @@ const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 impl Witness<'_> {
     /// Returns the answer of a decoder that makes `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
-        let made = mistakes
+        let in_scope = mistakes
             .iter()
             .filter(|mistake| mistake.scope.contains(self));
-        let (whole, in_part): (Vec<&Mistake>, Vec<&Mistake>) = made
+        let (whole, partial): (Vec<&Mistake>, Vec<&Mistake>) = in_scope
             .copied()
             .partition(|mistake| mistake.channels == ChannelSubset::All);
         let mut misreadings: Vec<&Misreading> =
             whole.iter().map(|mistake| mistake.misreading).collect();
         let mut answer = self.answer_of_misreadings(&misreadings);
-        for mistake in in_part {
+        for mistake in partial {
             misreadings.push(mistake.misreading);
-            let with = self.answer_of_misreadings(&misreadings);
-            mistake.channels.replace(answer.to_mut(), &with);
+            let changed = self.answer_of_misreadings(&misreadings);
+            mistake.channels.replace(answer.to_mut(), &changed);
             misreadings.pop();
         }
         answer
@@ -37,53 +37,53 @@ impl Witness<'_> {
 
     /// Returns the misreadings of the mistakes that affect this file.
     fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
-        let made = mistakes
+        let in_scope = mistakes
             .iter()
             .filter(|mistake| mistake.scope.contains(self));
-        made.map(|mistake| mistake.misreading).collect()
+        in_scope.map(|mistake| mistake.misreading).collect()
     }
 
     /// Returns the response if its colors match those that the mistakes produce, rounded or truncated to bytes. This
-    /// comparison is stricter than the tolerance, so it also separates mistakes with small effects.
+    /// comparison is stricter than the tolerance, so it also distinguishes mistakes with small effects.
     pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
-        let (View::Rgb(light), Some(shown), Answer::Decoded(made)) =
+        let (View::Rgb(light), Some(actual), Answer::Decoded(made)) =
             (&self.observation.view, self.wrong_image(), made)
         else {
             return None;
         };
-        let is_in_part = |mistake: &&Mistake| mistake.channels != ChannelSubset::All;
-        if !self.failed || mistakes.iter().any(is_in_part) || !equal_up_to_rounding(shown, made) {
+        let is_partial = |mistake: &&Mistake| mistake.channels != ChannelSubset::All;
+        if !self.failed || mistakes.iter().any(is_partial) || !equal_up_to_rounding(actual, made) {
             return None;
         }
-        let made = self.misreadings_in_scope(mistakes);
-        let (ptm, reading) = match made.iter().all(|mistake| is_after_decoding(mistake)) {
+        let misreadings = self.misreadings_in_scope(mistakes);
+        let (ptm, reading) = match misreadings.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
-                let reading = misreadings::apply_to_reading(&made, self.reading);
+                let reading = misreadings::apply_to_reading(&misreadings, self.reading);
                 (self.decoded().as_ref().ok()?.clone(), reading)
             }
-            false => misreadings::read(&made, self.reading, &self.built.file).ok()?,
+            false => misreadings::read(&misreadings, self.reading, &self.built.file).ok()?,
         };
-        let colors = misreadings::unrounded_colors(&made, &reading, &ptm, light);
-        let Samples::U8(bytes) = &shown.samples else {
+        let colors = misreadings::unrounded_colors(&misreadings, &reading, &ptm, light);
+        let Samples::U8(bytes) = &actual.samples else {
             return None;
         };
-        let differences = colors.iter().zip(bytes);
-        let mut differences = differences.map(|(color, &byte)| color - f64::from(byte));
-        let is_rounded = |off: f64| off.abs() <= 0.5 + ROUNDING_SLACK;
-        let is_cut_off = |off: f64| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&off);
-        (differences.clone().all(is_rounded) || differences.all(is_cut_off))
-            .then(|| Answer::Decoded(shown.clone()))
+        let pairs = colors.iter().zip(bytes);
+        let mut differences = pairs.map(|(color, &byte)| color - f64::from(byte));
+        let is_rounded = |d: f64| d.abs() <= 0.5 + ROUNDING_SLACK;
+        let is_truncated = |d: f64| (-ROUNDING_SLACK..1.0 + ROUNDING_SLACK).contains(&d);
+        (differences.clone().all(is_rounded) || differences.all(is_truncated))
+            .then(|| Answer::Decoded(actual.clone()))
     }
 
     /// Returns the image that a decoder with `mistakes` outputs for the stored values in `ptm`.
     pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
-        let made = self.misreadings_in_scope(mistakes);
-        let reading = misreadings::apply_to_reading(&made, self.reading);
-        misreadings::render(&made, &reading, ptm, &self.observation.view)
+        let misreadings = self.misreadings_in_scope(mistakes);
+        let reading = misreadings::apply_to_reading(&misreadings, self.reading);
+        misreadings::render(&misreadings, &reading, ptm, &self.observation.view)
     }
 
     /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The catalog
-    /// ignores such records, but many decoders refuse them.
+    /// ignores these records, but many decoders refuse them.
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
@@ -106,11 +106,11 @@ impl Witness<'_> {
         let blocks = planes.map(|plane| plane.records.iter().flat_map(bytes).collect());
         let blocks: Vec<Vec<u8>> = blocks.collect();
         readers.any(|read| {
-            let is_fewer = |block: &Vec<u8>| {
+            let loses_records = |block: &Vec<u8>| {
                 let records = read(block, 0, model.size.texels());
                 records.is_ok_and(|records| records.len() * 5 < block.len())
             };
-            blocks.iter().any(is_fewer)
+            blocks.iter().any(loses_records)
         })
     }
 
@@ -140,22 +140,22 @@ impl Witness<'_> {
 
 /// Returns true if a single misreading reproduces the responses from which the decoder's choices were inferred.
 pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> bool {
-    let gives = |witness: &Witness, answer: &Answer| match witness.observation.response {
+    let reproduces = |witness: &Witness, answer: &Answer| match witness.observation.response {
         Response::Rejected => *answer == Answer::Rejected,
         _ => *answer == witness.right,
     };
-    let is_telling =
-        |witness: &&Witness| !witness.failed && !gives(witness, witness.correct_answer());
-    let telling = witnesses.iter().filter(is_telling).take(MAX_SAMPLE);
-    let telling: Vec<&Witness> = telling.collect();
+    let is_informative =
+        |witness: &&Witness| !witness.failed && !reproduces(witness, witness.correct_answer());
+    let informative = witnesses.iter().filter(is_informative).take(MAX_SAMPLE);
+    let informative: Vec<&Witness> = informative.collect();
     let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::unscoped).collect();
-    let reproduced = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|at| {
-        let mistake = &mistakes[at];
+    let counts = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|i| {
+        let mistake = &mistakes[i];
         let is_reproduced = |witness: &&&Witness| {
-            witness.can_affect(mistake) && gives(witness, &witness.answer(&[mistake]))
+            witness.can_affect(mistake) && reproduces(witness, &witness.answer(&[mistake]))
         };
-        telling.iter().filter(is_reproduced).count()
+        informative.iter().filter(is_reproduced).count()
     });
-    let most = reproduced.into_iter().max().unwrap_or_default();
-    most >= MIN_SUPPORT.min(telling.len())
+    let max = counts.into_iter().max().unwrap_or_default();
+    max >= MIN_SUPPORT.min(informative.len())
 }

@@ -1,4 +1,4 @@
-//! `--assume`: judges a decoder whose user takes some mistakes as given.
+//! `--assume`: judges a decoder with mistakes that its user already knows.
 //!
 //! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other wrong image is compared
 //! with the output of such a decoder.
@@ -39,8 +39,8 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
             ));
         }
     }
-    for (place, outcome, says) in changes {
-        if let Some(judged) = &mut run.judgement.cases[place] {
+    for (index, outcome, says) in changes {
+        if let Some(judged) = &mut run.judgement.cases[index] {
             judged.outcome = outcome;
             judged.says = says;
         }
@@ -49,17 +49,17 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
 
 /// Returns true if a decoder with these mistakes reproduces the response under some combination of choices.
 fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading]) -> bool {
-    let explained = |answer: &Answer| {
+    let reproduces = |answer: &Answer| {
         matches!(
             witness.agreement(answer),
-            Agreement::Image | Agreement::Word
+            Agreement::Image | Agreement::Outcome
         )
     };
     let axes = relevant_axes(witness.case, &witness.observation.view);
-    explained(made)
+    reproduces(made)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);
             let reading = CHOICES.apply(dialect, Reading::SPEC);
-            explained(&misreadings::answer(assumed, reading, file, view))
+            reproduces(&misreadings::answer(assumed, reading, file, view))
         })
 }

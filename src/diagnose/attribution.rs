@@ -1,6 +1,6 @@
 //! Attributes failures to the mistakes that the search found.
 
-use super::diagnosis::{Category, Cause, CauseWords, Diagnosis};
+use super::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::{ChannelSubset, Mistake};
 use super::scope::FileScope;
@@ -31,7 +31,7 @@ pub(super) fn attribute_failures(
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
     let failed = search.failing();
-    let needed = search.par_map(&failed, |&w| needed(search, w, &set));
+    let needed = search.par_map(&failed, |&w| needed_mistakes(search, w, &set));
     for (w, needed) in failed.into_iter().zip(needed) {
         // List the case under the last mistake that it needs.
         let Some((&last, others)) = needed.split_last() else {
@@ -50,13 +50,13 @@ pub(super) fn attribute_failures(
         .into_iter()
         .filter_map(|whole| diagnose_whole_formats(search, &whole, found, &mut shares, &mut left))
         .collect();
-    for (place, member) in found.iter().enumerate() {
-        if is_weakly_supported(search, member, &shares[place], &left)
-            || is_subsumed(search, &set, &shares, place)
-            || has_earlier_failures(search.witnesses, &shares[place].explains, &left)
-            || is_minor(search.witnesses, &shares[place].explains, &left)
+    for (index, member) in found.iter().enumerate() {
+        if is_weakly_supported(search, member, &shares[index], &left)
+            || is_incompatible(search, &set, &shares, index)
+            || has_earlier_failures(search.witnesses, &shares[index].explains, &left)
+            || is_minor(search.witnesses, &shares[index].explains, &left)
         {
-            left.append(&mut shares[place].explains);
+            left.append(&mut shares[index].explains);
         }
     }
     let members = found.iter().zip(shares);
@@ -67,8 +67,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if too many unexplained images of the same formats are wrong in an earlier view than every image that the mistake
-/// explains. "Too many" means more than half the number of explained images. An earlier step may explain those images as well.
+/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every image that the mistake
+/// explains: more than half the number of explained images. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -77,13 +77,13 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
         Some(kind(w)) < earliest
             && FailureMode::new(&witnesses[**w]).is_none()
             && witnesses[**w].case.expect == Expect::Decode
-            && explained.iter().any(|indices| format(indices) == format(w))
+            && explained.iter().any(|other| format(other) == format(w))
     };
     let earlier = left.iter().filter(is_earlier).count();
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but they are less than a quarter of the
+/// Returns true if most of the explained failures are images of legal files, but these are less than a quarter of the
 /// wrong images of their formats and views that have no other cause. A larger mistake may explain them as well. Images in
 /// later views do not count, because a mistake in a later step may explain these.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
@@ -112,9 +112,9 @@ fn diagnose_whole_formats(
     shares: &mut [Share],
     left: &mut Vec<usize>,
 ) -> Option<(MistakeId, Diagnosis)> {
-    let is_of = |w: &usize| whole.cases.contains(w);
+    let is_covered = |w: &usize| whole.cases.contains(w);
     let is_seen_elsewhere = |share: &Share| {
-        let inside = share.explains.iter().filter(|w| is_of(w)).count();
+        let inside = share.explains.iter().filter(|w| is_covered(w)).count();
         is_substantial(inside, whole.cases.len()) && inside < share.explains.len()
     };
     if shares.iter().any(is_seen_elsewhere) {
@@ -122,9 +122,9 @@ fn diagnose_whole_formats(
     }
     let mut alike = Vec::new();
     for (member, share) in members.iter().zip(shares) {
-        if share.explains.iter().any(is_of) {
-            let ids = std::iter::once(&member.id).chain(&member.alike);
-            // A mistake of the same equivalence class may fail only some of these files.
+        if share.explains.iter().any(is_covered) {
+            let ids = std::iter::once(&member.id).chain(&member.equivalents);
+            // An equivalent mistake may fail only some of these files.
             let explains = |&&id: &&MistakeId| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
                 whole.cases.iter().all(agrees)
@@ -134,9 +134,9 @@ fn diagnose_whole_formats(
                     .filter_map(|&id| search.mistakes[id].catalog_misreading()),
             );
         }
-        share.explains.retain(|w| !is_of(w));
+        share.explains.retain(|w| !is_covered(w));
     }
-    left.retain(|w| !is_of(w));
+    left.retain(|w| !is_covered(w));
     // No mistake has this id, so no failure is partially attributed to it.
     Some((MistakeId::MAX, whole.describe(search.witnesses, alike)))
 }
@@ -144,31 +144,31 @@ fn diagnose_whole_formats(
 /// Returns true if the evidence for a misreading is too weak:
 /// - more cases contradict it than support it,
 /// - only malformed files support it, and some case contradicts it,
-/// - its only evidence is crashes by a signal, or
-/// - it changes values, no image supports it, and more images than it explains are left unexplained.
+/// - it explains a crash by a signal, and no image supports it, or
+/// - it changes values, no image supports it, and more images are unexplained than it explains failures.
 fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
     let Some(misreading) = search.mistakes[member.id].catalog_misreading() else {
         return false;
     };
     let (witnesses, explained) = (search.witnesses, &share.explains);
-    let against = search.contradictions(&[member.id]).len();
+    let contradictions = search.contradictions(&[member.id]).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let is_signal =
-        |w| matches!(mode(w), Some(FailureMode::Crashes(how)) if how.starts_with("killed"));
+        |w| matches!(mode(w), Some(FailureMode::Crashes(status)) if status.starts_with("killed"));
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.shows != Symptom::Refusals && images(explained) == 0;
     images(explained) == 0 && explained.iter().any(is_signal)
         || is_hidden && images(left) > explained.len()
-        || against > explained.len()
-        || against > 0 && is_guess()
+        || contradictions > explained.len()
+        || contradictions > 0 && is_guess()
 }
 
-/// Returns true if this mistake is incompatible with a mistake that explains more failures. It is if more of the
-/// files that the other mistake explains alone contradict it than support it: a decoder with both mistakes would
-/// output other values for these files.
-fn is_subsumed(search: &Search, set: &[MistakeId], shares: &[Share], place: usize) -> bool {
-    let own = shares[place].explains.len();
+/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it
+/// explains, one of these mistakes alone reproduces the response, but a decoder with both mistakes would answer
+/// differently.
+fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
+    let own = shares[index].explains.len();
     if own == 0 {
         return false;
     }
@@ -177,13 +177,13 @@ fn is_subsumed(search: &Search, set: &[MistakeId], shares: &[Share], place: usiz
         let files = search.smallest(&shares[other].explains, MAX_SAMPLE);
         files.into_iter().map(move |w| (other, w))
     });
-    let denied = search.par_map(&pairs.collect::<Vec<_>>(), |&(other, w)| {
-        let both = [set[other], set[place]];
+    let conflicts = search.par_map(&pairs.collect::<Vec<_>>(), |&(other, w)| {
+        let both = [set[other], set[index]];
         search.answers_differ(w, &both, &both[..1])
             && search.agreement(w, &both[..1]).explains()
             && !search.agreement(w, &both).explains()
     });
-    denied.into_iter().filter(|denied| *denied).count() > own
+    conflicts.into_iter().filter(|conflicts| *conflicts).count() > own
 }
 
 fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis {
@@ -196,9 +196,9 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     let Some(misreading) = mistake.unrestricted_misreading() else {
         return diagnose_edit(search, mistake, share);
     };
-    // A mistake that is limited to some files differs from the misreading in the catalog.
+    // A mistake that is restricted to some files differs from the misreading in the catalog.
     let alike = member
-        .alike
+        .equivalents
         .iter()
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
     let alike: Vec<&Misreading> = alike.collect();
@@ -223,27 +223,27 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     }
 }
 
-/// Returns the diagnosis for an edit of a formula, or for a misreading that is limited to some files or channels.
+/// Returns the diagnosis for an edit of a formula, or for a misreading that is restricted to some files or channels.
 fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let misreading = mistake.misreading;
-    let place = match &mistake.scope {
+    let files = match &mistake.scope {
         // An edit may change nothing in other formats.
         FileScope::All => formats_phrase(witnesses, &share.explains),
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.at) {
         (None, At::Edits([edit])) => {
-            let (what, stated) = (edit.formula.stated().computes, edit.stated_text());
+            let (value, stated) = (edit.formula.stated().computes, edit.stated_text());
             let computes = edit.edited_text();
             match edit.change {
                 EditedForm::Table(_) => (
-                    format!("maps {what} through {computes}"),
+                    format!("maps {value} through {computes}"),
                     "compare the example with the bytes that it comes from".to_owned(),
                 ),
                 EditedForm::Expression(_) => (
-                    format!("computes {what} as {computes} instead of {stated}"),
-                    format!("compute {what} as {stated}"),
+                    format!("computes {value} as {computes} instead of {stated}"),
+                    format!("compute {value} as {stated}"),
                 ),
             }
         }
@@ -255,8 +255,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
             ),
         ),
     };
-    let words = CauseWords {
-        effect: effect + &mistake.channels.describe() + &place,
+    let text = CauseText {
+        effect: effect + &mistake.channels.describe() + &files,
         fix,
         example: differences::example(
             search,
@@ -264,7 +264,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         ),
     };
     let described =
-        Diagnosis::from_description(Category::Difference, witnesses, &share.explains, words);
+        Diagnosis::from_description(Category::Difference, witnesses, &share.explains, text);
     Diagnosis {
         certain: true,
         ..described.with_clause(misreading.clause)
@@ -272,8 +272,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
 }
 
 /// Returns the indices of the mistakes in `set` that a failure needs: a single one if it explains the failure alone,
-/// or else all that are indispensable.
-fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
+/// or else all that are indispensable. Returns the first mistake if none is indispensable.
+fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     let explained = |set: &[MistakeId]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
         return vec![alone];
@@ -286,7 +286,7 @@ fn needed(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     if needed.is_empty() { vec![0] } else { needed }
 }
 
-/// Returns true if the image contains colors that are computed from channels that the mistake changes.
+/// Returns true if the response contains colors that are computed from channels that the mistake changes.
 fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
@@ -296,7 +296,7 @@ fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
         && FailureMode::new(witness).is_none()
 }
 
-/// Adds failures that a mistake explains in part to its diagnosis, and removes them from `left`.
+/// Adds failures that a mistake partially explains to its diagnosis, and removes them from `left`.
 pub(super) fn attribute_partially(
     search: &Search,
     found: &[Member],
@@ -304,15 +304,15 @@ pub(super) fn attribute_partially(
     left: &mut Vec<usize>,
 ) {
     let set = ids_of(found);
-    let acts = |w: usize, member: MistakeId| {
+    let changes = |w: usize, member: MistakeId| {
         FailureMode::new(&search.witnesses[w]).is_none()
             && search.answers_differ(w, &set, &without_id(&set, member))
     };
-    // A mistake that reproduces nearly all images it changes also affects the remaining ones.
+    // A mistake that reproduces nearly all images that it changes also affects the remaining ones.
     let explains_nearly_all = |member: MistakeId| {
         let explained = diagnoses.iter().find(|(id, _)| *id == member);
         let explained = explained.map_or(0, |(_, diagnosis)| diagnosis.explains.len());
-        let open = left.iter().filter(|&&w| acts(w, member)).count();
+        let open = left.iter().filter(|&&w| changes(w, member)).count();
         is_few(open, explained)
     };
     let thorough: Vec<MistakeId> = set
@@ -321,13 +321,13 @@ pub(super) fn attribute_partially(
         .filter(|&id| explains_nearly_all(id))
         .collect();
     left.retain(|&w| {
-        let is_partly = |&&member: &&MistakeId| {
-            thorough.contains(&member) && acts(w, member)
+        let explains_partially = |&&member: &&MistakeId| {
+            thorough.contains(&member) && changes(w, member)
                 || shows_in_colors(search, w, member)
                 || differences::reduces_wrong_samples(search, w, &set, member)
         };
-        let near = set.iter().find(is_partly);
-        let known = near.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
+        let member = set.iter().find(explains_partially);
+        let known = member.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
         let is_left = known.is_none();
         if let Some((_, diagnosis)) = known {
             diagnosis.partly.push(search.witnesses[w].case_index);

@@ -13,7 +13,7 @@ use super::words::refusals;
 use crate::misreadings::{Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
 
-/// Counts of the failing cases that support or contradict a mistake.
+/// Failing cases that support or contradict a mistake.
 #[derive(Default)]
 struct FailureEvidence {
     /// Legal files whose response the mistake reproduces, alone or together with the other mistakes.
@@ -24,7 +24,7 @@ struct FailureEvidence {
     crashes: usize,
     /// Malformed files that both the mistake and the decoder accept.
     accepted: Vec<usize>,
-    /// Number of images of legal files that the mistake changes in a different way than the decoder does.
+    /// Number of images of legal files that the mistake changes, but not to the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
     far: usize,
@@ -33,7 +33,7 @@ struct FailureEvidence {
     /// Number of refusals and crashes of legal files that the mistake changes.
     changed_refusals: usize,
     /// Number of images of legal files that a decoder with the mistake would refuse.
-    against: usize,
+    refused: usize,
 }
 
 impl FailureEvidence {
@@ -56,8 +56,8 @@ impl FailureEvidence {
             let is_changed = search.answers_differ(w, set, &without);
             evidence.changed_images += usize::from(is_changed && is_image);
             evidence.changed_refusals += usize::from(is_changed && !is_image);
-            let is_against = [alone, search.agreement(w, set)] == [Agreement::Against; 2];
-            evidence.against += usize::from(is_against);
+            let would_refuse = [alone, search.agreement(w, set)] == [Agreement::Contradiction; 2];
+            evidence.refused += usize::from(would_refuse);
             if is_needed(Agreement::explains) {
                 evidence.explained.push(w);
                 evidence.images += usize::from(is_image);
@@ -82,22 +82,22 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut Vec<Member>) {
     };
     let failing = legal(&failed);
     let shared = refusals::shared_failures(witnesses, &failing);
-    // Each rule weighs only the mistakes that remain. The last rule runs twice, because it may remove a mistake that
-    // hid other changes.
+    // Each rule considers only the mistakes that remain. The last rule runs twice, because it may remove a mistake that
+    // hid the changes of others.
     for rule in [Refusals, Acceptances, Rare, Stray, Stray] {
         let set = ids_of(found);
         let open = search.select(failed.clone(), |w| !search.explains(w, &set));
         let is_unknown = is_nearly_all(legal(&open).len(), failing.len());
         let all = search.par_map(&set, |&id| FailureEvidence::new(search, &set, &failed, id));
-        let places: Vec<usize> = (0..set.len()).collect();
-        let keep = search.par_map(&places, |&place| {
-            let (id, evidence) = (set[place], &all[place]);
+        let indices: Vec<usize> = (0..set.len()).collect();
+        let keep = search.par_map(&indices, |&index| {
+            let (id, evidence) = (set[index], &all[index]);
             let listed = search.mistakes[id].catalog_misreading();
             if evidence.explained.is_empty() && evidence.accepted.is_empty() {
                 return false;
             }
             match (rule, listed) {
-                (Refusals, _) => !refuses_by_chance(search, &set, &all, place, &failing, &shared),
+                (Refusals, _) => !refuses_by_chance(search, &set, &all, index, &failing, &shared),
                 (Acceptances, _) => !accepts_by_chance(search, id, evidence, &open, is_unknown),
                 // Edits have already been compared with all images that they change.
                 (_, None) => true,
@@ -139,42 +139,42 @@ fn is_stray(
     let is_about = about.any(|&w| is_about(&search.witnesses[w], misreading));
     let others = changed.saturating_sub(explained);
     explained > 0
-        && (is_most(others, changed) || explains_few && !is_about || evidence.against > explained)
+        && (is_most(others, changed) || explains_few && !is_about || evidence.refused > explained)
 }
 
-/// Returns true if a misreading explains few images and changes many others in a different way than the decoder does.
-/// If passing files contradict it, or if only rounded colors support it, it must explain nearly all of them.
+/// Returns true if a misreading explains few of the images that it changes. If passing files contradict it, or if it
+/// changes only colors, which are rounded, it must explain nearly all of them.
 fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureEvidence) -> bool {
     let (images, far) = (evidence.images, evidence.far);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
-    let is_of_colors = search.mistakes[id].misreading.at.stage() == Stage::Color;
-    let is_denied =
+    let is_color_only = search.mistakes[id].misreading.at.stage() == Stage::Color;
+    let is_refuted =
         || !search.refuting_files(&[id]).is_empty() && !search.refuting_files(set).is_empty();
     images > 0
-        && (is_nearly_all(far, far + images) || !is_thorough && (is_of_colors || is_denied()))
+        && (is_nearly_all(far, far + images) || !is_thorough && (is_color_only || is_refuted()))
 }
 
 /// Returns true if a mistake only refuses files, and either a shared property explains more of these refusals or
-/// other cases contradict the mistake. `shared` holds the failures that one property explains.
+/// other cases contradict the mistake. `shared` contains groups of failures, each explained by a property.
 fn refuses_by_chance(
     search: &Search,
     set: &MistakeSet,
     all: &[FailureEvidence],
-    place: usize,
+    index: usize,
     failing: &[usize],
     shared: &[Vec<usize>],
 ) -> bool {
-    let (evidence, witnesses) = (&all[place], search.witnesses);
+    let (evidence, witnesses) = (&all[index], search.witnesses);
     let explained = &evidence.explained;
     if explained.is_empty() || !is_few(evidence.images, explained.len()) {
         return false;
     }
-    let explains_more = |wide: &Vec<usize>| {
-        let others = explained.iter().filter(|w| !wide.contains(w)).count();
-        wide.len() > explained.len() && is_few(others, explained.len())
+    let explains_more = |group: &Vec<usize>| {
+        let others = explained.iter().filter(|w| !group.contains(w)).count();
+        group.len() > explained.len() && is_few(others, explained.len())
     };
     // Refusals that no other mistake explains. A misreading that changes values would affect some image.
-    let others = || (0..all.len()).filter(|&other| other != place);
+    let others = || (0..all.len()).filter(|&other| other != index);
     let is_refused = |w: &&usize| {
         let is_other = others().any(|other| all[other].explained.contains(w));
         FailureMode::new(&witnesses[**w]).is_some() && !is_other
@@ -184,19 +184,19 @@ fn refuses_by_chance(
     // A crash is weaker evidence than a refusal.
     let are_crashes = evidence.crashes == explained.len();
     let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
-    let listed = search.mistakes[set[place]].catalog_misreading();
+    let listed = search.mistakes[set[index]].catalog_misreading();
     let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
-    let one = [set[place]];
-    let is_contradicted = |w| search.is_refuted(w, &one) && search.is_refuted(w, set);
+    let alone = [set[index]];
+    let is_refuted = |w| search.is_refuted(w, &alone) && search.is_refuted(w, set);
     (!refuses_only || is_few(explained.len(), refused)) && is_small
-        || evidence.against > 0
+        || evidence.refused > 0
         || shared.iter().any(explains_more)
-        || (0..witnesses.len()).any(is_contradicted)
+        || (0..witnesses.len()).any(is_refuted)
 }
 
 /// Returns true if a mistake explains only accepted malformed files, and one of these holds:
 /// - passing cases contradict it,
-/// - it explains few faults, and unexplained failures are about the same clause, or
+/// - it explains few kinds of faults, and unexplained failures are about the same clause, or
 /// - the causes of nearly all failures of legal files are unknown.
 fn accepts_by_chance(
     search: &Search,
@@ -209,15 +209,15 @@ fn accepts_by_chance(
         return false;
     }
     // A mistake that explains many different faults is not a coincidence.
-    let damages = evidence.accepted.iter();
-    let faults = damages.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.effect));
-    let is_one_fault = faults.collect::<HashSet<_>>().len() <= MIN_SHARING_FILES;
+    let accepted = evidence.accepted.iter();
+    let faults = accepted.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.effect));
+    let are_few_faults = faults.collect::<HashSet<_>>().len() <= MIN_SHARING_FILES;
     let misreading = search.mistakes[id].misreading;
     let is_clause_open = || {
         open.iter()
             .any(|&w| is_about(&search.witnesses[w], misreading))
     };
-    is_unknown || is_one_fault && is_clause_open() || !search.refuting_files(&[id]).is_empty()
+    is_unknown || are_few_faults && is_clause_open() || !search.refuting_files(&[id]).is_empty()
 }
 
 /// Returns true if a case is about the misread clause.

@@ -1,9 +1,9 @@
 //! Greedy set cover: finds few causes that together explain the failures.
 //!
 //! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
-//! - A candidate that explains no more failures than passing cases contradict is chosen after all others.
+//! - A candidate that explains no more failures than the number of passing cases that contradict it is chosen last.
 //! - Ties are broken by fewer contradictions, then by order in the list.
-//! - Candidates that explain the same failures and have the same contradictions are alike: no case separates them.
+//! - Candidates that explain the same failures and have the same contradictions are equivalent: no case distinguishes them.
 
 use std::cmp::Reverse;
 
@@ -17,7 +17,7 @@ pub(crate) struct CoverCandidate<T> {
     pub explains: Vec<usize>,
     /// Indices of the passing cases that a decoder with this cause would fail.
     pub contradicted: Vec<usize>,
-    /// Causes that no case separates from this one. Filled in by [`cover`].
+    /// Causes that no case distinguishes from this one. Filled in by [`cover`].
     pub alike: Vec<T>,
 }
 
@@ -30,14 +30,14 @@ impl<T> CoverCandidate<T> {
         passing: &[usize],
         contradicts: impl Fn(usize) -> bool,
     ) -> Option<CoverCandidate<T>> {
-        let places = |all: &[usize], is_one: &dyn Fn(usize) -> bool| -> Vec<usize> {
-            all.iter().copied().filter(|&place| is_one(place)).collect()
+        let select = |all: &[usize], holds: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            all.iter().copied().filter(|&case| holds(case)).collect()
         };
-        let explains = places(failing, &explains);
+        let explains = select(failing, &explains);
         (!explains.is_empty()).then(|| CoverCandidate {
             cause,
             explains,
-            contradicted: places(passing, &contradicts),
+            contradicted: select(passing, &contradicts),
             alike: Vec::new(),
         })
     }
@@ -72,11 +72,11 @@ pub(crate) fn cover<T: Copy>(
     let mut chosen = Vec::new();
     loop {
         for candidate in &mut candidates {
-            candidate.explains.retain(|place| failing.contains(place));
+            candidate.explains.retain(|case| failing.contains(case));
         }
         candidates.retain(|candidate| !candidate.explains.is_empty());
-        let best = (0..candidates.len()).min_by_key(|&at| {
-            let candidate = &candidates[at];
+        let best = (0..candidates.len()).min_by_key(|&i| {
+            let candidate = &candidates[i];
             let (explained, contradicted) = (&candidate.explains, &candidate.contradicted);
             let order = (Reverse(explained.len()), contradicted.len());
             (!candidate.is_supported(), order)
@@ -89,7 +89,7 @@ pub(crate) fn cover<T: Copy>(
             other.explains == best.explains && other.contradicted == best.contradicted
         });
         best.alike = others.map(|other| other.cause).collect();
-        failing.retain(|place| !best.explains.contains(place));
+        failing.retain(|case| !best.explains.contains(case));
         chosen.push(best);
     }
 }
@@ -116,7 +116,7 @@ mod tests {
             candidate('c', &[3, 4], &[]),
         ];
         let chosen = cover(candidates, &mut failing);
-        let causes: Vec<char> = chosen.iter().map(|one| one.cause).collect();
+        let causes: Vec<char> = chosen.iter().map(|candidate| candidate.cause).collect();
         assert_eq!((causes, failing), (vec!['b', 'c'], vec![5]));
     }
 
@@ -129,7 +129,7 @@ mod tests {
             candidate('c', &[1], &[]),
         ];
         let chosen = cover(candidates, &mut failing);
-        let causes = chosen.into_iter().map(|one| (one.cause, one.alike));
+        let causes = chosen.into_iter().map(|c| (c.cause, c.alike));
         assert_eq!(
             causes.collect::<Vec<_>>(),
             [('b', vec!['c']), ('a', vec![])]

@@ -13,11 +13,11 @@ pub struct Diagnosis<A: 'static = At> {
     pub cause: Cause<A>,
     /// Indices in the suite of the failing cases that the cause reproduces.
     pub explains: Vec<usize>,
-    /// Failing cases that the cause explains in part.
+    /// Failing cases that the cause partially explains.
     pub partly: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
     pub except: Vec<usize>,
-    /// Description of the observed behavior, if other mistakes would have the same effect. Reports state it instead of the cause.
+    /// Description of the observed behavior, which reports state instead of the cause if other causes would have the same effect.
     pub shows: Option<Cause<A>>,
     /// True if a decoder with this mistake was compared with every case and reproduces the responses.
     pub certain: bool,
@@ -29,7 +29,7 @@ pub struct Causes<A: 'static = At> {
     pub diagnoses: Vec<Diagnosis<A>>,
     /// Messages of panics during the search. Each is a bug in this program and costs one cause.
     pub faults: Vec<String>,
-    /// Number of answers of mistaken decoders that were computed.
+    /// Number of answers that were computed for decoders with mistakes.
     pub answered: usize,
     /// CPU time of the search, if the system reports it.
     pub cpu_time: Option<Duration>,
@@ -105,7 +105,7 @@ impl Category {
 }
 
 /// Text of a described cause.
-pub(super) struct CauseWords {
+pub(super) struct CauseText {
     pub effect: String,
     pub fix: String,
     pub example: String,
@@ -131,14 +131,14 @@ impl Diagnosis {
         category: Category,
         witnesses: &[Witness],
         indices: &[usize],
-        words: CauseWords,
+        text: CauseText,
     ) -> Diagnosis {
         let cause = Cause::Described {
             category,
             clause: common_clause(witnesses, indices).unwrap_or_default(),
-            effect: words.effect,
-            fix: words.fix,
-            example: words.example,
+            effect: text.effect,
+            fix: text.fix,
+            example: text.example,
             alike: Vec::new(),
         };
         Diagnosis::new(
@@ -155,18 +155,18 @@ impl Diagnosis {
         self
     }
 
-    /// Replaces the clause inferred from the cases by a known one.
-    pub(super) fn with_clause(mut self, known: &str) -> Diagnosis {
+    /// Replaces the clause that was inferred from the cases.
+    pub(super) fn with_clause(mut self, new: &str) -> Diagnosis {
         if let Cause::Described { clause, .. } = &mut self.cause {
-            known.clone_into(clause);
+            new.clone_into(clause);
         }
         self
     }
 }
 
-/// Returns the clause that is common among these cases and rare among all others.
+/// Returns the clause that is most specific to these cases: common among them, and rare among all cases.
 fn common_clause(witnesses: &[Witness], indices: &[usize]) -> Option<String> {
-    let about = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
+    let has_clause = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
     let all: Vec<usize> = (0..witnesses.len()).collect();
     let mut clauses: Vec<&String> = indices
         .iter()
@@ -174,13 +174,13 @@ fn common_clause(witnesses: &[Witness], indices: &[usize]) -> Option<String> {
         .collect();
     clauses.sort();
     clauses.dedup();
-    let worth = |clause: &String| {
-        let count = |places: &[usize]| places.iter().filter(|w| about(clause, w)).count();
-        let (mine, theirs) = (count(indices), count(&all));
-        (mine * mine * mine) as f64 / theirs as f64
+    let score = |clause: &String| {
+        let count = |cases: &[usize]| cases.iter().filter(|w| has_clause(clause, w)).count();
+        let (here, total) = (count(indices), count(&all));
+        (here * here * here) as f64 / total as f64
     };
     clauses
         .into_iter()
-        .max_by(|a, b| worth(a).total_cmp(&worth(b)).then(b.cmp(a)))
+        .max_by(|a, b| score(a).total_cmp(&score(b)).then(b.cmp(a)))
         .cloned()
 }

@@ -1,7 +1,7 @@
 //! Mistakes outside the catalog: an edit of one formula, or a misreading that is limited to some files.
 //!
 //! Every edit is tried on a few small failing files of each format. If an edit reproduces an image, the search
-//! compares it with all files. If passing files contradict it, it is restricted to formats without contradictions.
+//! compares it with all files. If passing files contradict it, it is restricted to a group of files without contradictions.
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -32,7 +32,7 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Adds mistakes to the search that, together with `set`, explain some of the failures in `left`.
+/// Adds mistakes to the search that explain some of the failures in `left` together with `set`.
 pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let mut probes = select_probes(search, left);
     for group in &mut probes {
@@ -41,8 +41,8 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     let mut candidates = matching_edits(search, set, &probes);
     let tables = learned::learn_tables(search, set, left).into_iter();
     candidates.extend(tables.map(Mistake::unscoped));
-    let restrict = search.par_map(&candidates, |mistake| restrict(search, set, mistake, left));
-    for mistake in restrict.into_iter().flatten() {
+    let restricted = search.par_map(&candidates, |mistake| restrict(search, set, mistake, left));
+    for mistake in restricted.into_iter().flatten() {
         search.add(mistake);
     }
     add_scoped_misreadings(search, set, left);
@@ -56,13 +56,13 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
         let kind = (witness.case.format(), witness.observation.view.name());
         kinds.entry(kind).or_default().push(w);
     }
-    let is_small = |w: usize| match &search.witnesses[w].right {
+    let is_narrow = |w: usize| match &search.witnesses[w].right {
         Answer::Decoded(frame) => frame.width.min(frame.height) < MIN_PROBE_SIZE,
         _ => true,
     };
     let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
     for group in &mut probes {
-        group.sort_by_key(|&w| (is_small(w), search.sample_count(w)));
+        group.sort_by_key(|&w| (is_narrow(w), search.sample_count(w)));
         // Cases about different clauses reveal different mistakes.
         *group = interleave_groups(group, |w| search.witnesses[w].case.clauses.first().cloned());
         group.truncate(MAX_PROBES);
@@ -73,15 +73,15 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
 /// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, sorted by the number of
 /// reproduced probes.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
-    let taken: Vec<Formula> = set
+    let used: Vec<Formula> = set
         .iter()
         .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
         .collect();
-    let is_free = |misreading: &&Misreading| {
+    let is_unused = |misreading: &&Misreading| {
         let formulas = misreading.at.formulas();
-        !formulas.iter().any(|formula| taken.contains(formula))
+        !formulas.iter().any(|formula| used.contains(formula))
     };
-    let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_free).collect();
+    let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_unused).collect();
     let mut channels = vec![ChannelSubset::All];
     for probe in probes {
         let wrong = ChannelSubset::smallest_containing(&wrong_channels(search, set, probe));
@@ -89,26 +89,26 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
             channels.push(wrong);
         }
     }
-    let with_image = |&w: &usize| (w, search.best_answer(w, set));
-    let firsts: Vec<(usize, Cow<Answer>)> = (probes
+    let with_answer = |&w: &usize| (w, search.best_answer(w, set));
+    let first_probes: Vec<(usize, Cow<Answer>)> = (probes
         .iter()
         .filter_map(|group| group.first())
-        .map(with_image))
+        .map(with_answer))
     .collect();
     let others = probes.iter().flat_map(|group| group.iter().skip(1));
-    let others: Vec<(usize, Cow<Answer>)> = others.map(with_image).collect();
+    let other_probes: Vec<(usize, Cow<Answer>)> = others.map(with_answer).collect();
     let counts = search.par_map(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
         let edit = Mistake::unscoped(edit);
         let mut count = |probes: &[(usize, Cow<Answer>)]| {
-            for (w, made) in probes {
+            for (w, unedited) in probes {
                 let witness = &search.witnesses[*w];
                 if search.is_interrupted() || !witness.can_explain(&edit) {
                     continue;
                 }
                 let answer = search.answer_with(*w, set, &edit);
                 for (channels, count) in channels.iter().zip(&mut counts) {
-                    let mut image = made.clone();
+                    let mut image = unedited.clone();
                     channels.replace(image.to_mut(), &answer);
                     *count += usize::from(witness.agreement(&image) == Agreement::Image);
                 }
@@ -116,8 +116,8 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
             counts.iter().any(|&count| count > 0)
         };
         // The remaining probes rank the edits that reproduce one of the first probes.
-        if count(&firsts) {
-            count(&others);
+        if count(&first_probes) {
+            count(&other_probes);
         }
         counts
     });
@@ -136,7 +136,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the mistake, restricted to files in which no passing case contradicts it. Returns `None` if the evidence is too weak.
+/// Returns the mistake, restricted to files for which no passing case contradicts it, or `None` if the evidence is too weak.
 fn restrict(
     search: &Search,
     set: &MistakeSet,
@@ -146,19 +146,19 @@ fn restrict(
     let images = search.comparable_images(left);
     let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
     let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    let denied = search.refuting_files_with(set, mistake);
-    let scope = match denied.is_empty() {
+    let contradicting = search.refuting_files_with(set, mistake);
+    let scope = match contradicting.is_empty() {
         true => FileScope::All,
-        false => separating_scope(search.witnesses, &explained, &denied)?,
+        false => separating_scope(search.witnesses, &explained, &contradicting)?,
     };
-    // With this many mistakes, one of them fits the files of some property by chance.
+    // There are so many candidates that some of them fit the files with a certain property by chance.
     let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
     if is_by_property
         && (mistake.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
     {
         return None;
     }
-    // With two restrictions, too many edits fit. Values that are never written are not a coincidence, however.
+    // With two restrictions, too many edits fit by chance, except for constants: values that the decoder never writes.
     let is_limited_twice = mistake.channels != ChannelSubset::All && scope != FileScope::All;
     let is_number = matches!(
         single_edit(mistake),
@@ -167,21 +167,21 @@ fn restrict(
     if is_limited_twice && (is_by_property || !is_number) {
         return None;
     }
-    let restrict = Mistake {
+    let restricted = Mistake {
         misreading: mistake.misreading,
         channels: mistake.channels,
         scope,
     };
-    // In other views, a later mistake may also change the images. A learned table was compared with the texels of these images.
-    let acts = |w: &&usize| search.changes_answer_with(**w, set, &restrict);
-    let acting: Vec<usize> = images.iter().filter(acts).copied().collect();
+    // A later mistake may also change the images in other views. A learned table has already been compared with these images.
+    let is_changed = |w: &&usize| search.changes_answer_with(**w, set, &restricted);
+    let changed: Vec<usize> = images.iter().filter(is_changed).copied().collect();
     let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));
     let is_supported = explained.len() >= MIN_SUPPORT
-        && (is_learned || explains_a_view(search.witnesses, &explained, &acting));
-    is_supported.then_some(restrict)
+        && (is_learned || explains_a_view(search.witnesses, &explained, &changed));
+    is_supported.then_some(restricted)
 }
 
-/// Returns the edit of a mistake that consists of exactly one.
+/// Returns the edit of a mistake that consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.at {
         At::Edits([edit]) => Some(&edit.change),

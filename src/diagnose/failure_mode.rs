@@ -1,4 +1,4 @@
-//! Failure modes: the ways in which a response can lack an image.
+//! Failure modes: kinds of responses without an image.
 
 use std::fmt;
 
@@ -27,10 +27,10 @@ impl FailureMode {
             Response::Image { .. } => return None,
             Response::Rejected => FailureMode::Refuses,
             Response::Unsupported => FailureMode::Unsupported,
-            Response::Violation(Answer::Crashed(how)) => FailureMode::Crashes(how.clone()),
+            Response::Violation(Answer::Crashed(status)) => FailureMode::Crashes(status.clone()),
             Response::Violation(Answer::Hung(_)) => FailureMode::Hangs,
-            Response::Violation(Answer::ProtocolError(what)) => {
-                FailureMode::MalformedFrame(generalize(what))
+            Response::Violation(Answer::ProtocolError(error)) => {
+                FailureMode::MalformedFrame(generalize(error))
             }
             Response::Violation(answer) => FailureMode::Other(answer.name()),
         })
@@ -54,12 +54,12 @@ impl FailureMode {
 
     /// Returns the witnesses with this failure mode.
     pub fn select(&self, witnesses: &[Witness], indices: &[usize]) -> Vec<usize> {
-        let fails_so = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
-        indices.iter().copied().filter(fails_so).collect()
+        let has_mode = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
+        indices.iter().copied().filter(has_mode).collect()
     }
 }
 
-/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors compare equal.
+/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors are equal.
 fn generalize(error: &str) -> String {
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');
@@ -74,10 +74,10 @@ impl fmt::Display for FailureMode {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),
             FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
-            FailureMode::Crashes(how) => write!(f, "crashes ({how}) on"),
+            FailureMode::Crashes(status) => write!(f, "crashes ({status}) on"),
             FailureMode::Hangs => f.write_str("does not terminate on"),
-            FailureMode::MalformedFrame(what) => {
-                write!(f, "writes a malformed frame ({what}) for")
+            FailureMode::MalformedFrame(error) => {
+                write!(f, "writes a malformed frame ({error}) for")
             }
             FailureMode::Other(name) => write!(f, "fails ({name}) on"),
         }

@@ -1,4 +1,4 @@
-//! Mistakes that map each correct value to a wrong one: tables of stored values or stream samples, learned from the images.
+//! Mistakes that map each correct value to a wrong one: tables of stored values or of stream samples, learned from the images.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -23,15 +23,15 @@ struct ShownValues {
     files: Vec<usize>,
 }
 
-/// Returns misreadings that explain wrong values in `left` by a table, of all stored values or of stream samples.
+/// Returns misreadings that explain wrong values in `left` by a table of all stored values or of stream samples.
 pub(super) fn learn_tables(
     search: &Search,
     set: &MistakeSet,
     left: &[usize],
 ) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
-    let of_streams = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
-    let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(of_streams);
+    let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
+    let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(is_jpeg);
     let tables = [
         learn_table(search, set, &streams, true).map(|table| (Formula::StreamSample, table)),
         learn_table(search, set, &values, false).map(|table| (Formula::StoredValue, table)),
@@ -51,7 +51,7 @@ fn learn_table(
     search: &Search,
     set: &MistakeSet,
     images: &[usize],
-    of_streams: bool,
+    only_plain_planes: bool,
 ) -> Option<[u8; 256]> {
     let mut shown: BTreeMap<u8, ShownValues> = BTreeMap::new();
     for &w in images {
@@ -59,12 +59,12 @@ fn learn_table(
         let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.wrong_image()) else {
             continue;
         };
-        // Corrected and predicted planes are checked against the table later.
+        // The search later compares the table with corrected and predicted planes.
         let channels = ptm.planes.shape.channels();
-        let is_plain = |channel: usize| !of_streams || witness.is_plain_plane(channel);
+        let is_plain = |channel: usize| !only_plain_planes || witness.is_plain_plane(channel);
         let sources = candidate_sources(search, set, witness, ptm, frame)?;
-        for (at, (&right, candidates)) in ptm.planes.samples.iter().zip(sources).enumerate() {
-            if !is_plain(at % channels) {
+        for (i, (&right, candidates)) in ptm.planes.samples.iter().zip(sources).enumerate() {
+            if !is_plain(i % channels) {
                 continue;
             }
             let known = shown.entry(right).or_insert_with(|| ShownValues {
@@ -72,8 +72,8 @@ fn learn_table(
                 texels: 0,
                 files: Vec::new(),
             });
-            for (votes, is) in known.votes.iter_mut().zip(candidates) {
-                *votes += usize::from(is);
+            for (votes, is_candidate) in known.votes.iter_mut().zip(candidates) {
+                *votes += usize::from(is_candidate);
             }
             known.texels += 1;
             if known.files.last() != Some(&w) {
@@ -82,7 +82,7 @@ fn learn_table(
         }
     }
     let mut table: [u8; 256] = std::array::from_fn(|value| value as u8);
-    let mut differing = 0;
+    let mut reliable = 0;
     for (&right, shown) in &shown {
         // Inverse transforms may differ by one, so a few texels disagree.
         let votes = |value: u8| shown.votes[usize::from(value)];
@@ -95,14 +95,14 @@ fn learn_table(
         }
         table[usize::from(right)] = best;
         // A value that occurs once, or in one file, is not reliable.
-        differing += usize::from(shown.files.len() >= MIN_SHARING_FILES);
+        reliable += usize::from(shown.files.len() >= MIN_SHARING_FILES);
     }
     // Most entries of a plausible table are supported by several files.
     let changed = (0..256).filter(|&value| usize::from(table[value]) != value);
-    (differing > 1 && is_most(differing, changed.count())).then_some(table)
+    (reliable > 1 && is_most(reliable, changed.count())).then_some(table)
 }
 
-/// Returns, for each sample of an image, the stored values that a decoder with the mistakes in `set` would output as this sample.
+/// Returns, for each sample of an image, the stored values for which a decoder with the mistakes in `set` outputs this sample.
 fn candidate_sources(
     search: &Search,
     set: &MistakeSet,
@@ -112,8 +112,8 @@ fn candidate_sources(
 ) -> Option<Vec<Candidates>> {
     match (&witness.observation.view, &frame.samples) {
         (View::Raw, Samples::U8(samples)) => {
-            let only = |&shown: &u8| std::array::from_fn(|value| value == usize::from(shown));
-            Some(samples.iter().map(only).collect())
+            let flags = |&shown: &u8| std::array::from_fn(|value| value == usize::from(shown));
+            Some(samples.iter().map(flags).collect())
         }
         (View::Coef, Samples::F32(samples)) => {
             let mut sources = vec![[false; 256]; samples.len()];
@@ -127,8 +127,8 @@ fn candidate_sources(
                 else {
                     return None;
                 };
-                for (at, (made, shown)) in made.iter().zip(samples).enumerate() {
-                    sources[at][usize::from(value)] = made == shown;
+                for (i, (made, shown)) in made.iter().zip(samples).enumerate() {
+                    sources[i][usize::from(value)] = made == shown;
                 }
             }
             Some(sources)

@@ -1,4 +1,4 @@
-//! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some.
+//! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some of them.
 
 use super::scope::FileScope;
 use crate::formula::Edit;
@@ -33,8 +33,8 @@ impl Mistake {
 
     /// Returns the misreading if it is in the catalog and affects all channels of all files.
     pub fn unrestricted_misreading(&self) -> Option<&'static Misreading> {
-        let is_everywhere = self.scope == FileScope::All && self.channels == ChannelSubset::All;
-        self.catalog_misreading().filter(|_| is_everywhere)
+        let is_unrestricted = self.scope == FileScope::All && self.channels == ChannelSubset::All;
+        self.catalog_misreading().filter(|_| is_unrestricted)
     }
 }
 
@@ -69,11 +69,11 @@ impl ChannelSubset {
         let coefficients = (0..6).map(ChannelSubset::Coefficient);
         let colors = (0..3).map(ChannelSubset::Color);
         let all = coefficients.chain(colors).chain([ChannelSubset::Chroma]);
-        let has_all = |channels: &ChannelSubset| {
+        let covers = |channels: &ChannelSubset| {
             (0..wrong.len())
                 .all(|channel| !wrong[channel] || channels.contains(wrong.len(), channel))
         };
-        all.into_iter().find(has_all).unwrap_or(ChannelSubset::All)
+        all.into_iter().find(covers).unwrap_or(ChannelSubset::All)
     }
 
     /// Returns a phrase that names the channels: ", only in a3".
@@ -100,9 +100,9 @@ impl ChannelSubset {
     }
 
     fn replace_samples<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
-        for (at, (one, other)) in image.iter_mut().zip(other).enumerate() {
-            if self.contains(count, at % count) {
-                *one = *other;
+        for (i, (sample, other)) in image.iter_mut().zip(other).enumerate() {
+            if self.contains(count, i % count) {
+                *sample = *other;
             }
         }
     }

@@ -1,12 +1,12 @@
-//! Diagnosis: finds the causes of failures.
+//! Finds the causes of failures.
 //!
 //! 1. `search` finds the smallest set of mistakes that reproduces the decoder's responses. Its candidates are the
-//!    misreadings in the catalog. If these explain too little, `edits` and `learned` add candidates: edits of one
+//!    misreadings in the catalog. If these explain too few failures, `edits` and `learned` add candidates: edits of one
 //!    formula, and tables that are inferred from the images.
 //! 2. `coincidences` removes mistakes that match a few responses by chance.
 //! 3. `attribution` lists each failing case under the mistake that explains it.
 //! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by
-//!    the damage, and images by the step at which their values first differ.
+//!    the fault in the file, and images by the step at which their values first differ.
 //!
 //! `witness` compares a response with the answer of a decoder that makes certain mistakes. `scope` and `properties`
 //! restrict a mistake to some files.
@@ -33,7 +33,7 @@ mod words;
 
 pub use assume::assume;
 pub use diagnosis::{Category, Cause, Causes, Diagnosis};
-pub(crate) use stream_cache::stream_once;
+pub(crate) use stream_cache::decode_stream_cached;
 pub use tuning::MAX_WORK;
 pub(crate) use witness::dialect_reading;
 pub use witness::{can_affect_file, can_combine, equal_up_to_rounding};
@@ -59,11 +59,11 @@ pub fn diagnose(
     assumed: &[&'static Misreading],
     threads: usize,
 ) -> Causes {
-    let began = cpu_time();
+    let start = cpu_time();
     let mut causes = diagnose_by(suite, run, assumed, threads, edits::add_candidates);
     causes.cpu_time = cpu_time()
-        .zip(began)
-        .map(|(now, began)| now.saturating_sub(began));
+        .zip(start)
+        .map(|(now, start)| now.saturating_sub(start));
     causes
 }
 
@@ -96,7 +96,7 @@ fn diagnose_by(
     if !by_dialect.iter().any(|witness| witness.failed) {
         return diagnoses.into();
     }
-    let searched = |witnesses, with_edits: bool| {
+    let run_search = |witnesses, with_edits: bool| {
         let mut search = Search::new(witnesses, assumed, threads, run);
         let found = match search.is_arbitrary {
             true => Vec::new(),
@@ -108,19 +108,19 @@ fn diagnose_by(
         };
         (search, found)
     };
-    let (mut search, mut found) = searched(&by_dialect, true);
-    // A mistake may look like a different choice, and edits are defined relative to the reference's choices.
+    let (mut search, mut found) = run_search(&by_dialect, true);
+    // A mistake may look like a different choice. Unless the result is simple, search again with the reference's choices.
     let is_edit =
         |member: &search::Member| search.mistakes[member.id].catalog_misreading().is_none();
     let has_edits = found.iter().any(is_edit);
-    let is_plain = search.cost(&found) <= MIN_SUPPORT && !has_edits;
+    let is_simple = search.cost(&found) <= MIN_SUPPORT && !has_edits;
     let by_reference = reference_reading(run)
-        .filter(|_| !is_plain)
+        .filter(|_| !is_simple)
         .map(|reading| witnesses(suite, run, Some(reading), threads))
         .filter(|witnesses| has_simple_explanation(witnesses, threads));
     if let Some(by_reference) = &by_reference {
-        // Try edits again only if they explained anything.
-        let (other, other_found) = searched(by_reference, has_edits);
+        // Try edits again only if they explained a failure.
+        let (other, other_found) = run_search(by_reference, has_edits);
         if other.cost(&other_found) < search.cost(&found) + MIN_SUPPORT {
             (search, found) = (other, other_found);
         }
@@ -199,7 +199,7 @@ mod tests {
         let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
         let causes = diagnose_by(&suite, &run, &[], 1, |_, _, _| panic!("index 3 of 2"));
         assert_eq!(causes.faults, ["index 3 of 2"]);
-        let explained = causes.diagnoses.iter().map(|one| one.explains.len());
+        let explained = causes.diagnoses.iter().map(|cause| cause.explains.len());
         assert_eq!(
             explained.sum::<usize>(),
             run.judgement.with_outcome(Outcome::Fail).count()

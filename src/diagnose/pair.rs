@@ -17,15 +17,15 @@ pub(super) struct ImagePair {
 
 impl ImagePair {
     /// Creates a pair. Returns `None` if the shapes of the images differ.
-    pub fn new(wanted: &Frame, shown: &Frame) -> Option<ImagePair> {
+    pub fn new(expected: &Frame, received: &Frame) -> Option<ImagePair> {
         let shape = |frame: &Frame| (frame.shape(), frame.samples.sample_type());
-        (shape(wanted) == shape(shown) && wanted.channels > 0).then(|| ImagePair {
-            width: wanted.width as usize,
-            height: wanted.height as usize,
-            channels: wanted.channels as usize,
-            expected: wanted.samples.to_reals(),
-            received: shown.samples.to_reals(),
-            view: wanted.view,
+        (shape(expected) == shape(received) && expected.channels > 0).then(|| ImagePair {
+            width: expected.width as usize,
+            height: expected.height as usize,
+            channels: expected.channels as usize,
+            expected: expected.samples.to_reals(),
+            received: received.samples.to_reals(),
+            view: expected.view,
         })
     }
 
@@ -46,8 +46,8 @@ impl ImagePair {
     }
 }
 
-/// Returns a fraction of [`PARTIAL_IMAGE_WORTH`]: the share of wrong channels that `answer` reproduces. Returns
-/// 0 if the answer spoils a correct channel.
+/// Returns a fraction of [`PARTIAL_IMAGE_WORTH`], in proportion to the share of wrong channels that `answer` reproduces.
+/// Returns 0 if the answer differs from the response in a correct channel.
 pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
         (witness.wrong_image(), &witness.right, answer)
@@ -65,10 +65,10 @@ pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     }
     let (before, after) = (right.wrong_channels(), made.wrong_channels());
     let channels = || before.iter().zip(&after);
-    let spoiled = channels().any(|(before, after)| !before && *after);
+    let breaks_channel = channels().any(|(before, after)| !before && *after);
     let fixed = channels().filter(|&(before, after)| *before && !after);
-    let wrong = before.iter().filter(|is| **is).count();
-    match spoiled || wrong == 0 {
+    let wrong = before.iter().filter(|wrong| **wrong).count();
+    match breaks_channel || wrong == 0 {
         true => 0,
         false => (fixed.count() * PARTIAL_IMAGE_WORTH / wrong) as i64,
     }

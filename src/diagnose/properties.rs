@@ -1,4 +1,4 @@
-//! Properties that describe a set of files. Each was needed for a real decoder, or is a key of `make:` in the cases.
+//! Properties that describe a set of files. Each one was needed for a real decoder, or is a key of `make:` in the cases.
 
 use super::witness::{Facts, Property, Quantity, Witness};
 use crate::generate::Recipe;
@@ -85,9 +85,9 @@ impl<'a> File<'a> {
         let Some(plan) = self.plan.filter(|plan| plan.moves()) else {
             return Vec::new();
         };
-        let at = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
+        let get = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
         let predicted = (0..plan.order.len()).filter(|&plane| plan.reference(plane).is_some());
-        let vector = |plane| (at(&plan.motion_x, plane), at(&plan.motion_y, plane));
+        let vector = |plane| (get(&plan.motion_x, plane), get(&plan.motion_y, plane));
         predicted.map(vector).collect()
     }
 }
@@ -96,21 +96,21 @@ impl<'a> File<'a> {
 pub(super) const VIEW_PROPERTIES: usize = 3;
 
 fn view_properties(f: &File) -> [Property; 6] {
-    let under = |holds: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| holds(u, v));
-    let outside = under(|u, v| u * u + v * v > 1.0);
+    let light = |is: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| is(u, v));
+    let is_outside = light(|u, v| u * u + v * v > 1.0);
     [
         ("2.7/1 if stored values are requested", *f.view == View::Raw),
         ("2.4/8 if final values are requested", *f.view == View::Coef),
         ("1.0/1 if colors are requested", f.light.is_some()),
         (
             "1.0/2 under a light whose u is negative",
-            under(|u, _| u < 0.0),
+            light(|u, _| u < 0.0),
         ),
         (
             "1.0/2 under a light whose v is negative",
-            under(|_, v| v < 0.0),
+            light(|_, v| v < 0.0),
         ),
-        ("1.0/2 under a light outside the unit circle", outside),
+        ("1.0/2 under a light outside the unit circle", is_outside),
     ]
 }
 
@@ -132,12 +132,12 @@ fn format_properties(f: &File) -> [Property; 6] {
 
 fn spelling_properties(f: &File) -> [Property; 15] {
     let spelling = f.recipe.map(|recipe| &recipe.spelling);
-    // True if they are on two lines.
+    // True if the two items are on separate lines.
     let size = spelling.map(|s| s.size_on_two_lines);
     let numbers = spelling.map(|s| s.scale_bias_on_two_lines);
     let has_gap = spelling.is_some_and(|s| s.gap > 1);
     let spaces = spelling.map_or(&[][..], |s| &s.space_before_newline);
-    let after = |line: Line| spaces.contains(&line);
+    let has = |line: Line| spaces.contains(&line);
     let is_split = f.format == Format::Lum && spelling.is_some_and(|s| s.matrix_line < 16);
     let is_bare = f.format.has_table() && spelling.is_some_and(|s| s.count == Count::Number);
     let has_lists = f.format.coding().is_some();
@@ -161,12 +161,12 @@ fn spelling_properties(f: &File) -> [Property; 15] {
         ),
         ("2.4/5 with several spaces between two numbers", has_gap),
         ("2.0/2 with a space before a line feed", !spaces.is_empty()),
-        ("2.0/2 with a space after the version", after(Line::Version)),
-        ("2.0/2 with a space after the format", after(Line::Format)),
-        ("2.0/2 with a space after the width", after(Line::Width)),
-        ("2.0/2 with a space after the height", after(Line::Height)),
-        ("2.4/7 with a space after the scales", after(Line::Scale)),
-        ("2.4/7 with a space after the biases", after(Line::Bias)),
+        ("2.0/2 with a space after the version", has(Line::Version)),
+        ("2.0/2 with a space after the format", has(Line::Format)),
+        ("2.0/2 with a space after the width", has(Line::Width)),
+        ("2.0/2 with a space after the height", has(Line::Height)),
+        ("2.4/7 with a space after the scales", has(Line::Scale)),
+        ("2.4/7 with a space after the biases", has(Line::Bias)),
         ("2.6/2 with the matrix on several lines", is_split),
         ("2.5/2 with an entry count that is a bare number", is_bare),
         (
@@ -179,8 +179,8 @@ fn spelling_properties(f: &File) -> [Property; 15] {
 fn data_properties(f: &File) -> [Property; 10] {
     let [scales, biases, _] = &f.numbers;
     let is_negative = |texts: &[&str]| texts.iter().any(|text| text.starts_with('-'));
-    let any = |holds: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| holds(text));
-    let has_end_point =
+    let any = |is: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| is(text));
+    let has_outer_point =
         any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
     let has_plus = any(|text| text.starts_with('+'));
@@ -195,7 +195,7 @@ fn data_properties(f: &File) -> [Property; 10] {
         ("2.4/3 with a number that starts with a plus sign", has_plus),
         (
             "2.4/3 with a number that starts or ends with its decimal point",
-            has_end_point,
+            has_outer_point,
         ),
         (
             "2.0/2 with whitespace at the start of the binary data",
@@ -215,7 +215,7 @@ fn data_properties(f: &File) -> [Property; 10] {
 }
 
 fn prediction_properties(f: &File) -> [Property; 13] {
-    let has = |holds: fn(&Compression) -> bool| f.plan.is_some_and(holds);
+    let has = |is: fn(&Compression) -> bool| f.plan.is_some_and(is);
     let vectors = f.vectors();
     let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
     let is_negative = vectors.iter().any(|(x, y)| *x < 0 || *y < 0);
@@ -229,8 +229,8 @@ fn prediction_properties(f: &File) -> [Property; 13] {
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
     let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
     let is_corrected = corrected().next().is_some();
-    let of_intra = corrected().any(|plane| reference(plane).is_none());
-    let of_predicted = corrected().any(|plane| reference(plane).is_some());
+    let corrects_intra = corrected().any(|plane| reference(plane).is_none());
+    let corrects_predicted = corrected().any(|plane| reference(plane).is_some());
     [
         ("2.9.5/4 with predicted planes", has(Compression::predicts)),
         ("2.9.2/1 with a transform other than 0", is_transformed),
@@ -254,26 +254,26 @@ fn prediction_properties(f: &File) -> [Property; 13] {
         ("2.9.8/4 with side information", is_corrected),
         (
             "2.9.8/7 with side information for intra-coded planes",
-            of_intra,
+            corrects_intra,
         ),
         (
             "2.9.8/7 with side information for predicted planes",
-            of_predicted,
+            corrects_predicted,
         ),
     ]
 }
 
 fn stream_properties(f: &File) -> [Property; 6] {
-    let has = |holds: fn(&Compression) -> bool| f.plan.is_some_and(holds);
+    let has = |is: fn(&Compression) -> bool| f.plan.is_some_and(is);
     let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
-    let is_0 = has(|plan| plan.parameter == 0);
+    let is_zero = has(|plan| plan.parameter == 0);
     let is_wide = is_jpeg && has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24);
     let has_restarts = has(|plan| plan.stream.jpeg.restart_interval > 0);
     let is_joint = has(|plan| plan.stream.jpeg.tables_together);
     let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
     let has_presets = has(|plan| plan.stream.presets.is_some());
     [
-        ("2.9.1/2 with a compression parameter of 0", is_0),
+        ("2.9.1/2 with a compression parameter of 0", is_zero),
         ("2.9.8/3 with restart markers", has_restarts),
         (
             "2.9.8/3 with several tables in one marker segment",
@@ -293,7 +293,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let longest = lines.max().map(|longest| longest as f64);
     let rank = f.plan.and_then(|plan| plan.order.iter().max());
     let rank = rank.map(|&rank| rank as f64);
-    let moved = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
+    let motion = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
     let records = f.planes.iter().map(|plane| plane.records.len()).max();
     let positions = f.planes.iter().flat_map(|plane| &plane.records);
     let position = positions.map(|record| record.0).max().map(f64::from);
@@ -318,7 +318,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         (
             "2.9.3/1",
             "with motion of {} half texels",
-            moved.map(f64::from),
+            motion.map(f64::from),
         ),
         (
             "2.9.8/4",

@@ -13,14 +13,14 @@ pub(super) enum FileScope {
     Formats(Vec<Format>),
     /// Files with the property at this index, and its clause and text, separated by a space.
     Property(usize, &'static str),
-    /// Files whose quantity at this index is at least or at most `nearest`. Other files reach `edge`.
+    /// Files whose quantity at this index is at least or at most `bound`. The other files extend to `other_bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and its text.
-        what: (&'static str, &'static str),
-        nearest: f64,
-        is_more: bool,
-        edge: f64,
+        text: (&'static str, &'static str),
+        bound: f64,
+        is_minimum: bool,
+        other_bound: f64,
     },
 }
 
@@ -30,17 +30,17 @@ impl FileScope {
         match self {
             FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
-            FileScope::Property(place, ..) => witness.facts().properties[*place].1,
+            FileScope::Property(index, ..) => witness.facts().properties[*index].1,
             FileScope::Beyond {
                 quantity,
-                nearest,
-                is_more,
+                bound,
+                is_minimum,
                 ..
             } => {
                 let (.., value) = witness.facts().quantities[*quantity];
-                value.is_some_and(|value| match is_more {
-                    true => value >= *nearest,
-                    false => value <= *nearest,
+                value.is_some_and(|value| match is_minimum {
+                    true => value >= *bound,
+                    false => value <= *bound,
                 })
             }
         }
@@ -49,7 +49,7 @@ impl FileScope {
     /// Returns the clause about the format, the property or the quantity.
     pub fn clause(&self) -> Option<&'static str> {
         match self {
-            FileScope::Beyond { what, .. } => Some(what.0),
+            FileScope::Beyond { text, .. } => Some(text.0),
             FileScope::Formats(formats) if formats.len() == 1 => Some(formats[0].layout_clause()),
             FileScope::Formats(_) => Some("2.2/1"),
             FileScope::Property(_, text) => text.split(' ').next(),
@@ -70,28 +70,28 @@ impl FileScope {
                 .map_or(*text, |(_, words)| words)
                 .to_owned(),
             FileScope::Beyond {
-                what: (_, words),
-                nearest,
-                is_more,
-                edge,
+                text: (_, words),
+                bound,
+                is_minimum,
+                other_bound,
                 ..
             } => {
-                let [nearest, edge] = [*nearest, *edge].map(|bound| match bound.abs() < 1e15 {
-                    true => bound.to_string(),
-                    false => format!("{bound:e}"),
+                let [bound, other] = [*bound, *other_bound].map(|value| match value.abs() < 1e15 {
+                    true => value.to_string(),
+                    false => format!("{value:e}"),
                 });
-                let [here, there] = match is_more {
+                let [here, there] = match is_minimum {
                     true => ["least", "most"],
                     false => ["most", "least"],
                 };
-                let words = words.replace("{}", &format!("at {here} {nearest}"));
-                format!("{words} (other files: at {there} {edge})")
+                let words = words.replace("{}", &format!("at {here} {bound}"));
+                format!("{words} (other files: at {there} {other})")
             }
         }
     }
 }
 
-/// A scope, and the files of a group that are in the scope.
+/// A scope, and the files in a group that are in the scope.
 pub(super) struct SharedScope {
     pub scope: FileScope,
     pub cases: Vec<usize>,
@@ -118,26 +118,26 @@ impl SharedScope {
     }
 }
 
-/// Returns the scope that contains most of `these` files and none of `others`, unless it may be a coincidence.
+/// Returns the scope that contains the most files of `group` and none of `others`, unless it may be a coincidence.
 /// Considers the requested view only if `with_view` is true.
 pub(super) fn shared_scope(
     witnesses: &[Witness],
-    these: &[usize],
+    group: &[usize],
     others: &[usize],
     with_view: bool,
 ) -> Option<SharedScope> {
-    let has_none = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
+    let is_pure = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let properties = &witnesses.first()?.facts().properties;
-    let places = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
-    let property = |place: usize| FileScope::Property(place, properties[place].0);
+    let range = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
+    let property = |index: usize| FileScope::Property(index, properties[index].0);
     let scopes: Vec<FileScope> = formats
         .into_iter()
-        .chain(places.map(property))
-        .chain(thresholds(witnesses, these, others))
+        .chain(range.map(property))
+        .chain(thresholds(witnesses, group, others))
         .collect();
     let found = scopes.iter().map(|scope| {
-        let indices = these
+        let indices = group
             .iter()
             .copied()
             .filter(|&w| scope.contains(&witnesses[w]));
@@ -146,16 +146,16 @@ pub(super) fn shared_scope(
     let found: Vec<(&FileScope, Vec<usize>)> =
         found.filter(|(_, indices)| !indices.is_empty()).collect();
     // Any of the other files could have been in this group instead.
-    let part = these.len() as f64 / (these.len() + others.len()) as f64;
-    let is_telling = |count: usize| {
-        let chance = part.powi(count as i32) * found.len() as f64;
+    let share = group.len() as f64 / (group.len() + others.len()) as f64;
+    let is_significant = |count: usize| {
+        let chance = share.powi(count as i32) * found.len() as f64;
         count >= MIN_SHARING_FILES && chance * COINCIDENCE_ODDS < 1.0
     };
-    let telling = found
+    let valid = found
         .iter()
-        .filter(|(scope, indices)| is_telling(indices.len()) && has_none(scope));
-    let most = telling.clone().map(|(_, indices)| indices.len()).max()?;
-    let mut largest = telling.filter(|(_, indices)| indices.len() == most);
+        .filter(|(scope, indices)| is_significant(indices.len()) && is_pure(scope));
+    let most = valid.clone().map(|(_, indices)| indices.len()).max()?;
+    let mut largest = valid.filter(|(_, indices)| indices.len() == most);
     let (scope, indices) = largest.next()?;
     Some(SharedScope {
         scope: (*scope).clone(),
@@ -163,8 +163,8 @@ pub(super) fn shared_scope(
     })
 }
 
-/// Returns scopes for thresholds that separate all of `these` files from all `others`.
-fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<FileScope> {
+/// Returns scopes for thresholds that separate all files of `group` from all `others`.
+fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
     let quantities = witnesses
         .first()
@@ -172,30 +172,30 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
     for (quantity, &(clause, words, _)) in quantities.iter().enumerate() {
         let value = |&w: &usize| witnesses[w].facts().quantities[quantity].2;
         let values = |indices: &[usize]| indices.iter().filter_map(value).collect::<Vec<f64>>();
-        let (mine, theirs) = (values(these), values(others));
-        let least = |indices: &[f64]| indices.iter().copied().fold(f64::MAX, f64::min);
-        let most = |indices: &[f64]| indices.iter().copied().fold(f64::MIN, f64::max);
+        let (own, theirs) = (values(group), values(others));
+        let min = |values: &[f64]| values.iter().copied().fold(f64::MAX, f64::min);
+        let max = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
         // A single value among the other files is not a limit unless several files have it.
-        let is_one = least(&theirs) == most(&theirs) && theirs.len() < MIN_SUPPORT;
-        if mine.is_empty() || theirs.is_empty() || is_one {
+        let is_single = min(&theirs) == max(&theirs) && theirs.len() < MIN_SUPPORT;
+        if own.is_empty() || theirs.is_empty() || is_single {
             continue;
         }
-        for (is_more, nearest, edge) in [
-            (true, least(&mine), most(&theirs)),
-            (false, most(&mine), least(&theirs)),
+        for (is_minimum, bound, other_bound) in [
+            (true, min(&own), max(&theirs)),
+            (false, max(&own), min(&theirs)),
         ] {
-            let is_apart = match is_more {
-                true => nearest > edge,
-                // No reader has trouble with short lines.
-                false => nearest < edge && clause != "2.0/1",
+            let is_separate = match is_minimum {
+                true => bound > other_bound,
+                // No decoder has trouble with short lines.
+                false => bound < other_bound && clause != "2.0/1",
             };
-            if is_apart {
+            if is_separate {
                 found.push(FileScope::Beyond {
                     quantity,
-                    what: (clause, words),
-                    nearest,
-                    is_more,
-                    edge,
+                    text: (clause, words),
+                    bound,
+                    is_minimum,
+                    other_bound,
                 });
             }
         }
@@ -203,19 +203,19 @@ fn thresholds(witnesses: &[Witness], these: &[usize], others: &[usize]) -> Vec<F
     found
 }
 
-/// Returns the scope that contains the `explained` files and none of the `denied` ones: a set of formats, or a property.
+/// Returns the scope that contains the `explained` files and no `refuting` ones: a set of formats, or a property.
 pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],
-    denied: &[usize],
+    refuting: &[usize],
 ) -> Option<FileScope> {
     let format = |w: &usize| witnesses[*w].case.format();
-    let is_denied = |one: Format| denied.iter().any(|w| format(w) == one);
-    if explained.len() >= MIN_SHARING_FILES && !explained.iter().any(|w| is_denied(format(w))) {
+    let is_refuted = |one: Format| refuting.iter().any(|w| format(w) == one);
+    if explained.len() >= MIN_SHARING_FILES && !explained.iter().any(|w| is_refuted(format(w))) {
         let mut formats = Format::ALL.to_vec();
         formats.retain(|&one| explained.iter().any(|w| format(w) == one));
         return Some(FileScope::Formats(formats));
     }
-    let shared = shared_scope(witnesses, explained, denied, false)?;
+    let shared = shared_scope(witnesses, explained, refuting, false)?;
     (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

@@ -1,7 +1,7 @@
 //! Searches for the smallest set of mistakes that reproduces the decoder's responses.
 //!
 //! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest contradictions. If
-//! no single mistake explains more, the set grows by a pair. Finally, redundant mistakes are dropped.
+//! no single mistake explains more failures, the set grows by a pair. Finally, redundant mistakes are dropped.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -28,12 +28,12 @@ use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
-/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery, starting with the one
-/// that explains the most failures.
+/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery, starting with the
+/// one that explains the most failures.
 pub(super) struct Member {
     pub id: MistakeId,
     /// Mistakes that explain the same cases.
-    pub alike: MistakeSet,
+    pub equivalents: MistakeSet,
 }
 
 /// The search for the mistakes of one decoder.
@@ -44,10 +44,10 @@ pub(super) struct Search<'a> {
     /// Mistakes that the user knows about. Every set includes them, and they are never reported.
     pub assumed: MistakeSet,
     pub threads: usize,
-    /// True if most responses do not depend on the file, so that common properties are a coincidence.
+    /// True if many responses are nondeterministic or do not depend on the file, so that common properties are a coincidence.
     pub is_arbitrary: bool,
     stop: &'a AtomicBool,
-    /// Units of work so far. An answer is one unit, or several if the map is large.
+    /// Units of work done so far. An answer is one unit, or several if the map is large.
     work: &'a AtomicUsize,
     /// Number of answers computed so far.
     answered: AtomicUsize,
@@ -57,7 +57,7 @@ pub(super) struct Search<'a> {
     faults: Mutex<Vec<String>>,
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
-    /// Failing files on which every edit was tried, with the mistakes that affect them.
+    /// Failing files on which every edit was tried, with the mistakes that affected them.
     probed: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
@@ -161,16 +161,16 @@ impl<'a> Search<'a> {
         while members.len() < MAX_MISTAKES && !self.is_interrupted() {
             let set = ids_of(&members);
             let left = self.unexplained(&set);
-            if left.is_empty() || self.is_spent() {
+            if left.is_empty() || self.is_budget_spent() {
                 break;
             }
             let mut single = self.best_single_mistake(&set, &left);
             // An edit may explain failures that would require several misreadings. If one misreading explains nearly
             // all failures, edits are not needed.
-            let explains = |single: &Option<Member>, is_share: fn(usize, usize) -> bool| {
+            let explains = |single: &Option<Member>, is_enough: fn(usize, usize) -> bool| {
                 single.as_ref().is_some_and(|member| {
                     let gain = self.gain(&set, &[member.id], &left);
-                    is_share(gain, left.len())
+                    is_enough(gain, left.len())
                         && self.refuting_files(&with_id(&set, member.id)).is_empty()
                 })
             };
@@ -213,18 +213,18 @@ impl<'a> Search<'a> {
     /// Returns the mistake with the largest gain when added to `set`.
     fn best_single_mistake(&self, set: &MistakeSet, left: &[usize]) -> Option<Member> {
         let mut all: MistakeSet = (0..self.mistakes.len())
-            .filter(|&id| self.is_open(set, id))
+            .filter(|&id| self.can_add(set, id))
             .collect();
-        let sample = self.pick_best(set, &mut all, &self.sample(left));
-        sample.or_else(|| {
-            let mut affordable = self.smallest(left, MAX_TRIED_SAMPLES);
-            affordable.truncate(MAX_FALLBACK_CASES);
-            self.pick_best(set, &mut all, &affordable)
+        let best = self.pick_best(set, &mut all, &self.sample(left));
+        best.or_else(|| {
+            let mut smallest = self.smallest(left, MAX_TRIED_SAMPLES);
+            smallest.truncate(MAX_FALLBACK_CASES);
+            self.pick_best(set, &mut all, &smallest)
         })
     }
 
     /// Returns true if the mistake `id` may be added to `set`.
-    fn is_open(&self, set: &MistakeSet, id: MistakeId) -> bool {
+    fn can_add(&self, set: &MistakeSet, id: MistakeId) -> bool {
         !set.contains(&id) && !self.assumed.contains(&id)
     }
 
@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
         self.select(small.collect(), |w| self.is_refuted(w, set))
     }
 
-    /// Like `agreement`, for `set` and one more mistake, which need not be a candidate.
+    /// Like `agreement`, but with one more mistake, which need not be a candidate.
     pub fn agreement_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
         match witness.can_explain(mistake) {
@@ -272,19 +272,19 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not
-    /// describe the decoder's checks, so neither malformed files nor files that the edit refuses contradict it.
+    /// describe the checks of the decoder, so neither malformed files nor files that the edit refuses contradict it.
     pub fn refuting_files_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
-        let is_denied = |&w: &usize| {
+        let is_refuted = |&w: &usize| {
             let witness = &self.witnesses[w];
             if !self.is_small(w) || !witness.can_affect(mistake) {
                 return false;
             }
             let answer = self.answer_with(w, set, mistake);
             let is_check = *answer == Answer::Rejected || witness.case.expect != Expect::Decode;
-            let is_unknown = mistake.catalog_misreading().is_none() && is_check;
-            !is_unknown && witness.contradicts(&answer)
+            let is_irrelevant = mistake.catalog_misreading().is_none() && is_check;
+            !is_irrelevant && witness.contradicts(&answer)
         };
-        self.passing.iter().copied().filter(is_denied).collect()
+        self.passing.iter().copied().filter(is_refuted).collect()
     }
 
     pub fn answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Cow<'_, Answer> {
@@ -304,7 +304,7 @@ impl<'a> Search<'a> {
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
-            .min_by_key(|&at| -self.worth_of_answer(w, &answers[at]))
+            .min_by_key(|&i| -self.worth_of_answer(w, &answers[i]))
             .unwrap_or(0);
         answers.swap_remove(best)
     }
@@ -315,7 +315,7 @@ impl<'a> Search<'a> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
-    /// Returns true if `set` explains the response, possibly with members that have an effect only in combination.
+    /// Returns true if `set` explains the response, possibly by mistakes that have an effect only in combination.
     pub fn explains(&self, w: usize, set: &[MistakeId]) -> bool {
         if self.agreement(w, set).explains() {
             return true;
@@ -419,8 +419,8 @@ impl<'a> Search<'a> {
     /// Adds variants with the opposite order for mistakes that depend on their order. For example, bytes that are
     /// lost at the start of a payload are missing at its end.
     fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
-        for at in 0..variants.len() {
-            let variant = &variants[at];
+        for i in 0..variants.len() {
+            let variant = &variants[i];
             let is_ordered = |(i, &a): (usize, &MistakeId)| {
                 let mut later = variant[i + 1..].iter();
                 later.any(|&b| self.depends_on_order(a, b))
@@ -475,16 +475,16 @@ impl<'a> Search<'a> {
         if visible_mistakes.is_empty() {
             return SetEffect::NONE;
         }
-        let known = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
+        let cache = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, visible_mistakes);
-        if let Some(&effect) = known().get(&key) {
+        if let Some(&effect) = cache().get(&key) {
             return effect;
         }
         let answers = self.possible_answers(w, &key.1);
         let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
         let best = effects.min_by_key(|effect| -effect.worth);
         let effect = best.unwrap_or(SetEffect::NONE);
-        known().insert(key, effect);
+        cache().insert(key, effect);
         effect
     }
 
@@ -494,7 +494,7 @@ impl<'a> Search<'a> {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
         let shown: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
-        // Changes of the bytes of a file may have an effect only after other changes.
+        // A change of the bytes of a file may have an effect only after another change.
         let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
         let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
@@ -542,7 +542,7 @@ impl<'a> Search<'a> {
     /// Returns the worth of an answer to case `w`.
     fn worth_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
-        let is_open = matches!(
+        let is_lenient = matches!(
             witness.case.expect,
             Expect::Lenient | Expect::Robust | Expect::Spelling
         );
@@ -553,29 +553,29 @@ impl<'a> Search<'a> {
             }
         } else if witness.contradicts(answer) {
             CONTRADICTION_WORTH
-        } else if is_open && witness.differs_from_lenient_response(answer) {
+        } else if is_lenient && witness.differs_from_lenient_response(answer) {
             OTHER_LENIENT_ANSWER_WORTH
         } else {
             0
         }
     }
 
-    /// Returns the mistake with the largest gain when added to `set`, among those that explain some case in `tried`.
-    /// If no mistake has a gain, removes the finalists from `all`.
+    /// Returns the mistake with the largest gain when added to `set`, among those that explain a case in `tried`.
+    /// Removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
-        let now: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
-        let promise = self.par_map(all, |&id| {
+        let worth: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
+        let gains = self.par_map(all, |&id| {
             let with = with_id(set, id);
-            let gain = |(&w, &now): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.set_worth(w, &with) - now).max(0),
+            let gain = |(&w, &worth): (&usize, &i64)| match self.can_explain(w, id) {
+                true => (self.set_worth(w, &with) - worth).max(0),
                 false => 0,
             };
-            tried.iter().zip(&now).map(gain).sum::<i64>()
+            tried.iter().zip(&worth).map(gain).sum::<i64>()
         });
         let mut promising: Vec<(i64, MistakeId)> =
-            promise.into_iter().zip(all.iter().copied()).collect();
+            gains.into_iter().zip(all.iter().copied()).collect();
         promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
-        // On ties, misreadings of the clauses under test come first, then the order of the catalog.
+        // Ties are broken in favor of misreadings of clauses that a failing case tests, then by the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: MistakeSet = promising.into_iter().map(|(_, id)| id).collect();
@@ -602,15 +602,15 @@ impl<'a> Search<'a> {
         finalists: &MistakeSet,
         tried: &[bool],
     ) -> Option<Member> {
-        let now: Vec<i64> = (0..self.witnesses.len())
+        let worth: Vec<i64> = (0..self.witnesses.len())
             .map(|w| if tried[w] { self.set_worth(w, set) } else { 0 })
             .collect();
-        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && now[w] < REFUSAL_WORTH;
-        let left: Vec<usize> = (0..now.len()).filter(is_left).collect();
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && worth[w] < REFUSAL_WORTH;
+        let left: Vec<usize> = (0..worth.len()).filter(is_left).collect();
         let gains = self.par_map(finalists, |&id| {
             let with = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.set_worth(w, &with) - now[w],
+                true => self.set_worth(w, &with) - worth[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -618,11 +618,11 @@ impl<'a> Search<'a> {
         let mut ranked: Vec<(i64, usize)> = gains
             .iter()
             .enumerate()
-            .map(|(place, gains)| (gains.iter().sum(), place))
+            .map(|(index, gains)| (gains.iter().sum(), index))
             .collect();
-        ranked.sort_by_key(|&(gain, place)| (-gain, place));
+        ranked.sort_by_key(|&(gain, index)| (-gain, index));
         // Explained and passing cases can only contradict a mistake.
-        let explained = (0..now.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
+        let explained = (0..worth.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
         let others: Vec<usize> = explained
             .chain(self.passing.iter().copied())
             .filter(|&w| tried[w])
@@ -630,23 +630,23 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let least = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
-            let totals = self.par_map(batch, |&(gain, place)| {
-                self.total_worth(set, finalists[place], &now, gain, least, &others)
+            let min_worth = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
+            let totals = self.par_map(batch, |&(gain, index)| {
+                self.total_worth(set, finalists[index], &worth, gain, min_worth, &others)
             });
             let totals = totals.into_iter().zip(batch);
-            scored.extend(totals.filter_map(|(total, &(_, place))| Some((total?, place))));
+            scored.extend(totals.filter_map(|(total, &(_, index))| Some((total?, index))));
         }
-        scored.sort_by_key(|&(total, place)| {
-            (-total, !self.tests_misread_clause(finalists[place]), place)
+        scored.sort_by_key(|&(total, index)| {
+            (-total, !self.tests_misread_clause(finalists[index]), index)
         });
         let &(total, first) = scored.first()?;
-        let as_good = scored[1..].iter().filter(|&&(other, place)| {
-            total - other < REFUSAL_WORTH && gains[place] == gains[first]
+        let ties = scored[1..].iter().filter(|&&(other, index)| {
+            total - other < REFUSAL_WORTH && gains[index] == gains[first]
         });
         Some(Member {
             id: finalists[first],
-            alike: as_good.map(|&(_, place)| finalists[place]).collect(),
+            equivalents: ties.map(|&(_, index)| finalists[index]).collect(),
         })
     }
 
@@ -656,31 +656,31 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total worth of a mistake with this `gain` on the remaining cases, or `None` if it is below `least`.
+    /// Returns the total worth of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_worth`.
     fn total_worth(
         &self,
         set: &MistakeSet,
         id: MistakeId,
-        now: &[i64],
+        worth: &[i64],
         gain: i64,
-        least: i64,
+        min_worth: i64,
         others: &[usize],
     ) -> Option<i64> {
         let with = with_id(set, id);
         let mut total = gain;
         for &w in others {
-            if total < least {
+            if total < min_worth {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.set_worth(w, &with) - now[w];
+                total += self.set_worth(w, &with) - worth[w];
             }
         }
-        (total >= least).then_some(total)
+        (total >= min_worth).then_some(total)
     }
 
-    /// Returns two mistakes that only together explain an image. Tries pairs of mistakes that change the image, on
-    /// the smallest files.
+    /// Returns two mistakes that explain an image only together. Tries pairs of mistakes that change the image, on the
+    /// smallest files.
     fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());
@@ -691,7 +691,7 @@ impl<'a> Search<'a> {
         let mut best: Option<Vec<Member>> = None;
         let mut tried_formats = HashSet::new();
         for w in interleave_groups(&images, format) {
-            // Try one file of each format, and more only if no pair explains these.
+            // Try one file of each format, and more files only if no pair explains these.
             if budget() == 0 || best.is_some() && !tried_formats.insert(format(w)) {
                 break;
             }
@@ -710,30 +710,30 @@ impl<'a> Search<'a> {
 
     /// Counts the failures in `left` that `set` explains only with the additional mistakes in `more`.
     fn gain(&self, set: &[MistakeId], more: &[MistakeId], left: &[usize]) -> usize {
-        let still = self.unexplained(&[set, more].concat());
-        left.len().saturating_sub(still.len())
+        let remaining = self.unexplained(&[set, more].concat());
+        left.len().saturating_sub(remaining.len())
     }
 
-    /// Returns pairs of mistakes that together explain `w`. Tries at most `most` pairs, of mistakes that change the answer.
-    fn explaining_pairs(&self, w: usize, set: &MistakeSet, most: usize) -> Vec<[MistakeId; 2]> {
+    /// Returns pairs of mistakes that together explain case `w`. Tries at most `limit` pairs of mistakes that change the answer.
+    fn explaining_pairs(&self, w: usize, set: &MistakeSet, limit: usize) -> Vec<[MistakeId; 2]> {
         let open: MistakeSet = (0..self.mistakes.len())
-            .filter(|&id| self.is_open(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
+            .filter(|&id| self.can_add(set, id) && self.witnesses[w].can_affect(&self.mistakes[id]))
             .collect();
-        let acting = self.select(open, |id| self.answers_differ(w, set, &with_id(set, id)));
-        let pairs: Vec<[MistakeId; 2]> = acting
+        let changing = self.select(open, |id| self.answers_differ(w, set, &with_id(set, id)));
+        let pairs: Vec<[MistakeId; 2]> = changing
             .iter()
             .enumerate()
-            .flat_map(|(i, &a)| acting[i + 1..].iter().map(move |&b| [a, b]))
+            .flat_map(|(i, &a)| changing[i + 1..].iter().map(move |&b| [a, b]))
             .filter(|&[a, b]| self.can_combine(a, b))
-            .take(most)
+            .take(limit)
             .collect();
-        let explains = |place: usize| {
-            let with = [&set[..], &pairs[place]].concat();
+        let explains = |index: usize| {
+            let with = [&set[..], &pairs[index]].concat();
             self.set_worth(w, &with) >= REFUSAL_WORTH
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
-        explaining.map(|place| pairs[place]).collect()
+        explaining.map(|index| pairs[index]).collect()
     }
 
     /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on every case.
@@ -743,8 +743,8 @@ impl<'a> Search<'a> {
         pairs: Vec<[MistakeId; 2]>,
         left: &[usize],
     ) -> Option<Vec<Member>> {
-        let wanted = self.trial_flags(left);
-        let all: Vec<usize> = (0..wanted.len()).filter(|&w| wanted[w]).collect();
+        let is_tried = self.trial_flags(left);
+        let all: Vec<usize> = (0..is_tried.len()).filter(|&w| is_tried[w]).collect();
         let mut pairs: Vec<([MistakeId; 2], i64)> =
             pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
@@ -763,32 +763,32 @@ impl<'a> Search<'a> {
         let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_WORTH)?;
         let member = |id| Member {
             id,
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         };
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: those without which the set explains as much, including large maps.
+    /// Removes redundant mistakes: those without which the set explains as much, for small and for large maps.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
-        let total = |set: &MistakeSet, places: &[usize]| {
-            let values = self.par_map(places, |&w| self.set_worth(w, set));
+        let total = |set: &MistakeSet, cases: &[usize]| {
+            let values = self.par_map(cases, |&w| self.set_worth(w, set));
             values.iter().sum::<i64>()
         };
-        for place in (0..members.len()).rev() {
+        for index in (0..members.len()).rev() {
             let with = ids_of(members);
             let mut without = with.clone();
-            without.remove(place);
-            let needless =
-                |places: &[usize]| total(&without, places) + CRASH_WORTH > total(&with, places);
-            if !without.is_empty() && needless(&small) && needless(&large) {
-                members.remove(place);
+            without.remove(index);
+            let is_redundant =
+                |cases: &[usize]| total(&without, cases) + CRASH_WORTH > total(&with, cases);
+            if !without.is_empty() && is_redundant(&small) && is_redundant(&large) {
+                members.remove(index);
             }
         }
     }
 
-    /// Selects the small images with the correct shape.
+    /// Selects the cases with a small wrong image of the correct shape.
     pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
         let has_shape =
             |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
@@ -801,7 +801,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if the work budget is exhausted.
-    fn is_spent(&self) -> bool {
+    fn is_budget_spent(&self) -> bool {
         self.work.load(Ordering::Relaxed) > MAX_WORK
     }
 
@@ -835,32 +835,32 @@ impl<'a> Search<'a> {
         self.sample_count(w) <= MAX_SMALL_IMAGE_SAMPLES
     }
 
-    /// Returns the smallest of these cases, at least one, limited to a total of `most` samples and bytes.
-    pub fn smallest(&self, left: &[usize], most: usize) -> Vec<usize> {
+    /// Returns the smallest of these cases: at least one, and no more than `limit` samples and bytes in total.
+    pub fn smallest(&self, left: &[usize], limit: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
         smallest.sort_by_key(|&w| (self.sample_count(w), self.witnesses[w].built.file.len()));
-        let mut all = 0;
-        let taken = smallest.iter().enumerate().take_while(|&(i, &w)| {
-            all += self.sample_count(w) + self.witnesses[w].built.file.len();
-            i < 1 || all <= most
+        let mut total = 0;
+        let affordable = smallest.iter().enumerate().take_while(|&(i, &w)| {
+            total += self.sample_count(w) + self.witnesses[w].built.file.len();
+            i < 1 || total <= limit
         });
-        let count = taken.count();
+        let count = affordable.count();
         smallest.truncate(count);
         smallest
     }
 
-    /// Returns the items for which `holds` is true, evaluated in parallel.
-    pub fn select(&self, all: Vec<usize>, holds: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
-        let flags = self.par_map(&all, |&one| holds(one));
+    /// Returns the items that satisfy `predicate`, which is evaluated in parallel.
+    pub fn select(&self, all: Vec<usize>, predicate: impl Fn(usize) -> bool + Sync) -> Vec<usize> {
+        let flags = self.par_map(&all, |&item| predicate(item));
         let pairs = all.into_iter().zip(flags);
-        pairs.filter_map(|(one, is)| is.then_some(one)).collect()
+        pairs.filter_map(|(item, is)| is.then_some(item)).collect()
     }
 
     /// Maps `work` over all items in parallel. Preserves the order.
     pub fn par_map<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
         map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
-            let done = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
-            done.unwrap_or_else(|panic| {
+            let result = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
+            result.unwrap_or_else(|panic| {
                 self.record_panic(&*panic);
                 resume_unwind(panic)
             })
@@ -871,10 +871,10 @@ impl<'a> Search<'a> {
 fn agreement_worth(agreement: Agreement) -> i64 {
     match agreement {
         Agreement::Image => IMAGE_WORTH,
-        Agreement::Word => REFUSAL_WORTH,
+        Agreement::Outcome => REFUSAL_WORTH,
         Agreement::Crash => CRASH_WORTH,
         Agreement::None => 0,
-        Agreement::Against => REFUSED_IMAGE_WORTH,
+        Agreement::Contradiction => REFUSED_IMAGE_WORTH,
     }
 }
 
@@ -892,16 +892,16 @@ fn with_id(set: &[MistakeId], id: MistakeId) -> MistakeSet {
     [set, &[id]].concat()
 }
 
-/// Interleaves the groups: the first item of each group, then the second of each, and so on.
-pub(super) fn interleave_groups<K: Ord>(places: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
+/// Groups items by kind, and interleaves the groups: the first item of each group, then the second of each, and so on.
+pub(super) fn interleave_groups<K: Ord>(cases: &[usize], kind: impl Fn(usize) -> K) -> Vec<usize> {
     let mut kinds: BTreeMap<K, Vec<usize>> = BTreeMap::new();
-    for &place in places {
-        kinds.entry(kind(place)).or_default().push(place);
+    for &index in cases {
+        kinds.entry(kind(index)).or_default().push(index);
     }
     let longest = kinds.values().map(Vec::len).max().unwrap_or_default();
-    let mut order = Vec::with_capacity(places.len());
-    for turn in 0..longest {
-        order.extend(kinds.values().filter_map(|members| members.get(turn)));
+    let mut order = Vec::with_capacity(cases.len());
+    for round in 0..longest {
+        order.extend(kinds.values().filter_map(|members| members.get(round)));
     }
     order
 }

@@ -1,4 +1,4 @@
-//! A cache of decoded streams, because hundreds of mistakes affect only the steps after decoding.
+//! A cache of decoded streams. Hundreds of mistakes affect only later steps, so the same streams are decoded repeatedly.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -8,25 +8,25 @@ use crate::error::Result;
 use crate::parts::PlaneStream;
 use crate::ptm::{Coding, Size};
 
-/// Maximum size of the cached streams and samples.
+/// Size of the cached streams and samples, in bytes, beyond which the cache is cleared.
 const MAX_CACHED_BYTES: usize = 128 << 20;
 
 type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
-/// Total size in bytes, and samples by standard, image size and stream. The cache is global because decisions of
+/// Total size in bytes, and samples by standard, image size and stream. The cache is global because the decisions of a
 /// [`Reading`](crate::Reading) are plain functions.
 static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 
 /// Decodes a stream like the reference, but decodes each stream only once.
-pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
+pub(crate) fn decode_stream_cached(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (coding, size) = (stream.coding, stream.size);
-    let known = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
+    let lookup = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
         let (_, decoded) = cache.as_ref()?;
-        let of_size = decoded.get(&(coding, size))?;
-        Some(of_size.get(stream.bytes)?.to_vec())
+        let same_size = decoded.get(&(coding, size))?;
+        Some(same_size.get(stream.bytes)?.to_vec())
     };
-    if let Some(samples) = known(&DECODED_STREAMS.lock().expect("no worker panics")) {
+    if let Some(samples) = lookup(&DECODED_STREAMS.lock().expect("no worker panics")) {
         return Ok(samples);
     }
     let samples = planes::decode_stream(stream)?;
@@ -36,7 +36,7 @@ pub(crate) fn stream_once(stream: &PlaneStream) -> Result<Vec<u8>> {
         (*bytes, *decoded) = Default::default();
     }
     *bytes += samples.len() + stream.bytes.len();
-    let of_size = decoded.entry((coding, size)).or_default();
-    of_size.insert(stream.bytes.into(), samples.clone().into());
+    let same_size = decoded.entry((coding, size)).or_default();
+    same_size.insert(stream.bytes.into(), samples.clone().into());
     Ok(samples)
 }

@@ -1,7 +1,7 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
 //! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts a misreading
-//! if such a stage would fail it. A misreading is reported only if it explains more cases than contradict it.
+//! if a stage with this misreading would fail it. A misreading is reported only if it explains more cases than contradict it.
 
 use serde_json::Value;
 
@@ -24,19 +24,19 @@ use crate::texture::Rules;
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
-    let own = CHOICES.apply(&run.judgement.dialect, Rules::SPEC);
+    let inferred = CHOICES.apply(&run.judgement.dialect, Rules::SPEC);
     let candidates = all().filter_map(|misreading| {
-        let rules = misreading.change(own);
+        let rules = misreading.change(inferred);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
-        let is_wrong = |i: usize| is_wrong(run, &suite.cases[i], &rules);
-        CoverCandidate::new(misreading, &failing, explains, &passing, is_wrong)
+        let would_fail = |i: usize| would_fail(run, &suite.cases[i], &rules);
+        CoverCandidate::new(misreading, &failing, explains, &passing, would_fail)
     });
     let candidates = candidates.filter(CoverCandidate::is_supported).collect();
-    let chosen = cover(candidates, &mut failing).into_iter();
-    chosen.map(CoverCandidate::diagnosis).collect()
+    let causes = cover(candidates, &mut failing).into_iter();
+    causes.map(CoverCandidate::diagnosis).collect()
 }
 
-/// Returns true if a stage with these rules gives the answer that was received.
+/// Returns true if a stage with these rules gives the received answer.
 fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules) -> bool {
     let Some(observation) = &run.observations[i] else {
         return false;
@@ -61,8 +61,8 @@ fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
     Value::Object(kept.collect())
 }
 
-/// Returns true if a stage with these rules fails the case.
-fn is_wrong(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
+/// Returns true if a stage with these rules would fail the case.
+fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
     let must_refuse = case.expect() == Expect::Reject;
     match case.answer(rules) {
         Answer::Decoded(made) => {

@@ -7,9 +7,9 @@ pub(super) const IMAGE_WORTH: i64 = 16;
 pub(super) const REFUSAL_WORTH: i64 = 8;
 /// Worth of a crash where the mistake implies a refusal. This is also the minimum worth of a reported mistake.
 pub(super) const CRASH_WORTH: i64 = 3;
-/// Maximum worth of a partially explained image, which is less than that of a refusal because other channels remain wrong.
+/// Maximum worth of a partially explained image. It is less than that of a refusal, because other channels remain wrong.
 pub(super) const PARTIAL_IMAGE_WORTH: usize = 6;
-/// Worth of an image where the mistake implies a refusal. The decoder does not make this mistake.
+/// Worth of an image where the mistake implies a refusal. The decoder evidently does not make this mistake.
 pub(super) const REFUSED_IMAGE_WORTH: i64 = -8;
 /// Worth of a passing case that the mistake would fail. It has the same weight as an image, with the opposite sign.
 pub(super) const CONTRADICTION_WORTH: i64 = -16;
@@ -17,46 +17,46 @@ pub(super) const CONTRADICTION_WORTH: i64 = -16;
 pub(super) const OTHER_LENIENT_ANSWER_WORTH: i64 = -1;
 
 // Extent of the search
-/// Real decoders make up to ten detectable mistakes.
+/// Maximum number of mistakes in a result. Real decoders make up to ten detectable mistakes.
 pub(super) const MAX_MISTAKES: usize = 12;
-/// Number of diverse failing cases on which every mistake is tried first.
+/// Maximum number of diverse failing cases on which every mistake is tried first.
 pub(super) const MAX_SAMPLE: usize = 40;
-/// Number of mistakes that are compared with every case. Dozens may look equally promising.
+/// Maximum number of mistakes that are compared with every case. Dozens may look equally promising.
 pub(super) const MAX_FINALISTS: usize = 32;
 /// Maximum number of samples in a small image. Larger images are skipped if smaller files fail in the same way.
 pub(super) const MAX_SMALL_IMAGE_SAMPLES: usize = 1 << 13;
 /// Number of image samples that cost as much as one small file.
 pub(super) const SAMPLES_PER_WORK_UNIT: usize = 512;
-/// Number of pairs of mistakes that are compared with every case.
+/// Maximum number of pairs of mistakes that are compared with every case.
 pub(super) const MAX_PAIRS: usize = 3;
 /// Units of work after which the search stops.
 pub const MAX_WORK: usize = 400_000;
-/// Units of work for finding two mistakes that mask each other.
+/// Maximum units of work for finding two mistakes that mask each other.
 pub(super) const MAX_PAIR_WORK: usize = 8_000;
-/// Number of failing cases on which a mistake is tried if it explains none of the sample.
+/// Maximum number of failing cases on which a mistake is tried if it explains no case in the sample.
 pub(super) const MAX_FALLBACK_CASES: usize = 160;
-/// Total number of samples in the images on which every mistake is tried.
+/// Maximum total number of samples in the images on which every mistake is tried.
 pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 
 // Edits of formulas
-/// Number of times that every edit is tried: alone, and together with the first mistakes that were found.
+/// Maximum number of times that every edit is tried: alone, and together with the first mistakes that were found.
 pub(super) const MAX_EDIT_PASSES: usize = 2;
-/// Number of failing files per format and view on which every edit is tried.
+/// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
-/// Minimum size along each axis that distinguishes rows, columns and texels.
+/// Minimum width and height, in texels, that distinguish rows, columns and texels.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
-/// Number of edits that are compared with every case.
+/// Maximum number of edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
-/// Number of misreadings that are tried on a subset of the files.
+/// Maximum number of misreadings that are tried on a subset of the files.
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 
 // Evidence
-/// Number of failures that support an edit, a scope, a statement about a format or a different choice; number of
+/// Minimum number of failures that support an edit, a scope, a statement about a format or a different choice, and of
 /// samples or texels that support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
-/// Number of files that must share a property.
+/// Minimum number of files that must share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Number of files that the decoder must read before it is significant that refused files have no common property.
+/// Minimum number of files that the decoder must read before the lack of a property common to the refused files is significant.
 pub(super) const MIN_READ_FILES: usize = 20;
 /// A property is reported if the probability of a coincidence is less than one in this number.
 pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
@@ -86,17 +86,17 @@ pub(super) fn is_most(part: usize, all: usize) -> bool {
 
 /// Returns true if the part is positive and at least the share [`NEARLY_ALL_RATIO`].
 pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
-    let [least, indices] = NEARLY_ALL_RATIO;
-    part > 0 && part * indices >= all * least
+    let [numerator, denominator] = NEARLY_ALL_RATIO;
+    part > 0 && part * denominator >= all * numerator
 }
 
 #[cfg(test)]
 mod tests {
-    /// Each constant is one more number to get wrong.
+    /// Every constant is a number that can be wrong.
     #[test]
     fn there_are_at_most_thirty_tuning_constants() {
         let is_number = |line: &&str| line.starts_with("pub") && line.contains(" const ");
         let count = include_str!("tuning.rs").lines().filter(is_number).count();
-        assert!((1..=30).contains(&count), "{count} numbers");
+        assert!((1..=30).contains(&count), "{count} constants");
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use super::stream_cache::stream_once;
+use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{Alternative, decode_as, examine_as};
 use crate::generate::Model;
@@ -64,19 +64,19 @@ pub(super) enum Agreement {
     /// The images are equal.
     Image,
     /// Both are refusals, or both are acceptances.
-    Word,
+    Outcome,
     /// The answer is a refusal, and the response is a crash.
     Crash,
     /// The images or outcomes differ.
     None,
     /// The answer is a refusal, but the response is an image: the decoder does not make this mistake.
-    Against,
+    Contradiction,
 }
 
 impl Agreement {
     /// Returns true if mistakes with this agreement explain the response.
     pub fn explains(self) -> bool {
-        matches!(self, Agreement::Image | Agreement::Word | Agreement::Crash)
+        !matches!(self, Agreement::None | Agreement::Contradiction)
     }
 }
 
@@ -91,8 +91,8 @@ pub(super) fn witnesses<'a>(
     let dialect = dialect_reading(run);
     let mut legal_files = HashMap::new();
     for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
-        let is_counted = case.expect == Expect::Decode && judged.is_some();
-        *legal_files.entry(case.format()).or_default() += usize::from(is_counted);
+        let is_judged_legal = case.expect == Expect::Decode && judged.is_some();
+        *legal_files.entry(case.format()).or_default() += usize::from(is_judged_legal);
     }
     let witness = |case_index: usize| {
         let case = &suite.cases[case_index];
@@ -128,7 +128,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 on a file whose format its capabilities declare but which it never reads.
+/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare but that it never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
@@ -229,12 +229,13 @@ impl Witness<'_> {
             (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
             (
                 Response::Image {
-                    frame: Some(shown), ..
+                    frame: Some(actual),
+                    ..
                 },
-                Answer::Decoded(made),
-            ) if equal_up_to_rounding(shown, made)
-                && (!self.equals_reference(made) || self.is_closer_to_response(made, shown))
-                && self.is_more_than_tolerance(made, shown) =>
+                Answer::Decoded(image),
+            ) if equal_up_to_rounding(actual, image)
+                && (!self.equals_reference(image) || self.is_closer_to_response(image, actual))
+                && self.is_significant_match(image, actual) =>
             {
                 Agreement::Image
             }
@@ -242,10 +243,10 @@ impl Witness<'_> {
             (Response::Image { frame: None, .. }, Answer::Decoded(_))
                 if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
             {
-                Agreement::Word
+                Agreement::Outcome
             }
             (Response::Rejected, Answer::Rejected)
-            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Word,
+            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Outcome,
             (Response::Violation(Answer::Crashed(_)), Answer::Rejected)
                 if self.case.expect == Expect::Decode =>
             {
@@ -254,60 +255,60 @@ impl Witness<'_> {
             (Response::Image { .. }, Answer::Rejected | Answer::Unsupported)
                 if self.case.expect == Expect::Decode =>
             {
-                Agreement::Against
+                Agreement::Contradiction
             }
             _ => Agreement::None,
         }
     }
 
-    /// Returns true if two similar images agree by more than the tolerance for colors. This requires that wrong
-    /// colors at 0 and 255 are equal, and that the other wrong colors are not all off by one in the same direction.
-    fn is_more_than_tolerance(&self, made: &Frame, shown: &Frame) -> bool {
+    /// Returns true unless two similar images may agree only because of the tolerance for colors: all wrong colors are
+    /// near 0 or 255 and not nearly all of them are equal, or all others are off by one in the same direction.
+    fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.right else {
             return true;
         };
-        let (Samples::U8(right), Samples::U8(made), Samples::U8(shown)) =
-            (&right.samples, &made.samples, &shown.samples)
+        let (Samples::U8(right), Samples::U8(image), Samples::U8(actual)) =
+            (&right.samples, &image.samples, &actual.samples)
         else {
             return true;
         };
-        if right.len() != shown.len() {
+        if right.len() != actual.len() {
             return true;
         }
-        let all = right.iter().zip(made.iter().zip(shown));
-        let wrong = all.filter(|(right, (_, shown))| right.abs_diff(**shown) > 1);
-        let wrong = wrong.map(|(_, (&made, &shown))| (made, shown));
-        // Colors at the limits of a byte, up to rounding.
+        let all = right.iter().zip(image.iter().zip(actual));
+        let wrong = all.filter(|(right, (_, actual))| right.abs_diff(**actual) > 1);
+        let wrong = wrong.map(|(_, (&image, &actual))| (image, actual));
+        // Colors near 0 or 255 may be clamped.
         let (limits, others): (Vec<_>, Vec<_>) =
-            wrong.partition(|&(_, shown)| shown <= 1 || shown >= 254);
-        let same = limits.iter().filter(|(made, shown)| made == shown).count();
-        let all_off = |off: i16| {
-            let mut offs = others
+            wrong.partition(|&(_, actual)| actual <= 1 || actual >= 254);
+        let equal = limits.iter().filter(|(a, b)| a == b).count();
+        let all_differ_by = |offset: i16| {
+            let mut offsets = others
                 .iter()
-                .map(|&(made, shown)| i16::from(shown) - i16::from(made));
-            others.len() >= MIN_SUPPORT && offs.all(|by| by == off)
+                .map(|&(image, actual)| i16::from(actual) - i16::from(image));
+            others.len() >= MIN_SUPPORT && offsets.all(|other| other == offset)
         };
         let is_at_limits =
-            others.is_empty() && !limits.is_empty() && !is_nearly_all(same, limits.len());
-        !is_at_limits && !all_off(1) && !all_off(-1)
+            others.is_empty() && !limits.is_empty() && !is_nearly_all(equal, limits.len());
+        !is_at_limits && !all_differ_by(1) && !all_differ_by(-1)
     }
 
-    /// Returns true if `made` equals the response, or differs in less than half as many samples as the reference's image.
-    fn is_closer_to_response(&self, made: &Frame, shown: &Frame) -> bool {
-        let (Samples::U8(samples), Answer::Decoded(right)) = (&shown.samples, &self.right) else {
-            return shown == made;
+    /// Returns true if `image` equals the response, or differs in less than half as many samples as the reference's image.
+    fn is_closer_to_response(&self, image: &Frame, actual: &Frame) -> bool {
+        let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.right) else {
+            return actual == image;
         };
-        let far = |other: &Frame| match &other.samples {
+        let count_differences = |other: &Frame| match &other.samples {
             Samples::U8(other) => other.iter().zip(samples).filter(|(a, b)| a != b).count(),
             Samples::F32(other) => other.len(),
         };
-        let (near, far) = (far(made), far(right));
-        shown == made || is_most(far.saturating_sub(near), far)
+        let (own, reference) = (count_differences(image), count_differences(right));
+        actual == image || is_most(reference.saturating_sub(own), reference)
     }
 
-    /// Returns true if `made` equals the reference's image up to rounding. An image like this explains no failure.
-    fn equals_reference(&self, made: &Frame) -> bool {
-        matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, made))
+    /// Returns true if `image` equals the reference's image up to rounding, and therefore explains no failure.
+    fn equals_reference(&self, image: &Frame) -> bool {
+        matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
     /// Returns true if `answer` would fail a passing case. The answer of a decoder without mistakes contradicts
@@ -319,8 +320,8 @@ impl Witness<'_> {
             return false;
         }
         match (self.case.expect, answer) {
-            (Expect::Decode, Answer::Decoded(made)) => {
-                !self.equals_reference(made) && self.would_fail(made)
+            (Expect::Decode, Answer::Decoded(image)) => {
+                !self.equals_reference(image) && self.would_fail(image)
             }
             (Expect::Decode, _) => true,
             (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),
@@ -333,13 +334,13 @@ impl Witness<'_> {
         match (&self.observation.response, answer) {
             (Response::Rejected, Answer::Decoded(_))
             | (Response::Image { .. }, Answer::Rejected) => true,
-            (Response::Image { .. }, Answer::Decoded(made)) => self.would_fail(made),
+            (Response::Image { .. }, Answer::Decoded(image)) => self.would_fail(image),
             _ => false,
         }
     }
 
-    /// Returns true if a decoder that outputs `made` would fail the case.
-    fn would_fail(&self, made: &Frame) -> bool {
+    /// Returns true if a decoder that outputs `image` would fail the case.
+    fn would_fail(&self, image: &Frame) -> bool {
         let right = match (&self.observation.response, &self.right) {
             // The image depends on an open question, so the decoder's own dialect determines the correct image.
             (
@@ -348,10 +349,10 @@ impl Witness<'_> {
                     ..
                 },
                 Answer::Decoded(right),
-            ) => return !equal_up_to_rounding(right, made),
+            ) => return !equal_up_to_rounding(right, image),
             _ => Expected::new(&self.built.values, &self.observation.view),
         };
-        right.is_some_and(|right| right.compare(made).is_some())
+        right.is_some_and(|right| right.compare(image).is_some())
     }
 }
 
@@ -360,19 +361,19 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.at.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices if the inferred choices of the decoder differ from them. A line feed after tables
-/// is kept unless it is the only difference.
+/// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps a line feed after
+/// tables unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
-    let mut followed = judgement.dialect.0.iter().zip(&judgement.certain);
-    let is_other = followed.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
+    let mut choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
     let reading = match run.table.newline {
         true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
         newline if newline || is_other => Reading::SPEC,
         _ => return None,
     };
     Some(Reading {
-        stream: stream_once,
+        stream: decode_stream_cached,
         ..reading
     })
 }
@@ -380,8 +381,8 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 /// Returns the choices that were inferred for the decoder.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
-    let followed = judgement.dialect.0.iter().zip(&judgement.certain);
-    let settled = followed.map(|(&reading, certain)| match certain {
+    let choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let settled = choices.map(|(&reading, certain)| match certain {
         Certainty::Open => 0,
         _ => reading,
     });
@@ -391,7 +392,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
         false => reading,
     };
     Reading {
-        stream: stream_once,
+        stream: decode_stream_cached,
         ..reading
     }
 }
@@ -422,16 +423,16 @@ pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
     !a.at.changes_same_step(&b.at)
 }
 
-/// Returns true if in some view `explained` contains nearly all of the `acting` cases (see [`is_nearly_all`]).
+/// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).
 pub(super) fn explains_a_view(
     witnesses: &[Witness],
     explained: &[usize],
-    acting: &[usize],
+    changed: &[usize],
 ) -> bool {
     ViewKind::ALL.into_iter().any(|view| {
-        let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == view;
-        let count = explained.iter().filter(is_of).count();
-        is_nearly_all(count, acting.iter().filter(is_of).count())
+        let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == view;
+        let count = explained.iter().filter(has_view).count();
+        is_nearly_all(count, changed.iter().filter(has_view).count())
     })
 }
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
-use crate::diagnose::{can_affect_file, stream_once};
+use crate::diagnose::{can_affect_file, decode_stream_cached};
 use crate::misreadings::texture::Change;
 use crate::misreadings::{self, At, Misreading};
 use crate::protocol::frame::{Answer, Frame};
@@ -97,7 +97,7 @@ pub fn run_with_mistakes(
     right: &KnownAnswers<Case>,
 ) -> (Run, KnownAnswers<Case>) {
     let reading = Reading {
-        stream: stream_once,
+        stream: decode_stream_cached,
         ..Reading::SPEC
     };
     let ask = |request: &Request<'_>| {

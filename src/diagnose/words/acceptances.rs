@@ -1,7 +1,7 @@
 //! Describes malformed files that the decoder accepts, because it does not check for their faults.
 
 use super::list_first;
-use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
+use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::witness::Witness;
 use crate::misreadings::{Misreading, Symptom};
 use crate::protocol::frame::Answer;
@@ -40,18 +40,18 @@ fn describe_acceptance(witnesses: &[Witness], indices: &[usize]) -> Diagnosis {
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
         format!(", which is the legal {twin} with this one fault")
     });
-    let words = CauseWords {
+    let text = CauseText {
         effect: format!(
             "accepts malformed files: {}",
             list_faults(witnesses, indices)
         ),
-        fix: "refuse such files with exit status 65".to_owned(),
+        fix: "refuse these files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };
-    Diagnosis::from_description(Category::Acceptance, witnesses, indices, words)
+    Diagnosis::from_description(Category::Acceptance, witnesses, indices, text)
 }
 
-/// Describes the accepted malformed files if a misreading explains nothing else. Malformed files have no correct
+/// Describes the accepted malformed files if a misreading that claims more explains nothing else. Malformed files have no correct
 /// image, so these cases do not reveal how the decoder reads them.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
@@ -73,8 +73,8 @@ pub(in crate::diagnose) fn describe_observation(
 
 /// Returns the clause that a malformed file violates.
 fn violated_clause<'w>(witness: &'w Witness<'_>) -> &'w str {
-    let of_case = || witness.case.clauses.first().map_or("", String::as_str);
-    (witness.case.damage()).map_or_else(of_case, |damage| &damage.clause)
+    let first_clause = || witness.case.clauses.first().map_or("", String::as_str);
+    (witness.case.damage()).map_or_else(first_clause, |damage| &damage.clause)
 }
 
 /// Lists the distinct faults of these files.

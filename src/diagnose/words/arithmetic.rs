@@ -1,4 +1,4 @@
-//! Formats the arithmetic of one value, with the numbers in the file.
+//! Formats the computation of one value, with the numbers in the file.
 
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::View;

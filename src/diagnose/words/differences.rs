@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::arithmetic::format_arithmetic;
 use super::{files_in_scope, share_text};
-use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
+use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::pair::ImagePair;
 use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
@@ -49,7 +49,7 @@ impl Phase {
         }
     }
 
-    /// Returns the behavior of the decoder, as a sentence without its subject, and the advice for the user.
+    /// Returns the behavior of the decoder, as a sentence without its subject, and the advice.
     fn effect_and_fix(self) -> [&'static str; 2] {
         match self {
             Phase::Size => [
@@ -61,12 +61,12 @@ impl Phase {
                 "compare the number of channels and the sample type with the expected frame",
             ],
             Phase::Choice => [
-                "shows an image of a different reading of an open question than for other files",
+                "shows an image that follows a different reading of an open question than other images do",
                 "use one reading of the question in all files",
             ],
             Phase::NoReading => [
                 "shows an image that is wrong in every reading of the file",
-                "show the image of one reading, or exit with 65",
+                "show the image that follows one of the readings, or exit with 65",
             ],
             Phase::Rearranged => [
                 "shows the correct values in the wrong places",
@@ -136,7 +136,7 @@ pub(in crate::diagnose) fn describe(
     left: &[usize],
 ) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
-    // If files without streams have wrong values as well, the mistake is in a step after the streams.
+    // If files without streams also have wrong values, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
         streams.for_each(|step| *step = Phase::StoredValue);
@@ -148,7 +148,7 @@ pub(in crate::diagnose) fn describe(
     for w in left {
         by_step.entry(known[w]).or_default().push(*w);
     }
-    // A correct or explained image contradicts a property. A file without an image is no evidence.
+    // A correct or explained image of a file with a property contradicts it. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &search.witnesses[*w];
         witness.case.expect == Expect::Decode
@@ -189,8 +189,8 @@ pub(in crate::diagnose) fn describe(
 }
 
 /// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images are wrong in
-/// that view. "Enough" means more than half as many, of the same format or of all formats with wrong images in that view. Images
-/// that are described elsewhere count as well. The phase `Rearranged` applies only if most wrong images of the format have it.
+/// that view: more than half as many, of the same format or of all formats with wrong images in that view. Images that are
+/// described elsewhere count as well. The phase `Rearranged` applies only if most wrong images of the format have it.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -200,22 +200,22 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
             && steps.get(w).is_none_or(|step| *step >= Phase::Rearranged)
     });
     let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
-        let is_of = |w: &usize| {
+        let is_member = |w: &usize| {
             let witness = &witnesses[*w];
             witness.observation.view.kind() == view && formats.contains(&witness.case.format())
         };
-        open.iter().copied().filter(is_of).collect()
+        open.iter().copied().filter(is_member).collect()
     };
     for format in Format::ALL {
-        let mut of_format: Vec<usize> = steps.keys().copied().collect();
-        of_format
+        let mut in_format: Vec<usize> = steps.keys().copied().collect();
+        in_format
             .retain(|&w| steps[&w] >= Phase::Rearranged && witnesses[w].case.format() == format);
-        let all = of_format.len();
-        of_format.retain(|w| steps[w] == Phase::Rearranged);
+        let all = in_format.len();
+        in_format.retain(|w| steps[w] == Phase::Rearranged);
         // A few values, or similar ones, may be permuted by chance.
-        if !is_most(of_format.len(), all) {
+        if !is_most(in_format.len(), all) {
             let plain = |w: usize| (w, Phase::for_view(witnesses[w].observation.view.kind()));
-            steps.extend(of_format.into_iter().map(plain));
+            steps.extend(in_format.into_iter().map(plain));
         }
         let views = [
             (ViewKind::Coef, &[ViewKind::Raw][..]),
@@ -224,15 +224,15 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
         for (view, earlier) in views {
             let explains = |earlier: &&ViewKind| {
                 let is_wrong =
-                    |indices: &Format| in_view(**earlier, &[*indices]).len() >= MIN_SHARING_FILES;
+                    |format: &Format| in_view(**earlier, &[*format]).len() >= MIN_SHARING_FILES;
                 let formats: Vec<Format> = Format::ALL.into_iter().filter(is_wrong).collect();
-                let is_in = |formats: &[Format]| {
+                let is_enough = |formats: &[Format]| {
                     is_most(
                         in_view(**earlier, formats).len(),
                         in_view(view, formats).len(),
                     )
                 };
-                formats.contains(&format) && (is_in(&[format]) || is_in(&formats))
+                formats.contains(&format) && (is_enough(&[format]) || is_enough(&formats))
             };
             let known = |w: &usize| steps.get(w).copied().unwrap_or(Phase::StoredValue);
             let first = earlier.iter().find(explains);
@@ -242,9 +242,9 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
             };
             for (w, step) in steps.iter_mut() {
                 let witness = &witnesses[*w];
-                let is_of =
+                let is_member =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
-                if is_of && *step >= Phase::FinalValue {
+                if is_member && *step >= Phase::FinalValue {
                     *step = first;
                 }
             }
@@ -259,8 +259,8 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// Removes groups of files with a property that most of `open` share and no file with known behavior has, for each
-/// entry of `formats`.
+/// Removes groups of files with a property that most of the `open` files share and no `known` file has, for each entry
+/// of `formats`.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -269,19 +269,19 @@ fn take_scopes(
 ) -> Vec<CauseGroup> {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
-    let of_format = |indices: &[usize], one: Option<Format>| -> Vec<usize> {
-        let is_of = |w: &usize| one.is_none_or(|one| format(*w) == one);
-        indices.iter().copied().filter(is_of).collect()
+    let select = |indices: &[usize], one: Option<Format>| -> Vec<usize> {
+        let has_format = |w: &usize| one.is_none_or(|one| format(*w) == one);
+        indices.iter().copied().filter(has_format).collect()
     };
-    // The rest of what a mistake explains nearly always shares some property by chance.
+    // If nearly all failures of these formats are explained, the rest nearly always share some property by chance.
     let is_explained = |w: &&usize| {
         witnesses[**w].failed && open.iter().any(|other| format(*other) == format(**w))
     };
     let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
     let mut parts = Vec::new();
     for &one in formats.iter().filter(|_| !search.is_arbitrary && !is_rest) {
-        let these = of_format(open, one);
-        let shared = shared_scope(witnesses, &these, &of_format(known, one), false);
+        let group = select(open, one);
+        let shared = shared_scope(witnesses, &group, &select(known, one), false);
         let is_rule = |shared: &SharedScope| {
             is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses, one)
         };
@@ -289,7 +289,7 @@ fn take_scopes(
             open.retain(|w| !shared.cases.contains(w));
             parts.push(CauseGroup {
                 files: files_in_scope(witnesses, &shared, one),
-                // The clause of the step is closer to the cause than that of a property.
+                // The clause of the step is closer to the cause than the clause of a property.
                 clause: match shared.scope {
                     FileScope::Beyond { .. } => shared.scope.clause(),
                     _ => None,
@@ -329,12 +329,12 @@ fn difference_text(
     };
     let [effect, fix] = step.effect_and_fix();
     let (only, views) = (channel_text(&wrong), views_phrase(witnesses, indices));
-    let words = CauseWords {
+    let text = CauseText {
         effect: format!("{effect}{only}, in {}{views}", part.files),
         fix: fix.to_owned(),
         example: example_with_mistakes(search, set, smallest_file(witnesses, indices)),
     };
-    let described = Diagnosis::from_description(Category::Difference, witnesses, indices, words);
+    let described = Diagnosis::from_description(Category::Difference, witnesses, indices, text);
     match clause {
         Some(clause) => described.with_clause(clause),
         None => described,
@@ -344,8 +344,8 @@ fn difference_text(
 /// Returns " (12 in view raw, 10 in view coef)" if the images belong to several views.
 fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     let count = |view: &ViewKind| {
-        let is_of = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
-        indices.iter().filter(is_of).count()
+        let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
+        indices.iter().filter(has_view).count()
     };
     let shown = ViewKind::ALL.iter().filter(|view| count(view) > 0);
     let counts: Vec<String> = shown
@@ -396,14 +396,14 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     let Some(received) = witness.wrong_image() else {
         return Phase::Choice;
     };
-    let made = search.best_answer(w, set);
-    let ((Answer::Decoded(wanted), _) | (_, Answer::Decoded(wanted))) = (&*made, &witness.right)
+    let answer = search.best_answer(w, set);
+    let ((Answer::Decoded(frame), _) | (_, Answer::Decoded(frame))) = (&*answer, &witness.right)
     else {
         return Phase::NoReading;
     };
-    let Some(pair) = ImagePair::new(wanted, received) else {
+    let Some(pair) = ImagePair::new(frame, received) else {
         let size = |frame: &Frame| (frame.width, frame.height);
-        return match size(wanted) == size(received) {
+        return match size(frame) == size(received) {
             true => Phase::Channels,
             false => Phase::Size,
         };
@@ -426,8 +426,8 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     }
 }
 
-/// Returns true if wrong final values are those of other stored values: each belongs to a byte, and in some channel the order of
-/// these bytes is neither that of the stored values nor the reverse, so no mistake with scale and bias explains them.
+/// Returns true if wrong final values result from other stored values: each corresponds to a byte, and in some channel the order
+/// of these bytes is neither that of the stored values nor the reverse, so no mistake with scale and bias explains them.
 fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
     let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
         return false;
@@ -446,7 +446,7 @@ fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
         |value: &f64| (-1e-3..255.5).contains(value) && (value - value.round()).abs() < 1e-3;
     let mut is_reordered = false;
     for channel in 0..pair.channels {
-        let [expected, received] = [&pair.expected, &pair.received].map(|one| stored(one, channel));
+        let [expected, received] = [&pair.expected, &pair.received].map(|all| stored(all, channel));
         if !received.iter().all(is_byte) {
             return false;
         }
@@ -455,8 +455,8 @@ fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
             .map(|(a, b)| (a.round() as i64, b.round() as i64))
             .collect();
         pairs.sort_unstable();
-        let rises = pairs.windows(2).any(|two| two[1].1 > two[0].1);
-        let falls = pairs.windows(2).any(|two| two[1].1 < two[0].1);
+        let rises = pairs.windows(2).any(|pair| pair[1].1 > pair[0].1);
+        let falls = pairs.windows(2).any(|pair| pair[1].1 < pair[0].1);
         is_reordered |= rises && falls;
     }
     is_reordered
@@ -472,8 +472,8 @@ fn is_rearranged(pair: &ImagePair) -> bool {
     pair.wrong_samples().len() >= MIN_SUPPORT && sorted(&pair.expected) == sorted(&pair.received)
 }
 
-/// Returns the step for a compressed file. Reports a stream only if a plane that is neither predicted nor corrected
-/// has wrong values, as opposed to correct values in the wrong order.
+/// Returns the step for a compressed file: [`Phase::Stream`] only if a plane that is neither predicted nor corrected has
+/// wrong values, as opposed to correct values in the wrong order.
 fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
         return Phase::StoredValue;
@@ -520,7 +520,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples of `w`, or may crash on this file.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may cause its crash.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
@@ -539,7 +539,7 @@ pub(in crate::diagnose) fn reduces_wrong_samples(
         return false;
     }
     if let Some(shown) = witness.wrong_image() {
-        let wrong = |made: &Frame| Some(ImagePair::new(made, shown)?.wrong_samples().len());
+        let wrong = |answer: &Frame| Some(ImagePair::new(answer, shown)?.wrong_samples().len());
         return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
     // A decoder that reads out of bounds may crash on one file and output wrong values for another.
@@ -560,7 +560,7 @@ pub(in crate::diagnose) fn image_pair(
 ) -> Option<ImagePair> {
     let shown = search.witnesses[w].wrong_image()?;
     match &*search.best_answer(w, set) {
-        Answer::Decoded(wanted) => ImagePair::new(wanted, shown),
+        Answer::Decoded(expected) => ImagePair::new(expected, shown),
         _ => None,
     }
 }
@@ -572,7 +572,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: received and expected value, the arithmetic, and the bytes of the expected value.
+/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes of the latter.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }
@@ -594,9 +594,9 @@ fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String
     };
     let (texel, channel) = (i / pair.channels, i % pair.channels);
     let (x, y) = (texel % pair.width, texel / pair.width);
-    let [got, want] = format_distinct(pair.received[i], pair.expected[i], 4);
+    let [received, expected] = format_distinct(pair.received[i], pair.expected[i], 4);
     let mut text = format!(
-        "for example {id}, texel ({x}, {y}), {}: received {got}, expected {want}",
+        "for example {id}, texel ({x}, {y}), {}: received {received}, expected {expected}",
         channel_name(pair.channels, channel),
     );
     let is_limited =
@@ -617,7 +617,7 @@ fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String
                 1 => format!("byte {start} (0x{start:x})"),
                 _ => format!("bytes {start}–{}", end - 1),
             };
-            let _ = write!(text, "; the expected value is from {bytes}, {what}");
+            let _ = write!(text, "; the expected value comes from {bytes}, {what}");
         }
     }
     text

@@ -16,15 +16,15 @@ use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Returns "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if other files with the
-/// property fail in another way, or "12 legal files with predicted planes" if others were not judged. Counts the files of one
-/// format, or of all formats.
+/// Describes the files of one format, or of all formats, in a scope: "every legal file with predicted planes", "12 of 14 legal files
+/// with predicted planes" if other files in the scope fail in another way, or "12 legal files with predicted planes" if other files
+/// were not judged.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
     let (count, others) = shared.count_legal(witnesses, format);
-    let of_format = format.map_or(String::new(), |format| {
+    let prefix = format.map_or(String::new(), |format| {
         format!("of {} ", format.short_name())
     });
-    let scope = of_format + &shared.scope.describe();
+    let scope = prefix + &shared.scope.describe();
     match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",
@@ -37,12 +37,12 @@ fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Fo
         0 => format!("every legal file {scope}"),
         others => {
             let all = count + others;
-            format!("{count} of {all} legal files {scope} (the others fail, too)")
+            format!("{count} of {all} legal files {scope} (the others also fail)")
         }
     }
 }
 
-/// Returns true if some legal files of the same formats are not witnesses, for example because the decoder does not support them.
+/// Returns true if some legal files of the same formats are not witnesses, for example because they are unsupported.
 fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
     let is_legal_of = |format: Format, witness: &&Witness| {
         witness.case.format() == format && witness.case.expect == Expect::Decode
@@ -56,7 +56,7 @@ fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
     })
 }
 
-/// Returns the clause about the layout that these files share: of their format, of tables, or of compressed planes.
+/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes.
 /// Files of different formats have only the header in common.
 fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
     let formats: Vec<Format> = indices
@@ -97,7 +97,7 @@ pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String
     }
 }
 
-/// Returns "12 of 160 legal files of LRGB, LUM", with the number of files that need not be decoded.
+/// Returns "12 of 160 legal files of LRGB, LUM", and the number of files that need not be decoded, if any.
 fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;

@@ -10,68 +10,68 @@ use crate::suite::cases::Suite;
 
 /// Describes the cases whose responses differ between serve mode and one-shot mode, or between calls.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
-    let differing: Vec<(usize, &Nondeterminism)> = run
+    let cases: Vec<(usize, &Nondeterminism)> = run
         .observations
         .iter()
         .enumerate()
-        .filter(|&(place, _)| run.judgement.cases[place].is_some())
-        .filter_map(|(place, observation)| {
-            Some((place, observation.as_ref()?.nondeterminism.as_ref()?))
+        .filter(|&(index, _)| run.judgement.cases[index].is_some())
+        .filter_map(|(index, observation)| {
+            Some((index, observation.as_ref()?.nondeterminism.as_ref()?))
         })
         .collect();
-    let (served, chance): (Vec<_>, Vec<_>) = differing.into_iter().partition(|(_, how)| how.served);
-    let is_garbled = |place: usize| {
-        let observation = run.observations[place].as_ref();
+    let (served, random): (Vec<_>, Vec<_>) = cases.into_iter().partition(|(_, diff)| diff.served);
+    let is_garbled = |index: usize| {
+        let observation = run.observations[index].as_ref();
         observation.is_some_and(|seen| {
             matches!(seen.response, Response::Violation(Answer::ProtocolError(_)))
         })
     };
     let (garbled, served): (Vec<_>, Vec<_>) = served
         .into_iter()
-        .partition(|&(place, _)| is_garbled(place));
+        .partition(|&(index, _)| is_garbled(index));
     let diagnosis = |indices: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
-        let &(place, how) = indices.first()?;
-        let case = &suite.cases[place];
+        let &(index, diff) = indices.first()?;
+        let case = &suite.cases[index];
         Some(Diagnosis::new(
             Cause::Described {
                 category: Category::Nondeterminism,
                 clause: case.clauses.first().cloned().unwrap_or_default(),
                 effect: effect.to_owned(),
                 fix: fix.to_owned(),
-                example: format!("for example {}: {}", case.id, how.says),
+                example: format!("for example {}: {}", case.id, diff.says),
                 alike: Vec::new(),
             },
-            indices.iter().map(|&(place, _)| place).collect(),
+            indices.iter().map(|&(index, _)| index).collect(),
         ))
     };
-    let garbling = diagnosis(
+    let garbled_cause = diagnosis(
         garbled,
         "violates the protocol in serve mode",
-        "answer each request with one line and, after SEQ ok NBYTES, that many bytes; probe tests this step by step, and docs/check.md lists the responses",
+        "answer each request with one line, followed by NBYTES bytes if the line is SEQ ok NBYTES; ptm-conform probe tests this step by step, and docs/check.md lists the responses",
     );
-    let serving = diagnosis(
+    let serve_cause = diagnosis(
         served,
         "gives different responses in serve mode and one-shot mode",
         "reset all state before each request, and answer each request once; check --one-shot starts one process per request",
     );
-    let by_chance = diagnosis(
-        chance,
+    let random_cause = diagnosis(
+        random,
         "gives different responses to the same request",
         "look for uninitialized memory, data races, clocks and random numbers",
     );
-    let all = [garbling, serving, by_chance].into_iter();
+    let all = [garbled_cause, serve_cause, random_cause].into_iter();
     all.flatten().collect()
 }
 
 /// Returns true if at least a quarter of the failures differ between calls, so that common properties of their images
 /// are a coincidence.
 pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
-    let differs = |place: &usize| {
-        let observation = run.observations[*place].as_ref();
-        let how = observation.and_then(|observation| observation.nondeterminism.as_ref());
-        how.is_some_and(|how| !how.served)
+    let differs = |index: &usize| {
+        let observation = run.observations[*index].as_ref();
+        let difference = observation.and_then(|observation| observation.nondeterminism.as_ref());
+        difference.is_some_and(|difference| !difference.served)
     };
     let failed: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
-    let differing = failed.iter().filter(|place| differs(place)).count();
+    let differing = failed.iter().filter(|index| differs(index)).count();
     is_substantial(differing, failed.len())
 }

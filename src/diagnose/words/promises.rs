@@ -9,16 +9,16 @@ use crate::suite::cases::Suite;
 
 /// Describes all declared formats that the decoder does not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
-    let is_broken = |&place: &usize| {
-        let observation = run.observations[place].as_ref();
-        run.judgement.cases[place].is_some()
-            && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[place], seen))
+    let is_broken = |&index: &usize| {
+        let observation = run.observations[index].as_ref();
+        run.judgement.cases[index].is_some()
+            && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[index], seen))
     };
     let indices: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
     let first = &suite.cases[*indices.first()?];
     let formats = indices
         .iter()
-        .map(|&place| suite.cases[place].format().short_name());
+        .map(|&index| suite.cases[index].format().short_name());
     let formats: Vec<&str> = formats.collect::<BTreeSet<_>>().into_iter().collect();
     Some(Diagnosis::new(
         Cause::Described {

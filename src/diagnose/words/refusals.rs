@@ -1,7 +1,7 @@
-//! Describes legal files that the decoder refused or crashed on, by a property that they share and that no accepted file has.
+//! Describes legal files that the decoder refused or crashed on, by a property that these files share and no accepted file has.
 
 use super::{files_in_scope, share_text, shared_clause};
-use crate::diagnose::diagnosis::{Category, Cause, CauseWords, Diagnosis};
+use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::scope::shared_scope;
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
@@ -22,15 +22,14 @@ pub(in crate::diagnose) fn describe(
     for mode in FailureMode::list_by_frequency(witnesses, left) {
         let mut open = mode.select(witnesses, left);
         // A property shared by a few of many files is a coincidence.
-        let shared_by = |open: &[usize], one: Option<Format>| {
-            let is_of = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
-            let indices =
-                |all: &[usize]| -> Vec<usize> { all.iter().copied().filter(is_of).collect() };
-            let shared = shared_scope(witnesses, &indices(open), &indices(&read), true)?;
+        let find_shared = |open: &[usize], one: Option<Format>| {
+            let has_format = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
+            let select = |all: &[usize]| all.iter().copied().filter(has_format).collect::<Vec<_>>();
+            let shared = shared_scope(witnesses, &select(open), &select(&read), true)?;
             is_substantial(shared.cases.len(), open.len()).then_some((shared, one))
         };
         let formats = || [None].into_iter().chain(Format::ALL.map(Some));
-        while let Some((shared, one)) = formats().find_map(|one| shared_by(&open, one)) {
+        while let Some((shared, one)) = formats().find_map(|one| find_shared(&open, one)) {
             open.retain(|w| !shared.cases.contains(w));
             left.retain(|w| !shared.cases.contains(w));
             let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
@@ -55,15 +54,15 @@ fn refusal_text(
         FailureMode::Refuses | FailureMode::Unsupported => {
             "read these legal files, or exit with 69 for all files of this kind"
         }
-        FailureMode::Hangs => "find the loop that does not end",
+        FailureMode::Hangs => "find the loop that does not terminate",
         _ => "run the example in a debugger; these files are legal, so the decoder must not crash",
     };
-    let words = CauseWords {
+    let text = CauseText {
         effect,
         fix: fix.to_owned(),
         example: example(witnesses, indices),
     };
-    Diagnosis::from_description(Category::Refusal, witnesses, indices, words)
+    Diagnosis::from_description(Category::Refusal, witnesses, indices, text)
 }
 
 /// Returns, for each failure mode, the failures that a single shared property explains.
@@ -72,17 +71,17 @@ pub(in crate::diagnose) fn shared_failures(
     failing: &[usize],
 ) -> Vec<Vec<usize>> {
     let read = files_read(witnesses);
-    let indices = |mode: FailureMode| {
-        let indices = mode.select(witnesses, failing);
-        shared_scope(witnesses, &indices, &read, true).map(|shared| shared.cases)
+    let explained = |mode: FailureMode| {
+        let group = mode.select(witnesses, failing);
+        shared_scope(witnesses, &group, &read, true).map(|shared| shared.cases)
     };
     FailureMode::list_by_frequency(witnesses, failing)
         .into_iter()
-        .filter_map(indices)
+        .filter_map(explained)
         .collect()
 }
 
-/// Returns the legal files that the decoder reads, correctly or not. Files that crash it in another way are no evidence.
+/// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are no evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
@@ -92,7 +91,7 @@ fn files_read(witnesses: &[Witness]) -> Vec<usize> {
 }
 
 /// Returns the failure mode that all of these cases share, if any.
-fn one_mode(witnesses: &[Witness], indices: &[usize]) -> Option<FailureMode> {
+fn common_mode(witnesses: &[Witness], indices: &[usize]) -> Option<FailureMode> {
     let mode = FailureMode::new(&witnesses[*indices.first()?])?;
     (mode.select(witnesses, indices).len() == indices.len()).then_some(mode)
 }
@@ -113,16 +112,16 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         let all: Vec<usize> = (0..witnesses.len()).filter(of_format).collect();
         let legal: Vec<usize> = all.iter().copied().filter(is_legal).collect();
-        // Unsupported files are not witnesses, but they are legal files, too.
+        // Unsupported files are not witnesses, but they are also legal files.
         let is_whole = |&w: &usize| witnesses[w].failed && witnesses[w].legal_files == legal.len();
         if legal.len() < MIN_SUPPORT || !legal.iter().all(is_whole) {
             continue;
         }
-        let Some(mode) = one_mode(witnesses, &legal) else {
+        let Some(mode) = common_mode(witnesses, &legal) else {
             continue;
         };
-        let alike = mode.select(witnesses, &all).into_iter();
-        let indices = alike.filter(|&w| witnesses[w].failed);
+        let same_mode = mode.select(witnesses, &all).into_iter();
+        let indices = same_mode.filter(|&w| witnesses[w].failed);
         match whole.iter_mut().find(|known| known.mode == mode) {
             Some(known) => {
                 known.formats.push(format);
@@ -150,12 +149,12 @@ impl WholeFormats {
     }
 }
 
-/// Describes these files if they are all the legal files with a common format or property, and if they all fail in the same way.
+/// Describes these files if they are all the legal files with a common format or property, and all fail in the same way.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     indices: &[usize],
 ) -> Option<Diagnosis> {
-    let mode = one_mode(witnesses, indices)?;
+    let mode = common_mode(witnesses, indices)?;
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !indices.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, indices, &others, false)?;
@@ -163,7 +162,7 @@ pub(in crate::diagnose) fn describe_observation(
     (shared.cases.len() == indices.len()).then(|| refusal_text(witnesses, indices, &mode, effect))
 }
 
-/// Describes the failures on the legal files in `indices`, if hardly any of them produced an image and no other evidence
+/// Describes the failures on the legal files in `indices` if few of them resulted in an image, so that little evidence
 /// supports the misreading. Returns `None` if the misreading itself predicts the refusals.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
@@ -175,11 +174,11 @@ pub(in crate::diagnose) fn describe_non_images(
     let is_refusal =
         |mode: &FailureMode| matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
     let modes = FailureMode::list_by_frequency(witnesses, &indices);
-    let shown = indices
+    let images = indices
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
-    let is_the_mistake = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
-    if indices.is_empty() || !is_few(shown.count(), indices.len()) || is_the_mistake {
+    let is_predicted = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
+    if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted {
         return None;
     }
     let mode = modes.first()?;
@@ -194,15 +193,15 @@ fn outcomes_text(witnesses: &[Witness], indices: &[usize], modes: &[FailureMode]
         1 => "1 legal file".to_owned(),
         count => format!("{count} legal files"),
     };
-    let way =
+    let outcome =
         |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, indices).len()));
-    let mut outcomes_text: Vec<String> = modes.iter().map(way).collect();
+    let mut outcomes: Vec<String> = modes.iter().map(outcome).collect();
     let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
     match indices.iter().filter(is_image).count() {
         0 => {}
-        count => outcomes_text.push(format!("shows a wrong image for {}", files(count))),
+        count => outcomes.push(format!("shows a wrong image for {}", files(count))),
     }
-    outcomes_text.join(", and ")
+    outcomes.join(", and ")
 }
 
 /// Describes refusals that no property explains, and removes them from `left`.
@@ -217,22 +216,22 @@ pub(in crate::diagnose) fn describe_unexplained(
         let effect = match indices.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
-                "{mode} {count} legal files; the decoder reads too few other files to find a property that separates them"
+                "{mode} {count} legal files; the decoder reads too few other files to find a property that distinguishes them"
             ),
             _ => format!("{mode} {}", share_text(witnesses, &indices)),
         };
-        let words = CauseWords {
+        let text = CauseText {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &indices),
         };
-        let described = Diagnosis::from_description(Category::Refusal, witnesses, &indices, words);
+        let described = Diagnosis::from_description(Category::Refusal, witnesses, &indices, text);
         diagnoses.push(described.with_clause(shared_clause(witnesses, &indices)));
     }
     diagnoses
 }
 
-/// Describes the smallest of these files: the reason for its case, and the end of its standard error.
+/// Describes the smallest of these files: the reason for its case, and the last message on standard error.
 pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> String {
     let smallest = indices
         .iter()
@@ -241,8 +240,8 @@ pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> 
         .expect("a diagnosis explains at least one case");
     let stderr = &smallest.observation.stderr;
     let because = smallest.case.because.trim_end_matches('.');
-    let words = last_message(stderr).map_or(String::new(), |line| {
+    let message = last_message(stderr).map_or(String::new(), |line| {
         format!("; its standard error ends: {line}")
     });
-    format!("for example {}: {because}{words}", smallest.case.id)
+    format!("for example {}: {because}{message}", smallest.case.id)
 }

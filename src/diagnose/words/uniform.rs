@@ -1,7 +1,7 @@
 //! Describes images that do not depend on the file: the same image for every file, or the same value in every sample.
 
 use super::refusals::example;
-use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
+use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
@@ -17,12 +17,12 @@ pub(in crate::diagnose) fn describe(
     let diagnosis = |(effect, indices): (String, Vec<usize>)| {
         let clause = witnesses[indices[0]].observation.view.kind().clause();
         left.retain(|w| !indices.contains(w));
-        let words = CauseWords {
+        let text = CauseText {
             effect,
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &indices),
         };
-        Diagnosis::from_description(Category::Difference, witnesses, &indices, words)
+        Diagnosis::from_description(Category::Difference, witnesses, &indices, text)
             .with_clause(clause)
     };
     found.into_iter().map(diagnosis).collect()
@@ -48,31 +48,31 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
             }
             _ => None,
         };
-        let shown: Vec<(usize, &Frame)> = failing.iter().filter_map(frame).collect();
-        let Some(&(first_case, first)) = shown.first() else {
+        let received: Vec<(usize, &Frame)> = failing.iter().filter_map(frame).collect();
+        let Some(&(first_case, first)) = received.first() else {
             continue;
         };
         let is_legal =
             |witness: &&Witness| is_of_view(witness) && witness.case.expect == Expect::Decode;
         let legal = witnesses.iter().filter(is_legal).count();
         let right = &witnesses[first_case].right;
-        let are_alike = (shown.iter()).all(|&(w, _)| witnesses[w].right == *right);
-        // A few legal files have an image like this, and files with equal contents have equal images.
-        if are_alike || shown.len() < MIN_SUPPORT || !is_most(shown.len(), legal) {
+        let are_equal = (received.iter()).all(|&(w, _)| witnesses[w].right == *right);
+        // A few legal files have a uniform image, and files with equal contents have equal images.
+        if are_equal || received.len() < MIN_SUPPORT || !is_most(received.len(), legal) {
             continue;
         }
-        let count = shown.len();
-        if shown.iter().all(|(_, frame)| *frame == first) {
+        let count = received.len();
+        if received.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
-            let what = format!("the same image of {width} × {height} for {count} files");
-            let indices = shown.into_iter().map(|(w, _)| w).collect();
-            found.push((format!("shows {what} in view {view}"), indices));
+            let image = format!("the same image of {width} × {height} for {count} files");
+            let indices = received.into_iter().map(|(w, _)| w).collect();
+            found.push((format!("shows {image} in view {view}"), indices));
             continue;
         }
-        let common = shown.iter().find_map(|(_, frame)| uniform_value(frame));
+        let common = received.iter().find_map(|(_, frame)| uniform_value(frame));
         let is_common =
             |(_, frame): &&(usize, &Frame)| common.is_some() && uniform_value(frame) == common;
-        let indices: Vec<usize> = shown.iter().filter(is_common).map(|&(w, _)| w).collect();
+        let indices: Vec<usize> = received.iter().filter(is_common).map(|&(w, _)| w).collect();
         if let Some(value) = common.filter(|_| is_few(count - indices.len(), count)) {
             let effect = format!(
                 "shows {value} in every sample of {} images in view {view}",

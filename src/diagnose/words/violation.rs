@@ -1,10 +1,10 @@
-//! Describes violations: files that must or may be refused, for which the response was a crash, a hang, a malformed
-//! frame or "unsupported".
+//! Describes violations: crashes, hangs, malformed frames and "unsupported" responses for files that must or may be
+//! refused.
 
 use super::acceptances::fault_text;
 use super::list_first;
 use super::refusals::example;
-use crate::diagnose::diagnosis::{Category, CauseWords, Diagnosis};
+use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::witness::Witness;
 use crate::session::observation::Response;
@@ -25,7 +25,7 @@ pub(in crate::diagnose) fn describe(
     let refuses = (0..witnesses.len())
         .any(|w| refusable(w) && matches!(witnesses[w].observation.response, Response::Rejected));
     let diagnosis = |mode: FailureMode| {
-        let these = mode.select(witnesses, &indices);
+        let group = mode.select(witnesses, &indices);
         let expect = |w: &usize| witnesses[*w].case.expect;
         let may_be_read = |w: &usize| {
             matches!(
@@ -33,12 +33,12 @@ pub(in crate::diagnose) fn describe(
                 Expect::Lenient | Expect::Robust | Expect::Spelling
             )
         };
-        let words = CauseWords {
-            effect: format!("{mode} {}", describe_files(witnesses, &these, refuses)),
-            fix: fix(&mode, these.iter().all(may_be_read)),
-            example: example(witnesses, &these),
+        let text = CauseText {
+            effect: format!("{mode} {}", describe_files(witnesses, &group, refuses)),
+            fix: fix(&mode, group.iter().all(may_be_read)),
+            example: example(witnesses, &group),
         };
-        Diagnosis::from_description(Category::Violation, witnesses, &these, words)
+        Diagnosis::from_description(Category::Violation, witnesses, &group, text)
     };
     FailureMode::list_by_frequency(witnesses, &indices)
         .into_iter()
@@ -46,24 +46,24 @@ pub(in crate::diagnose) fn describe(
         .collect()
 }
 
-/// Describes the files by their damages.
-fn describe_files(witnesses: &[Witness], these: &[usize], refuses: bool) -> String {
-    let damages = these.iter().map(|&w| fault_text(witnesses[w].case));
-    let mut damages: Vec<&str> = damages.collect();
-    damages.sort_unstable();
-    damages.dedup();
+/// Describes the files by their faults.
+fn describe_files(witnesses: &[Witness], group: &[usize], refuses: bool) -> String {
+    let faults = group.iter().map(|&w| fault_text(witnesses[w].case));
+    let mut faults: Vec<&str> = faults.collect();
+    faults.sort_unstable();
+    faults.dedup();
     let others = if refuses { "; it refuses others" } else { "" };
-    let files = if these.len() == 1 { "file" } else { "files" };
+    let files = if group.len() == 1 { "file" } else { "files" };
     format!(
         "{} {files} that must or may be refused ({}){others}",
-        these.len(),
-        list_first(&damages, "kind")
+        group.len(),
+        list_first(&faults, "kind")
     )
 }
 
 /// Returns the advice for a failure mode.
 fn fix(mode: &FailureMode, may_be_read: bool) -> String {
-    let end = match may_be_read {
+    let advice = match may_be_read {
         true => "show an image or exit with status 65",
         false => "exit with status 65",
     };
@@ -72,14 +72,14 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
             .to_owned();
     }
     let status = match mode {
-        FailureMode::Crashes(how) => how.strip_prefix("exit status "),
+        FailureMode::Crashes(status) => status.strip_prefix("exit status "),
         _ => None,
     };
     match status {
-        // These are the statuses of panics in Rust, of shells and of signals. No decoder uses them to refuse files.
+        // The excluded statuses are those of Rust panics, shells and signals. No decoder uses them to refuse files.
         Some(status) if !matches!(status, "101" | "126" | "127" | "134" | "139") => format!(
-            "{end}; if this decoder refuses files with status {status}, use --reject-exit {status}"
+            "{advice}; if this decoder refuses files with status {status}, use --reject-exit {status}"
         ),
-        _ => format!("detect the fault, and {end}"),
+        _ => format!("detect the fault, and {advice}"),
     }
 }
