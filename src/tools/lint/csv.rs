@@ -53,8 +53,8 @@ fn join_cells(texts: impl Iterator<Item = String>) -> String {
 fn quote_cell(text: &str) -> String {
     const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
     // Most cells need no quotes.
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
-    if text.bytes().all(plain) && !text.starts_with('-') {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
+    if text.bytes().all(is_plain) && !text.starts_with('-') {
         return text.to_owned();
     }
     let is_formula = text.trim_start().starts_with(FORMULAS);
