@@ -4,8 +4,8 @@
 //! samples are the output of the decoder. Gray is expanded to three equal channels. Alpha is dropped if it is opaque.
 //!
 //! JPEG compression is lossy, so the frame is marked as lossy. A JPEG must have small quantization steps and no chroma
-//! subsampling, so that each sample is close to the one that was saved. Coarser JPEGs and lossy WebPs do not determine single
-//! texels.
+//! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
+//! single texels.
 
 use std::io::Cursor;
 use std::panic::catch_unwind;

@@ -63,7 +63,7 @@ pub struct KnownLimit {
 
 static ALL: LazyLock<Vec<ReaderProfile>> = LazyLock::new(|| {
     parse_profiles(include_str!("../../spec-cases/readers.yaml"))
-        .unwrap_or_else(|error| unreachable!("the embedded readers.yaml is invalid: {error}"))
+        .unwrap_or_else(|error| unreachable!("invalid embedded readers.yaml: {error}"))
 });
 
 /// Returns the known readers.
