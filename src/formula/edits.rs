@@ -305,7 +305,7 @@ fn permutations(count: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
     for index in 0..count {
         let longer = |order: Vec<usize>| {
-            (0..=order.len()).map(move |at| [&order[..at], &[index], &order[at..]].concat())
+            (0..=order.len()).map(move |i| [&order[..i], &[index], &order[i..]].concat())
         };
         all = all.into_iter().flat_map(longer).collect();
     }

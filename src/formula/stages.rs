@@ -140,13 +140,13 @@ struct TexelLayout<'a> {
 }
 
 /// Returns the error for an address outside the data.
-fn outside_data_error(at: usize) -> Error {
+fn outside_data_error(offset: usize) -> Error {
     let kind = Kind::Short {
         what: "the addressed values",
         needs: 1,
         remain: 0,
     };
-    Error::new("2.7/3", at, kind)
+    Error::new("2.7/3", offset, kind)
 }
 
 /// Returns the element at an address, or an error if the address is outside the data.
@@ -345,12 +345,12 @@ impl CompressedPlanes<'_> {
 
     /// Returns the prediction step of plane `p`.
     fn edited_step(&self, p: usize) -> Result<Step> {
-        let own = self.coded.plan.steps[p];
+        let default = self.coded.plan.steps[p];
         if !self
             .edits
             .edits_any(Formula::Transform..=Formula::Reference)
         {
-            return Ok(own);
+            return Ok(default);
         }
         let raw = self.lists;
         let lists = [&raw.transforms, &raw.motion, &raw.references];
@@ -364,15 +364,15 @@ impl CompressedPlanes<'_> {
             raw.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
-        let edited_or = |formula, own: i64| match self.edits.is_edited(formula) {
+        let edited_or = |formula, default: i64| match self.edits.is_edited(formula) {
             true => value(formula) as i64,
-            false => own,
+            false => default,
         };
         let transform = value(Formula::Transform);
         let has = |formula| self.edits.value(formula, &[transform], &[]) != 0.0;
         let reference = edited_or(
             Formula::Reference,
-            own.reference.map_or(-1, |plane| plane as i64),
+            default.reference.map_or(-1, |plane| plane as i64),
         );
         if reference >= self.coded.plan.steps.len() as i64 {
             return Err(outside_data_error(self.coded.at));
@@ -382,8 +382,8 @@ impl CompressedPlanes<'_> {
             inverted: has(Formula::Inverted),
             moved: has(Formula::Displaced),
             motion: (
-                edited_or(Formula::VectorX, own.motion.0),
-                edited_or(Formula::VectorY, own.motion.1),
+                edited_or(Formula::VectorX, default.motion.0),
+                edited_or(Formula::VectorY, default.motion.1),
             ),
         })
     }
@@ -392,8 +392,8 @@ impl CompressedPlanes<'_> {
     /// previously decoded plane.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
         if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
-            let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
-            return Ok(own.into_owned());
+            let plane = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
+            return Ok(plane.into_owned());
         }
         match self.edits.change(Formula::Predictor) {
             Some(EditedForm::Expression(expression)) => {
@@ -614,8 +614,8 @@ pub(crate) fn image(
         Shape::Lrgb => {
             let luminance = polynomial(&texel[..6]);
             [texel[6], texel[7], texel[8]].map(|rgb| {
-                let own = || (reading.modulate)(luminance, rgb);
-                edits.value_or(Formula::Color, &[luminance, rgb], own)
+                let unedited = || (reading.modulate)(luminance, rgb);
+                edits.value_or(Formula::Color, &[luminance, rgb], unedited)
             })
         }
         Shape::Lum(matrix) => {

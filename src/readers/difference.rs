@@ -96,7 +96,7 @@ impl ReaderImages {
     fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let Size { width, height } = self.sizes[0];
         let (width, height) = (width as usize, height as usize);
-        let is = |mirrored: bool, upside_down: bool| {
+        let equals = |mirrored: bool, upside_down: bool| {
             (0..width * height).all(|texel| {
                 let (x, y) = (texel % width, texel / width);
                 let x = if mirrored { width - 1 - x } else { x };
@@ -105,9 +105,9 @@ impl ReaderImages {
             })
         };
         let fault = match () {
-            () if is(false, true) => "upside down",
-            () if is(true, false) => "mirrored",
-            () if is(true, true) => "rotated by 180 degrees",
+            () if equals(false, true) => "upside down",
+            () if equals(true, false) => "mirrored",
+            () if equals(true, true) => "rotated by 180 degrees",
             () => return None,
         };
         Some(fault.to_owned())

@@ -124,7 +124,7 @@ impl<'a> OpenedFile<'a> {
 
     /// Compares the result of a reader that has these misreadings with the correct result, and describes the fault.
     fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Shown, String) {
-        let (mut shown, reading) = match read(misreadings, Reading::SPEC, self.file) {
+        let (mut ptm, reading) = match read(misreadings, Reading::SPEC, self.file) {
             Ok(found) => found,
             Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
             Err(Some(error)) => {
@@ -133,16 +133,16 @@ impl<'a> OpenedFile<'a> {
             }
         };
         let Ok(truth) = &self.truth else {
-            return match profile.reads(shown.header.format) {
+            return match profile.reads(ptm.header.format) {
                 true => (Shown::Wrong, "an image of a damaged file".to_owned()),
-                false => unsupported(shown.header.format),
+                false => unsupported(ptm.header.format),
             };
         };
         for edit in plane_edits(misreadings) {
-            edit(&mut shown);
+            edit(&mut ptm);
         }
         let edits = formula_edits(misreadings);
-        match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
+        match ReaderImages::new(truth, &ptm, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }

@@ -371,10 +371,10 @@ fn visible_symbols(bytes: &[u8]) -> String {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown = bytes.iter().take(MAX_PREVIEW_BYTES);
-    let shown = join_texts(shown.map(|byte| format!("{byte:02x}")), " ");
+    let first = bytes.iter().take(MAX_PREVIEW_BYTES);
+    let preview = join_texts(first.map(|byte| format!("{byte:02x}")), " ");
     match bytes.len() {
-        0..=MAX_PREVIEW_BYTES => shown,
-        _ => shown + " …",
+        0..=MAX_PREVIEW_BYTES => preview,
+        _ => preview + " …",
     }
 }

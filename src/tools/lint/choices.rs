@@ -42,9 +42,9 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
 
 /// Returns the role of the numbers that the ruling is about, or `None` if the file has none, so that all readings agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
-    let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
+    let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
         let mut planes = 0..dissection.compressed_planes();
-        planes.any(|plane| dissection.number(role(plane)).is_some_and(is))
+        planes.any(|plane| dissection.number(role(plane)).is_some_and(test))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
     let is_jpeg_ls = dissection.format.and_then(Format::coding) == Some(Coding::JpegLs);
