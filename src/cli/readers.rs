@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ptm_conform::kit::yaml;
 use ptm_conform::readers::{
-    OpenedFile, ReaderPrediction, ReaderProfile, Shown, profiles, profiles_of,
+    OpenedFile, ReaderPrediction, ReaderProfile, Shown, parse_profiles, profiles,
 };
 use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
 
@@ -14,7 +14,7 @@ use super::{files::with_path, names::did_you_mean};
 pub fn load_profiles(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),
-        Some(path) => profiles_of(&yaml::read_text(path)?).map_err(with_path(path)),
+        Some(path) => parse_profiles(&yaml::read_text(path)?).map_err(with_path(path)),
     }
 }
 

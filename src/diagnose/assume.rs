@@ -23,14 +23,14 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
         if !witness.failed {
             continue;
         }
-        let made = witness.answer_of_misreadings(assumed);
-        if *made == witness.right {
+        let answer = witness.answer_of_misreadings(assumed);
+        if *answer == witness.right {
             continue;
         }
-        if is_explained(&witness, &made, assumed) {
+        if is_explained(&witness, &answer, assumed) {
             changes.push((witness.case_index, Outcome::Assumed, String::new()));
-        } else if let (Some(shown), Answer::Decoded(made)) = (witness.wrong_image(), &*made)
-            && let Some(difference) = Expected::from_frame(made).compare(shown)
+        } else if let (Some(received), Answer::Decoded(answer)) = (witness.wrong_image(), &*answer)
+            && let Some(difference) = Expected::from_frame(answer).compare(received)
         {
             changes.push((
                 witness.case_index,
@@ -48,7 +48,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
 }
 
 /// Returns true if a decoder with these mistakes reproduces the response under some combination of choices.
-fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading]) -> bool {
+fn is_explained(witness: &Witness, answer: &Answer, assumed: &[&'static Misreading]) -> bool {
     let reproduces = |answer: &Answer| {
         matches!(
             witness.agreement(answer),
@@ -56,7 +56,7 @@ fn is_explained(witness: &Witness, made: &Answer, assumed: &[&'static Misreading
         )
     };
     let axes = relevant_axes(witness.case, &witness.observation.view);
-    reproduces(made)
+    reproduces(answer)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);
             let reading = CHOICES.apply(dialect, Reading::SPEC);

@@ -96,7 +96,7 @@ impl<'a> File<'a> {
 pub(super) const VIEW_PROPERTIES: usize = 3;
 
 fn view_properties(f: &File) -> [Property; 6] {
-    let light = |is: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| is(u, v));
+    let light = |test: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| test(u, v));
     let is_outside = light(|u, v| u * u + v * v > 1.0);
     [
         ("2.7/1 if stored values are requested", *f.view == View::Raw),
@@ -179,7 +179,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
 fn data_properties(f: &File) -> [Property; 10] {
     let [scales, biases, _] = &f.numbers;
     let is_negative = |texts: &[&str]| texts.iter().any(|text| text.starts_with('-'));
-    let any = |is: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| is(text));
+    let any = |test: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| test(text));
     let has_outer_point =
         any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
@@ -215,7 +215,7 @@ fn data_properties(f: &File) -> [Property; 10] {
 }
 
 fn prediction_properties(f: &File) -> [Property; 13] {
-    let has = |is: fn(&Compression) -> bool| f.plan.is_some_and(is);
+    let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
     let vectors = f.vectors();
     let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
     let is_negative = vectors.iter().any(|(x, y)| *x < 0 || *y < 0);
@@ -264,7 +264,7 @@ fn prediction_properties(f: &File) -> [Property; 13] {
 }
 
 fn stream_properties(f: &File) -> [Property; 6] {
-    let has = |is: fn(&Compression) -> bool| f.plan.is_some_and(is);
+    let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
     let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
     let is_zero = has(|plan| plan.parameter == 0);
     let is_wide = is_jpeg && has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24);

@@ -343,11 +343,11 @@ impl<'a> Search<'a> {
         for &id in set {
             let mut grown = Vec::new();
             for variant in variants {
-                let mut with = variant.clone();
-                with.retain(|&other| self.can_combine(other, id));
-                let replaces = with.len() < variant.len();
-                with.push(id);
-                for variant in replaces.then_some(variant).into_iter().chain([with]) {
+                let mut new = variant.clone();
+                new.retain(|&other| self.can_combine(other, id));
+                let replaces = new.len() < variant.len();
+                new.push(id);
+                for variant in replaces.then_some(variant).into_iter().chain([new]) {
                     if !grown.contains(&variant) {
                         grown.push(variant);
                     }
@@ -375,7 +375,7 @@ impl<'a> Search<'a> {
             }
         }));
         let answer = answer.map(|answer| match witness.matching_colors(mistakes, &answer) {
-            Some(shown) => Cow::Owned(shown),
+            Some(matching) => Cow::Owned(matching),
             None => answer,
         });
         answer.unwrap_or_else(|panic| {
@@ -493,12 +493,12 @@ impl<'a> Search<'a> {
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
-        let shown: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
+        let visible: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
         // A change of the bytes of a file may have an effect only after another change.
-        let is_explained = matches!(shown[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
-        let are_bytes_changed = shown.iter().any(|&(id, _)| self.edits_bytes(id));
+        let is_explained = matches!(visible[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
+        let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
-            shown.iter().any(|(shown, _)| shown == id)
+            visible.iter().any(|(other, _)| other == id)
                 || are_bytes_changed && !is_explained && self.edits_bytes(*id)
         };
         relevant_ids.into_iter().filter(is_kept).collect()
@@ -565,9 +565,9 @@ impl<'a> Search<'a> {
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
         let worth: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
         let gains = self.par_map(all, |&id| {
-            let with = with_id(set, id);
+            let union = with_id(set, id);
             let gain = |(&w, &worth): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.set_worth(w, &with) - worth).max(0),
+                true => (self.set_worth(w, &union) - worth).max(0),
                 false => 0,
             };
             tried.iter().zip(&worth).map(gain).sum::<i64>()
@@ -608,9 +608,9 @@ impl<'a> Search<'a> {
         let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && worth[w] < REFUSAL_WORTH;
         let left: Vec<usize> = (0..worth.len()).filter(is_left).collect();
         let gains = self.par_map(finalists, |&id| {
-            let with = with_id(set, id);
+            let union = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.set_worth(w, &with) - worth[w],
+                true => self.set_worth(w, &union) - worth[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -666,14 +666,14 @@ impl<'a> Search<'a> {
         min_worth: i64,
         others: &[usize],
     ) -> Option<i64> {
-        let with = with_id(set, id);
+        let union = with_id(set, id);
         let mut total = gain;
         for &w in others {
             if total < min_worth {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.set_worth(w, &with) - worth[w];
+                total += self.set_worth(w, &union) - worth[w];
             }
         }
         (total >= min_worth).then_some(total)
@@ -728,8 +728,8 @@ impl<'a> Search<'a> {
             .take(limit)
             .collect();
         let explains = |index: usize| {
-            let with = [&set[..], &pairs[index]].concat();
-            self.set_worth(w, &with) >= REFUSAL_WORTH
+            let union = [&set[..], &pairs[index]].concat();
+            self.set_worth(w, &union) >= REFUSAL_WORTH
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
@@ -749,8 +749,8 @@ impl<'a> Search<'a> {
             pairs.into_iter().map(|pair| (pair, 0)).collect();
         for tried in [&self.sample(left), &all] {
             let totals = self.par_map(&pairs, |&([a, b], _)| {
-                let with = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.set_worth(w, &with) - self.set_worth(w, set);
+                let union = [&set[..], &[a, b]].concat();
+                let gain = |&w: &usize| self.set_worth(w, &union) - self.set_worth(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -777,12 +777,12 @@ impl<'a> Search<'a> {
             values.iter().sum::<i64>()
         };
         for index in (0..members.len()).rev() {
-            let with = ids_of(members);
-            let mut without = with.clone();
-            without.remove(index);
+            let all = ids_of(members);
+            let mut rest = all.clone();
+            rest.remove(index);
             let is_redundant =
-                |cases: &[usize]| total(&without, cases) + CRASH_WORTH > total(&with, cases);
-            if !without.is_empty() && is_redundant(&small) && is_redundant(&large) {
+                |cases: &[usize]| total(&rest, cases) + CRASH_WORTH > total(&all, cases);
+            if !rest.is_empty() && is_redundant(&small) && is_redundant(&large) {
                 members.remove(index);
             }
         }
@@ -792,8 +792,8 @@ impl<'a> Search<'a> {
     pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
         let has_shape =
             |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
-                (Some(shown), Answer::Decoded(right)) => {
-                    shown.shape() == right.shape() && self.is_small(*w)
+                (Some(actual), Answer::Decoded(right)) => {
+                    actual.shape() == right.shape() && self.is_small(*w)
                 }
                 _ => false,
             };

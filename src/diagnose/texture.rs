@@ -42,11 +42,11 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
         return false;
     };
     match (&observation.response, case.answer(rules)) {
-        (Response::Image { frame, .. }, Answer::Decoded(made)) => {
+        (Response::Image { frame, .. }, Answer::Decoded(answer)) => {
             // An answer that equals the reference's is not stored. A field that only one of the answers has counts as
             // a difference.
-            let shown = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&expected_fields(case, &made), shown, case.tol);
+            let received = frame.as_ref().unwrap_or(&case.expect);
+            let differs = difference(&expected_fields(case, &answer), received, case.tol);
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -65,9 +65,9 @@ fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
 fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
     let must_refuse = case.expect() == Expect::Reject;
     match case.answer(rules) {
-        Answer::Decoded(made) => {
+        Answer::Decoded(answer) => {
             let expected = case.expected(&run.judgement.dialect);
-            must_refuse || difference(&expected, &made, case.tol).is_some()
+            must_refuse || difference(&expected, &answer, case.tol).is_some()
         }
         Answer::Rejected => !must_refuse,
         _ => true,

@@ -3,7 +3,7 @@
 use super::expression::{Expression, parse};
 use super::formulas::Formula;
 
-/// A formula, and what a decoder computes instead.
+/// A formula, and the replacement that a decoder computes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
     /// Formula that is edited.
@@ -45,12 +45,12 @@ impl Edit {
                 let offsets = differing
                     .iter()
                     .map(|&value| usize::from(table[value]).abs_diff(value));
-                let by = match offsets.max().unwrap_or_default() {
+                let amount = match offsets.max().unwrap_or_default() {
                     1 => " by one".to_owned(),
-                    most => format!(" by up to {most}"),
+                    max => format!(" by up to {max}"),
                 };
                 format!(
-                    "a table (at least {} of 256 values differ{by}, for example {first} becomes {})",
+                    "a table (at least {} of 256 values differ{amount}, for example {first} becomes {})",
                     differing.len(),
                     table[first]
                 )
@@ -58,7 +58,7 @@ impl Edit {
         }
     }
 
-    /// Returns the formula in the specification as text.
+    /// Returns the formula of the specification as text.
     #[must_use]
     pub fn stated_text(&self) -> String {
         let stated = &self.formula.stated().expression;

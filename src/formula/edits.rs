@@ -1,7 +1,7 @@
 //! Generates all edits of a formula that a programmer is likely to make, the most likely ones first.
 //!
-//! Each operator is applied to every node of the expression. Structural operators come first: different loop orders,
-//! dropped terms, swapped variables. Arithmetic around a node comes last.
+//! Each edit operator is applied to every node of the expression. Structural operators come first: dropped terms, swapped
+//! variables, and different loop orders. Arithmetic around a node comes last.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -88,9 +88,9 @@ fn apply_to_all_nodes(
     operator: &dyn Fn(&Expression) -> Vec<Expression>,
 ) -> Vec<Expression> {
     let mut all = operator(expression);
-    for (place, child) in expression.children().into_iter().enumerate() {
+    for (index, child) in expression.children().into_iter().enumerate() {
         let changed = apply_to_all_nodes(child, operator).into_iter();
-        all.extend(changed.map(|child| expression.with_child(place, child)));
+        all.extend(changed.map(|child| expression.with_child(index, child)));
     }
     all
 }
@@ -99,8 +99,8 @@ fn number(value: f64) -> Expression {
     Expression::Number(value)
 }
 
-fn negate(of: &Expression) -> Expression {
-    match of {
+fn negate(expression: &Expression) -> Expression {
+    match expression {
         Expression::Negative(inner) => (**inner).clone(),
         other => Expression::Negative(Box::new(other.clone())),
     }
@@ -112,22 +112,22 @@ fn call(function: Function, arguments: &[Expression]) -> Expression {
 
 /// Drops a term, a factor or a function: replaces the node with one of its parts, or with 0.
 fn drop_parts(node: &Expression, _: Scope) -> Vec<Expression> {
-    let without =
+    let drop_each =
         |all: &[Expression], node: fn(Vec<Expression>) -> Expression| -> Vec<Expression> {
-            let one = |place| {
+            let drop_part = |i| {
                 let mut others = all.to_vec();
-                others.remove(place);
+                others.remove(i);
                 single_or_node(others, node)
             };
-            let alone = all.iter().map(|part| match part {
+            let single_parts = all.iter().map(|part| match part {
                 Expression::Negative(inner) => (**inner).clone(),
                 other => other.clone(),
             });
-            (0..all.len()).map(one).chain(alone).collect()
+            (0..all.len()).map(drop_part).chain(single_parts).collect()
         };
     match node {
-        Expression::Sum(terms) => without(terms, Expression::Sum),
-        Expression::Product(factors) => without(factors, Expression::Product),
+        Expression::Sum(terms) => drop_each(terms, Expression::Sum),
+        Expression::Product(factors) => drop_each(factors, Expression::Product),
         Expression::Quotient(over, _) => vec![(**over).clone()],
         Expression::Call(_, arguments) => arguments.clone(),
         Expression::Variable(_) | Expression::Element(..) => vec![number(0.0)],
@@ -139,24 +139,24 @@ fn drop_parts(node: &Expression, _: Scope) -> Vec<Expression> {
 fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
     match node {
         Expression::Sum(terms) => {
-            let one = |place: usize| {
+            let negate_term = |i: usize| {
                 let mut changed = terms.clone();
-                changed[place] = negate(&terms[place]);
+                changed[i] = negate(&terms[i]);
                 Expression::Sum(changed)
             };
             let mut all: Vec<Expression> = terms.iter().map(negate).collect();
             // Put positive terms first, for readability.
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
-            let in_every_term = |place: usize| {
+            let split_every_term = |variant: usize| {
                 let changed = |term: &Expression| match term {
-                    Expression::Product(factors) => split_product(factors)[place].clone(),
+                    Expression::Product(factors) => split_product(factors)[variant].clone(),
                     other => other.clone(),
                 };
                 Expression::Sum(terms.iter().map(changed).collect())
             };
-            let each = (0..terms.len()).rev().map(one);
-            let each = each.chain([Expression::Sum(all)]);
-            each.chain([1, 0].map(in_every_term)).collect()
+            let sums = (0..terms.len()).rev().map(negate_term);
+            let sums = sums.chain([Expression::Sum(all)]);
+            sums.chain([1, 0].map(split_every_term)).collect()
         }
         Expression::Product(factors) => split_product(factors),
         Expression::Quotient(over, under) => {
@@ -184,25 +184,25 @@ fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
     }
 }
 
-/// Divides or adds two neighboring parts of a product instead of multiplying them.
+/// Divides or adds two adjacent parts of a product instead of multiplying them.
 fn split_product(factors: &[Expression]) -> Vec<Expression> {
-    let split_product = |(start, place): (usize, usize)| {
-        let parts = [&factors[start..place], &factors[place..]];
+    let split_at = |(start, middle): (usize, usize)| {
+        let parts = [&factors[start..middle], &factors[middle..]];
         let [a, b] = parts.map(|part| single_or_node(part.to_vec(), Expression::Product));
         let sum = Expression::Sum(vec![a.clone(), b.clone()]);
         [Expression::Quotient(Box::new(a), Box::new(b)), sum]
             .map(|part| single_or_node([&factors[..start], &[part]].concat(), Expression::Product))
     };
     let ranges = (0..factors.len())
-        .flat_map(|start| (start + 1..factors.len()).map(move |place| (start, place)));
-    ranges.flat_map(split_product).collect()
+        .flat_map(|start| (start + 1..factors.len()).map(move |middle| (start, middle)));
+    ranges.flat_map(split_at).collect()
 }
 
-/// Replaces a variable with another one in its scope, a list with another one, or an index with a neighboring one.
+/// Replaces a variable with another one in its scope, a list with another one, or an index with a nearby one.
 fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
     match node {
-        Expression::Variable(place) => {
-            let others = (0..scope.variables.len()).filter(|other| other != place);
+        Expression::Variable(index) => {
+            let others = (0..scope.variables.len()).filter(|other| other != index);
             others.map(Expression::Variable).collect()
         }
         Expression::Element(list, index) => {
@@ -210,10 +210,10 @@ fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
             let lists =
                 (0..scope.lists.len()).filter(|other| other != list && scope.lists.len() == 2);
             let other_lists = lists.map(|other| Expression::Element(other, index.clone()));
-            let next = |by: f64| Expression::Sum(vec![(**index).clone(), number(by)]);
-            let is_of_six = scope.lists == ["scale", "bias"];
-            let last = if is_of_six { 5.0 } else { 15.0 };
-            let cyclic = |by| call(Function::Mod, &[next(by), number(last + 1.0)]);
+            let next = |step: f64| Expression::Sum(vec![(**index).clone(), number(step)]);
+            let has_six_elements = scope.lists == ["scale", "bias"];
+            let last = if has_six_elements { 5.0 } else { 15.0 };
+            let cyclic = |step| call(Function::Mod, &[next(step), number(last + 1.0)]);
             let reversed = Expression::Sum(vec![number(last), negate(index)]);
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
             let near = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed];
@@ -229,12 +229,12 @@ fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
 fn swap_names_everywhere(expression: &Expression, scope: Scope) -> Vec<Expression> {
     let count = scope.variables.len();
     let mut all = Vec::new();
-    for a in (0..count).filter(|&place| expression.uses(place)) {
+    for a in (0..count).filter(|&index| expression.uses(index)) {
         for b in 0..count {
             if b != a && (b > a || !expression.uses(b)) {
                 all.push(replace_nodes(expression, &|node| match node {
-                    Expression::Variable(place) if *place == a => Some(Expression::Variable(b)),
-                    Expression::Variable(place) if *place == b => Some(Expression::Variable(a)),
+                    Expression::Variable(index) if *index == a => Some(Expression::Variable(b)),
+                    Expression::Variable(index) if *index == b => Some(Expression::Variable(a)),
                     _ => None,
                 }));
             }
@@ -256,8 +256,8 @@ fn replace_nodes(
 ) -> Expression {
     change(expression).unwrap_or_else(|| {
         let children = expression.children().into_iter().enumerate();
-        children.fold(expression.clone(), |changed, (place, child)| {
-            changed.with_child(place, replace_nodes(child, change))
+        children.fold(expression.clone(), |changed, (index, child)| {
+            changed.with_child(index, replace_nodes(child, change))
         })
     })
 }
@@ -268,25 +268,25 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
         return Vec::new();
     };
     let in_order = |order: Vec<usize>| {
-        Expression::Address(order.iter().map(|&place| digits[place].clone()).collect())
+        Expression::Address(order.iter().map(|&index| digits[index].clone()).collect())
     };
     let permutations = permutations(digits.len()).into_iter();
     let mut all: Vec<Expression> = permutations.map(in_order).collect();
-    let with_digit = |place: usize, digit: Expression, radix: Expression| {
+    let with_digit = |index: usize, digit: Expression, radix: Expression| {
         let mut changed = digits.clone();
-        changed[place] = (digit, radix);
+        changed[index] = (digit, radix);
         Expression::Address(changed)
     };
-    for (place, (digit, radix)) in digits.iter().enumerate() {
+    for (index, (digit, radix)) in digits.iter().enumerate() {
         let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negate(digit)]);
-        all.push(with_digit(place, reversed, radix.clone()));
-        if place > 0 {
+        all.push(with_digit(index, reversed, radix.clone()));
+        if index > 0 {
             for multiple in [4.0, 8.0, 2.0] {
-                all.push(with_digit(place, digit.clone(), round_up(radix, multiple)));
+                all.push(with_digit(index, digit.clone(), round_up(radix, multiple)));
             }
-            for by in [1.0, -1.0] {
-                let longer = Expression::Sum(vec![radix.clone(), number(by)]);
-                all.push(with_digit(place, digit.clone(), longer));
+            for step in [1.0, -1.0] {
+                let other = Expression::Sum(vec![radix.clone(), number(step)]);
+                all.push(with_digit(index, digit.clone(), other));
             }
         }
     }
@@ -295,17 +295,17 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
 
 /// Rounds `value` up to a multiple.
 fn round_up(value: &Expression, multiple: f64) -> Expression {
-    let over = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
-    let quotient = Expression::Quotient(Box::new(over), Box::new(number(multiple)));
+    let sum = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
+    let quotient = Expression::Quotient(Box::new(sum), Box::new(number(multiple)));
     Expression::Product(vec![call(Function::Floor, &[quotient]), number(multiple)])
 }
 
 /// Returns all permutations of `count` elements except the identity.
 fn permutations(count: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
-    for place in 0..count {
+    for index in 0..count {
         let longer = |order: Vec<usize>| {
-            (0..=order.len()).map(move |at| [&order[..at], &[place], &order[at..]].concat())
+            (0..=order.len()).map(move |i| [&order[..i], &[index], &order[i..]].concat())
         };
         all = all.into_iter().flat_map(longer).collect();
     }
@@ -330,55 +330,54 @@ fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
 fn add_factors(node: &Expression, _: Scope) -> Vec<Expression> {
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));
-    let rival =
+    let ratio =
         |over, under| Expression::Quotient(Box::new(product(over)), Box::new(number(under)));
     let both = EXTRA_FACTORS
         .into_iter()
         .flat_map(|factor| [product(factor), quotient(factor)]);
-    both.chain([rival(255.0, 256.0), rival(256.0, 255.0)])
+    both.chain([ratio(255.0, 256.0), ratio(256.0, 255.0)])
         .collect()
 }
 
 /// Adds a constant to a node.
 fn add_constants(node: &Expression, _: Scope) -> Vec<Expression> {
-    let sum = |by| Expression::Sum(vec![node.clone(), number(by)]);
+    let sum = |constant| Expression::Sum(vec![node.clone(), number(constant)]);
     [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()
 }
 
-/// Applies a function to a node: rounds it, limits it, or keeps some of its bits.
+/// Applies a function to a node: rounds it, clamps it, or keeps some of its bits.
 fn apply_functions(node: &Expression, _: Scope) -> Vec<Expression> {
-    let own = || node.clone();
-    let of = |function| call(function, &[own()]);
-    let two = |function, limit| call(function, &[own(), number(limit)]);
-    let between = |least, most| call(Function::Min, &[two(Function::Max, least), number(most)]);
+    let apply = |function| call(function, std::slice::from_ref(node));
+    let limit_by = |function, limit| call(function, &[node.clone(), number(limit)]);
+    let clamp = |min, max| call(Function::Min, &[limit_by(Function::Max, min), number(max)]);
     let signed = |half: f64| {
-        let shifted = Expression::Sum(vec![own(), number(half)]);
+        let shifted = Expression::Sum(vec![node.clone(), number(half)]);
         let remainder = call(Function::Mod, &[shifted, number(2.0 * half)]);
         Expression::Sum(vec![remainder, number(-half)])
     };
     vec![
-        of(Function::Truncate),
-        of(Function::Round),
-        of(Function::Floor),
-        of(Function::Abs),
+        apply(Function::Truncate),
+        apply(Function::Round),
+        apply(Function::Floor),
+        apply(Function::Abs),
         negate(node),
-        between(0.0, 255.0),
-        two(Function::Max, 0.0),
-        two(Function::Min, 255.0),
-        two(Function::Mod, 256.0),
+        clamp(0.0, 255.0),
+        limit_by(Function::Max, 0.0),
+        limit_by(Function::Min, 255.0),
+        limit_by(Function::Mod, 256.0),
         signed(128.0),
-        between(-128.0, 127.0),
-        between(0.0, 1.0),
-        between(-1.0, 1.0),
-        two(Function::Mod, 128.0),
-        two(Function::Mod, 255.0),
+        clamp(-128.0, 127.0),
+        clamp(0.0, 1.0),
+        clamp(-1.0, 1.0),
+        limit_by(Function::Mod, 128.0),
+        limit_by(Function::Mod, 255.0),
         signed(32768.0),
-        call(Function::Mod, &[of(Function::Truncate), number(256.0)]),
+        call(Function::Mod, &[apply(Function::Truncate), number(256.0)]),
         Expression::Sum(vec![number(255.0), negate(node)]),
     ]
 }
 
-/// Drops two or more neighboring terms or factors, or applies a function to them.
+/// Drops two or more adjacent terms or factors, or applies a function to them.
 fn change_groups(node: &Expression, scope: Scope) -> Vec<Expression> {
     let (all, node): (&[Expression], fn(Vec<Expression>) -> Expression) = match node {
         Expression::Sum(terms) => (terms, Expression::Sum),
@@ -388,20 +387,20 @@ fn change_groups(node: &Expression, scope: Scope) -> Vec<Expression> {
     let mut changed = Vec::new();
     for start in 0..all.len() {
         for end in (start + 2..=all.len()).filter(|end| end - start < all.len()) {
-            let replaced = |by: Option<Expression>| {
-                let parts = [&all[..start], by.as_slice(), &all[end..]].concat();
+            let replace = |new: Option<Expression>| {
+                let parts = [&all[..start], new.as_slice(), &all[end..]].concat();
                 single_or_node(parts, node)
             };
             let group = node(all[start..end].to_vec());
-            changed.push(replaced(None));
+            changed.push(replace(None));
             let calls = apply_functions(&group, scope).into_iter();
-            changed.extend(calls.map(|by| replaced(Some(by))));
+            changed.extend(calls.map(|new| replace(Some(new))));
         }
     }
     changed
 }
 
-/// Replaces a variable with another one under a condition: some variable in the scope is 0, is not 0, or is above 255.
+/// Replaces a variable with another one under a condition: a variable in the scope is 0, is not 0, or is greater than 255.
 fn replace_conditionally(node: &Expression, scope: Scope) -> Vec<Expression> {
     let Expression::Variable(own) = node else {
         return Vec::new();
@@ -409,12 +408,12 @@ fn replace_conditionally(node: &Expression, scope: Scope) -> Vec<Expression> {
     let mut all = Vec::new();
     for condition in 0..scope.variables.len() {
         let variable = Expression::Variable(condition);
-        let size = call(Function::Abs, std::slice::from_ref(&variable));
-        let is_zero = call(Function::AtMost, &[size, number(0.0)]);
-        let is_a_byte = call(Function::AtMost, &[variable, number(255.0)]);
-        for place in (0..scope.variables.len()).filter(|other| other != own) {
-            let other = Expression::Variable(place);
-            let if_zero = match place == condition {
+        let absolute = call(Function::Abs, std::slice::from_ref(&variable));
+        let is_zero = call(Function::AtMost, &[absolute, number(0.0)]);
+        let is_byte = call(Function::AtMost, &[variable, number(255.0)]);
+        for index in (0..scope.variables.len()).filter(|other| other != own) {
+            let other = Expression::Variable(index);
+            let if_zero = match index == condition {
                 true => number(0.0),
                 false => other.clone(),
             };
@@ -424,7 +423,7 @@ fn replace_conditionally(node: &Expression, scope: Scope) -> Vec<Expression> {
             };
             all.push(select(&is_zero, &if_zero, node));
             all.push(select(&is_zero, node, &other));
-            all.push(select(&is_a_byte, node, &other));
+            all.push(select(&is_byte, node, &other));
         }
     }
     all
@@ -441,7 +440,7 @@ mod tests {
     #[test]
     fn ordinary_mistakes_are_generated() {
         use Formula::{Color, FinalCoefficient, LumSample, Plane, Predictor, StoredRow};
-        for (formula, wanted) in [
+        for (formula, expected) in [
             (FinalCoefficient, "(raw + bias[i]) * scale[i]"),
             (FinalCoefficient, "(raw - bias[i]) * scale[mod(i + 1, 6)]"),
             (FinalCoefficient, "(raw - scale[i]) * bias[i]"),
@@ -455,8 +454,8 @@ mod tests {
             (Predictor, "invert(displace(reference))"),
             (Predictor, "displace(invert(coded))"),
         ] {
-            let is_generated = edit_texts(formula).iter().any(|text| text == wanted);
-            assert!(is_generated, "{wanted} is not generated");
+            let is_generated = edit_texts(formula).iter().any(|text| text == expected);
+            assert!(is_generated, "{expected} is not generated");
         }
     }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! (raw - bias[i]) * scale[i]             numbers, variables, list elements, + - * / and parentheses
 //! min(max(c, 0), 255)                    functions
-//! [row:height, x:width, i:6]             an address: digits with their radices, the slowest first
+//! [row:height, x:width, i:6]             an address: digits with their radices, the most significant first
 //! ```
 //!
 //! Values are real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
@@ -65,9 +65,9 @@ pub enum Function {
     Power,
     /// `sin(a)`, with `a` in radians.
     Sin,
-    /// `at_most(a, b)`, 1 if `a <= b`, otherwise 0.
+    /// `at_most(a, b)`, 1 if `a <= b`, or else 0.
     AtMost,
-    /// `select(condition, a, b)`, `b` if the condition is 0, otherwise `a`.
+    /// `select(condition, a, b)`, `b` if the condition is 0, or else `a`.
     Select,
     /// `invert(plane)`, applied to a whole plane.
     Invert,
@@ -105,7 +105,7 @@ impl Expression {
         let value = |expression: &Expression| expression.value(variables, lists);
         match self {
             Expression::Number(number) => *number,
-            Expression::Variable(place) => variables[*place],
+            Expression::Variable(index) => variables[*index],
             Expression::Element(list, index) => {
                 let index = value(index);
                 let is_index = index >= 0.0 && index.fract() == 0.0;
@@ -115,7 +115,7 @@ impl Expression {
             Expression::Sum(terms) => terms.iter().map(value).fold(-0.0, |sum, term| sum + term),
             Expression::Product(factors) => factors.iter().map(value).product(),
             Expression::Negative(inner) => -value(inner),
-            Expression::Quotient(over, under) => value(over) / value(under),
+            Expression::Quotient(numerator, denominator) => value(numerator) / value(denominator),
             Expression::Call(Function::Select, arguments) => match value(&arguments[0]) {
                 0.0 => value(&arguments[2]),
                 _ => value(&arguments[1]),
@@ -139,7 +139,7 @@ impl Expression {
             Expression::Sum(all) | Expression::Product(all) | Expression::Call(_, all) => {
                 all.iter().collect()
             }
-            Expression::Quotient(over, under) => vec![over, under],
+            Expression::Quotient(numerator, denominator) => vec![numerator, denominator],
             Expression::Address(digits) => digits
                 .iter()
                 .flat_map(|(digit, radix)| [digit, radix])
@@ -147,22 +147,22 @@ impl Expression {
         }
     }
 
-    /// Returns the expression after replacing the child with index `place`.
+    /// Returns the expression after replacing the child with index `index`.
     #[must_use]
-    pub fn with_child(&self, place: usize, child: Expression) -> Expression {
+    pub fn with_child(&self, index: usize, child: Expression) -> Expression {
         let mut changed = self.clone();
         match &mut changed {
             Expression::Number(_) | Expression::Variable(_) => {}
             Expression::Element(_, inner) | Expression::Negative(inner) => **inner = child,
             Expression::Sum(all) | Expression::Product(all) | Expression::Call(_, all) => {
-                all[place] = child;
+                all[index] = child;
             }
-            Expression::Quotient(over, under) => {
-                **if place == 0 { over } else { under } = child;
+            Expression::Quotient(numerator, denominator) => {
+                **if index == 0 { numerator } else { denominator } = child;
             }
             Expression::Address(digits) => {
-                let (digit, radix) = &mut digits[place / 2];
-                *if place.is_multiple_of(2) {
+                let (digit, radix) = &mut digits[index / 2];
+                *if index.is_multiple_of(2) {
                     digit
                 } else {
                     radix
@@ -174,12 +174,12 @@ impl Expression {
 
     /// Returns true if the expression uses the variable with this index.
     #[must_use]
-    pub fn uses(&self, place: usize) -> bool {
-        *self == Expression::Variable(place)
-            || self.children().iter().any(|child| child.uses(place))
+    pub fn uses(&self, index: usize) -> bool {
+        *self == Expression::Variable(index)
+            || self.children().iter().any(|child| child.uses(index))
     }
 
-    /// Formats the expression. Formats addresses as sums of products, and choices in words.
+    /// Formats the expression. Addresses become sums of products, and choices become words.
     #[must_use]
     pub fn display(&self, scope: Scope) -> String {
         let mut text = String::new();
@@ -190,14 +190,14 @@ impl Expression {
     /// Appends the expression to `text`. Adds parentheses if it binds more weakly than `strength`: 1 for a term, 2
     /// for a factor, 3 for the right side of a division.
     fn write(&self, text: &mut String, scope: Scope, strength: u8) {
-        let own = match self {
+        let own_strength = match self {
             Expression::Sum(_) => 0,
             Expression::Address(digits) if digits.len() > 1 => 0,
             Expression::Negative(_) => 1,
             Expression::Product(_) | Expression::Quotient(..) => 2,
             _ => 3,
         };
-        if own < strength {
+        if own_strength < strength {
             text.push('(');
             self.write(text, scope, 0);
             text.push(')');
@@ -205,7 +205,7 @@ impl Expression {
         }
         match self {
             Expression::Number(number) => text.push_str(&number.to_string()),
-            Expression::Variable(place) => text.push_str(scope.variables[*place]),
+            Expression::Variable(index) => text.push_str(scope.variables[*index]),
             Expression::Element(list, index) => {
                 text.push_str(scope.lists[*list]);
                 text.push('[');
@@ -236,10 +236,10 @@ impl Expression {
                 text.push('-');
                 inner.write(text, scope, 2);
             }
-            Expression::Quotient(over, under) => {
-                over.write(text, scope, 2);
+            Expression::Quotient(numerator, denominator) => {
+                numerator.write(text, scope, 2);
                 text.push_str(" / ");
-                under.write(text, scope, 3);
+                denominator.write(text, scope, 3);
             }
             Expression::Call(Function::Select, arguments) => {
                 let [condition, then, otherwise] = &arguments[..] else {
@@ -330,27 +330,27 @@ impl ExpressionParser<'_> {
         self.rest.next()
     }
 
-    fn take(&mut self, wanted: char) -> bool {
-        let is_next = self.peek() == Some(wanted);
+    fn accept(&mut self, expected: char) -> bool {
+        let is_next = self.peek() == Some(expected);
         if is_next {
             self.rest.next();
         }
         is_next
     }
 
-    fn expect(&mut self, wanted: char) -> Result<(), String> {
-        match self.take(wanted) {
+    fn expect(&mut self, expected: char) -> Result<(), String> {
+        match self.accept(expected) {
             true => Ok(()),
-            false => Err(format!("expected {wanted:?}, found {:?}", self.peek())),
+            false => Err(format!("expected {expected:?}, found {:?}", self.peek())),
         }
     }
 
     fn parse_sum(&mut self) -> Result<Expression, String> {
         let mut terms = vec![self.parse_product()?];
         loop {
-            if self.take('+') {
+            if self.accept('+') {
                 terms.push(self.parse_product()?);
-            } else if self.take('-') {
+            } else if self.accept('-') {
                 terms.push(Expression::Negative(Box::new(self.parse_product()?)));
             } else {
                 return Ok(single_or_node(terms, Expression::Sum));
@@ -361,12 +361,12 @@ impl ExpressionParser<'_> {
     fn parse_product(&mut self) -> Result<Expression, String> {
         let mut factors = vec![self.parse_signed()?];
         loop {
-            if self.take('*') {
+            if self.accept('*') {
                 factors.push(self.parse_signed()?);
-            } else if self.take('/') {
-                let over = single_or_node(factors, Expression::Product);
+            } else if self.accept('/') {
+                let numerator = single_or_node(factors, Expression::Product);
                 factors = vec![Expression::Quotient(
-                    Box::new(over),
+                    Box::new(numerator),
                     Box::new(self.parse_signed()?),
                 )];
             } else {
@@ -376,7 +376,7 @@ impl ExpressionParser<'_> {
     }
 
     fn parse_signed(&mut self) -> Result<Expression, String> {
-        match self.take('-') {
+        match self.accept('-') {
             true => Ok(Expression::Negative(Box::new(self.parse_signed()?))),
             false => self.parse_atom(),
         }
@@ -404,9 +404,9 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn take_word(&mut self, belongs: fn(char) -> bool) -> String {
+    fn take_word(&mut self, is_part: fn(char) -> bool) -> String {
         let mut word = String::new();
-        while let Some(c) = self.rest.next_if(|&c| belongs(c)) {
+        while let Some(c) = self.rest.next_if(|&c| is_part(c)) {
             word.push(c);
         }
         word
@@ -419,7 +419,7 @@ impl ExpressionParser<'_> {
             let digit = self.parse_sum()?;
             self.expect(':')?;
             digits.push((digit, self.parse_sum()?));
-            if !self.take(',') {
+            if !self.accept(',') {
                 self.expect(']')?;
                 return Ok(Expression::Address(digits));
             }
@@ -427,11 +427,11 @@ impl ExpressionParser<'_> {
     }
 
     fn parse_name(&mut self, name: &str) -> Result<Expression, String> {
-        let place_in = |names: &[&str]| names.iter().position(|&known| known == name);
-        if let Some(variable) = place_in(self.scope.variables) {
+        let find_in = |names: &[&str]| names.iter().position(|&known| known == name);
+        if let Some(variable) = find_in(self.scope.variables) {
             return Ok(Expression::Variable(variable));
         }
-        if let Some(list) = place_in(self.scope.lists) {
+        if let Some(list) = find_in(self.scope.lists) {
             self.expect('[')?;
             let index = self.parse_sum()?;
             self.expect(']')?;
@@ -443,7 +443,7 @@ impl ExpressionParser<'_> {
         };
         self.expect('(')?;
         let mut arguments = vec![self.parse_sum()?];
-        while self.take(',') {
+        while self.accept(',') {
             arguments.push(self.parse_sum()?);
         }
         self.expect(')')?;
@@ -510,7 +510,7 @@ mod tests {
 
     #[test]
     fn printed_expressions_parse_to_the_same_expression() {
-        let shown = |text| parse(text, SCOPE).expect("an expression").display(SCOPE);
+        let print = |text| parse(text, SCOPE).expect("an expression").display(SCOPE);
         for text in [
             "a + b * 2 - 1",
             "(a - bias[1]) / 2 * 4",
@@ -519,18 +519,18 @@ mod tests {
             "min(max(a, 0), 255)",
             "bias[5 - mod(a, 6)]",
         ] {
-            assert_eq!(shown(text), text);
+            assert_eq!(print(text), text);
         }
-        // An address is formatted as arithmetic, and a choice in words.
-        let address = shown("[a:3, b + 1:width, 1:6]");
+        // An address is printed as arithmetic, and a choice as words.
+        let address = print("[a:3, b + 1:width, 1:6]");
         assert_eq!(address, "(a * width + b + 1) * 6 + 1");
-        let choice = shown("1 + select(at_most(abs(a), 0), b, 2)");
+        let choice = print("1 + select(at_most(abs(a), 0), b, 2)");
         assert_eq!(choice, "1 + (b if a = 0, else 2)");
     }
 
     #[test]
     fn parse_errors_name_the_fault() {
-        let error = |text: &str| parse(text, SCOPE).expect_err("no expression");
+        let error = |text: &str| parse(text, SCOPE).expect_err("an error");
         assert_eq!(error("a + c"), "unknown name \"c\"");
         assert_eq!(error("min(a)"), "min takes 2 arguments");
         assert!(error("a b").starts_with("unexpected 'b'"));

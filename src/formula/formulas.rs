@@ -1,4 +1,4 @@
-//! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each of them may use.
+//! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each formula may use.
 
 use std::sync::LazyLock;
 
@@ -143,7 +143,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if the values of some file in this format depend on the formula.
+    /// Returns true if the values of any file in this format depend on the formula.
     #[must_use]
     pub fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();
@@ -216,15 +216,15 @@ struct FormulaRecord {
 /// All formulas, in the order of [`Formula::ALL`].
 static STATED_FORMULAS: LazyLock<Vec<StatedFormula>> = LazyLock::new(|| {
     let text = include_str!("../../spec-cases/formulas.yaml");
-    read(text).unwrap_or_else(|error| unreachable!("formulas.yaml, which a test reads: {error}"))
+    read(text).unwrap_or_else(|error| unreachable!("invalid embedded formulas.yaml: {error}"))
 });
 
-/// Parses the formulas. Their texts are never freed.
+/// Parses the formulas. Leaks their texts.
 fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
     let records = yaml::records::<FormulaRecord>(text)?;
     let all = Formula::ALL.iter().map(|row| row.1);
     if !records.iter().map(|(_, record)| &*record.name).eq(all) {
-        return Err("the names are not those of Formula::ALL in its order".to_owned());
+        return Err("the names must equal those of Formula::ALL, in the same order".to_owned());
     }
     let names = |text: String| -> &'static [&'static str] {
         let text: &'static str = text.leak();

@@ -63,7 +63,7 @@ impl Edits<'_> {
     }
 }
 
-/// Converts a value to a byte: rounds down, modulo 256.
+/// Converts a value to a byte: `floor(value) mod 256`.
 fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
@@ -81,15 +81,15 @@ pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     if edits.has_stage(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
-        for (at, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
-            let [i, c] = coefficient_index(at % channels);
+        for (k, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
+            let [i, c] = coefficient_index(k % channels);
             *sample = to_byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
         }
     }
     ptm
 }
 
-/// Returns the index of the coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
+/// Returns the indices of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
 fn coefficient_index(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
@@ -104,9 +104,9 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
         reading,
         edits,
     };
-    // A texel takes at least one byte, so an edited address cannot make a small file large.
-    let texels_at_most = input.rest().len() as u64;
-    if header.format.coding().is_none() && header.size.bytes(1) > texels_at_most {
+    // A texel has at least one byte, so an edited address cannot turn a small file into a large image.
+    let max_texels = input.rest().len() as u64;
+    if header.format.coding().is_none() && header.size.bytes(1) > max_texels {
         return Err(outside_data_error(input.at()));
     }
     let samples = match header.format.storage() {
@@ -140,13 +140,13 @@ struct TexelLayout<'a> {
 }
 
 /// Returns the error for an address outside the data.
-fn outside_data_error(at: usize) -> Error {
+fn outside_data_error(offset: usize) -> Error {
     let kind = Kind::Short {
         what: "the addressed values",
         needs: 1,
         remain: 0,
     };
-    Error::new("2.7/3", at, kind)
+    Error::new("2.7/3", offset, kind)
 }
 
 /// Returns the element at an address, or an error if the address is outside the data.
@@ -162,7 +162,7 @@ impl TexelLayout<'_> {
         [f64::from(width), f64::from(height)]
     }
 
-    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column and the channel.
+    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column, and the channel.
     fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
         let [width, height] = self.size();
         let channels = self.header.format.channels();
@@ -170,8 +170,8 @@ impl TexelLayout<'_> {
         for row in 0..self.header.size.height {
             for column in 0..self.header.size.width {
                 let texel = [f64::from(column), f64::from(row), width, height];
-                let own_row = || (self.reading.stored_row)(self.header, row as usize) as f64;
-                let stored_row = self.edits.value_or(Formula::StoredRow, &texel, own_row);
+                let unedited = || (self.reading.stored_row)(self.header, row as usize) as f64;
+                let stored_row = self.edits.value_or(Formula::StoredRow, &texel, unedited);
                 let stored_column = self.edits.value(Formula::StoredColumn, &texel, &[]);
                 for channel in 0..channels {
                     samples.push(sample(stored_row, stored_column, channel)?);
@@ -183,8 +183,8 @@ impl TexelLayout<'_> {
 
     /// Returns the address of a value in the payload. `table` contains the number of entries, their size and the
     /// number of bytes per index.
-    fn address_of(&self, formula: Formula, at: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
-        let [row, x] = at;
+    fn address_of(&self, formula: Formula, pos: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
+        let [row, x] = pos;
         let [width, height] = self.size();
         let [i, c] = match formula {
             Formula::LumSample | Formula::LrgbPlane => [channel as f64, 0.0],
@@ -241,14 +241,14 @@ impl TexelLayout<'_> {
                 .map(stored)
                 .collect::<Result<Vec<u8>>>()?;
             let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
-            let own_index = || (self.reading.index)(&stored) as f64;
+            let unedited = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
             // The formula only applies to indices of two bytes.
             let index = match stored.len() {
-                1 => own_index(),
-                _ => self.edits.value_or(Formula::Index, &variables, own_index),
+                1 => unedited(),
+                _ => self.edits.value_or(Formula::Index, &variables, unedited),
             };
-            // An edited index keeps its fraction and its sign, so that its address is refused.
+            // An edited index retains its fraction and its sign, so that its address is refused.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
                 true => (self.reading.entry)(index as usize, count)
                     .ok_or_else(|| outside_data_error(0))? as f64,
@@ -275,8 +275,8 @@ impl TexelLayout<'_> {
             _ => Formula::LrgbPlane,
         };
         let plane_of = |channel| {
-            let place = self.address_of(formula, [0.0; 2], channel, [0.0; 3]);
-            element_at(planes, place)
+            let index = self.address_of(formula, [0.0; 2], channel, [0.0; 3]);
+            element_at(planes, index)
         };
         let planes: Vec<&Vec<u8>> = (0..planes.len()).map(plane_of).collect::<Result<_>>()?;
         let [width, height] = self.size();
@@ -345,12 +345,12 @@ impl CompressedPlanes<'_> {
 
     /// Returns the prediction step of plane `p`.
     fn edited_step(&self, p: usize) -> Result<Step> {
-        let own = self.coded.plan.steps[p];
+        let default = self.coded.plan.steps[p];
         if !self
             .edits
             .edits_any(Formula::Transform..=Formula::Reference)
         {
-            return Ok(own);
+            return Ok(default);
         }
         let raw = self.lists;
         let lists = [&raw.transforms, &raw.motion, &raw.references];
@@ -364,15 +364,15 @@ impl CompressedPlanes<'_> {
             raw.order[p].value as f64,
         ];
         let value = |formula| self.edits.value(formula, &variables, &lists);
-        let edited_or = |formula, own: i64| match self.edits.is_edited(formula) {
+        let edited_or = |formula, default: i64| match self.edits.is_edited(formula) {
             true => value(formula) as i64,
-            false => own,
+            false => default,
         };
         let transform = value(Formula::Transform);
         let has = |formula| self.edits.value(formula, &[transform], &[]) != 0.0;
         let reference = edited_or(
             Formula::Reference,
-            own.reference.map_or(-1, |plane| plane as i64),
+            default.reference.map_or(-1, |plane| plane as i64),
         );
         if reference >= self.coded.plan.steps.len() as i64 {
             return Err(outside_data_error(self.coded.at));
@@ -382,18 +382,18 @@ impl CompressedPlanes<'_> {
             inverted: has(Formula::Inverted),
             moved: has(Formula::Displaced),
             motion: (
-                edited_or(Formula::VectorX, own.motion.0),
-                edited_or(Formula::VectorY, own.motion.1),
+                edited_or(Formula::VectorX, default.motion.0),
+                edited_or(Formula::VectorY, default.motion.1),
             ),
         })
     }
 
-    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, as coded) and the
+    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, and as coded) and the
     /// previously decoded plane.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
         if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
-            let own = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
-            return Ok(own.into_owned());
+            let plane = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
+            return Ok(plane.into_owned());
         }
         match self.edits.change(Formula::Predictor) {
             Some(EditedForm::Expression(expression)) => {
@@ -430,8 +430,8 @@ impl CompressedPlanes<'_> {
             }
             // Any other expression is evaluated element by element.
             _ => {
-                let value = |at: usize| {
-                    let values = sources.map(|plane| f64::from(plane[at]));
+                let value = |i: usize| {
+                    let values = sources.map(|plane| f64::from(plane[i]));
                     to_byte(expression.value(&values, &[]))
                 };
                 Ok((0..sources[0].len()).map(value).collect())
@@ -455,11 +455,11 @@ impl CompressedPlanes<'_> {
         let mx = (self.reading.motion_sign)(step.motion.0) as f64;
         let my = (self.reading.motion_sign)((self.reading.motion_vertical)(step.motion.1)) as f64;
         let mut displaced = Vec::with_capacity(plane.len());
-        for at in 0..plane.len() {
-            let (x, y) = ((at as f64) % width, (at as f64 / width).floor());
+        for i in 0..plane.len() {
+            let (x, y) = ((i as f64) % width, (i as f64 / width).floor());
             let variables = [x, y, mx, my, width, height];
-            let place = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
-            let (x2, y2) = (place(Formula::DisplacedX), place(Formula::DisplacedY));
+            let position = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
+            let (x2, y2) = (position(Formula::DisplacedX), position(Formula::DisplacedY));
             displaced.push(self.interpolate(plane, x2, y2)?);
         }
         Ok(displaced)
@@ -469,12 +469,12 @@ impl CompressedPlanes<'_> {
     fn interpolate(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
         let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
         let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
-        let at = |x, y| self.sample_at(plane, x, y);
+        let sample = |x, y| self.sample_at(plane, x, y);
         let corners = [
-            at(left, first)?,
-            at(right, first)?,
-            at(left, second)?,
-            at(right, second)?,
+            sample(left, first)?,
+            sample(right, first)?,
+            sample(left, second)?,
+            sample(right, second)?,
         ];
         let [a, b, c, d] = corners.map(f64::from);
         let formula = match (left < right, first < second) {
@@ -515,7 +515,7 @@ impl CompressedPlanes<'_> {
                 Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
             };
         }
-        let [inverted, moved] = [step.inverted, step.moved].map(|is| f64::from(u8::from(is)));
+        let [inverted, moved] = [step.inverted, step.moved].map(|flag| f64::from(u8::from(flag)));
         for (value, &predictor) in plane.iter_mut().zip(predictor) {
             let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
             *value = to_byte(self.edits.value(Formula::Plane, &variables, &[]));
@@ -529,14 +529,14 @@ impl CompressedPlanes<'_> {
             return self.coded.correct(p, plane, self.reading);
         }
         let block = (self.reading.side_information)(&self.coded, p);
-        let at = self.coded.at + self.coded.plan.extents[p].side.start;
+        let start = self.coded.at + self.coded.plan.extents[p].side.start;
         if !edits.edits_any(Formula::RecordCount..=Formula::RecordByte) {
-            (self.reading.records)(block, at, plane.len())?;
+            (self.reading.records)(block, start, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];
         let count = edits.value(Formula::RecordCount, &size, &[]);
         if count.fract() != 0.0 {
-            return Err(outside_data_error(at));
+            return Err(outside_data_error(start));
         }
         // An edited count may be any number, but there are never more records than bytes.
         for r in 0..(count as usize).min(block.len()) {
@@ -554,11 +554,11 @@ impl CompressedPlanes<'_> {
             let record = [
                 position, row, column, width, height, r as f64, value, predicted,
             ];
-            let place = edits.value(Formula::RecordPlace, &record, &[]);
-            let before = f64::from(*element_at(plane, place)?);
-            let residual = f64::from(residuals[place as usize]);
+            let texel = edits.value(Formula::RecordPlace, &record, &[]);
+            let before = f64::from(*element_at(plane, texel)?);
+            let residual = f64::from(residuals[texel as usize]);
             let correction = [value, before, residual, position, r as f64, predicted];
-            plane[place as usize] = to_byte(edits.value(Formula::Corrected, &correction, &[]));
+            plane[texel as usize] = to_byte(edits.value(Formula::Corrected, &correction, &[]));
         }
         Ok(())
     }
@@ -571,8 +571,8 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
     if edits.has_stage(Stage::Coefficients) {
         let channels = planes.shape.channels();
         let values = coefficients.values.iter_mut().zip(&planes.samples);
-        for (at, (value, &raw)) in values.enumerate() {
-            let channel = at % channels;
+        for (i, (value, &raw)) in values.enumerate() {
+            let channel = i % channels;
             let formula = match channel < planes.shape.coefficients() {
                 true => Formula::FinalCoefficient,
                 false => Formula::FinalColor,
@@ -614,8 +614,8 @@ pub(crate) fn image(
         Shape::Lrgb => {
             let luminance = polynomial(&texel[..6]);
             [texel[6], texel[7], texel[8]].map(|rgb| {
-                let own = || (reading.modulate)(luminance, rgb);
-                edits.value_or(Formula::Color, &[luminance, rgb], own)
+                let unedited = || (reading.modulate)(luminance, rgb);
+                edits.value_or(Formula::Color, &[luminance, rgb], unedited)
             })
         }
         Shape::Lum(matrix) => {
@@ -627,16 +627,16 @@ pub(crate) fn image(
             [0.0, 1.0, 2.0].map(row)
         }
     };
-    let shown = |value: f64| {
-        let shown = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
-        // A byte of an image cannot represent NaN.
-        if shown.is_nan() { 0.0 } else { shown }
+    let clamp = |value: f64| {
+        let clamped = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
+        // A byte cannot represent NaN.
+        if clamped.is_nan() { 0.0 } else { clamped }
     };
     let texels = coefficients
         .values
         .chunks_exact(coefficients.shape.channels());
     RelitImage {
         size: coefficients.size,
-        values: texels.flat_map(color).map(shown).collect(),
+        values: texels.flat_map(color).map(clamp).collect(),
     }
 }

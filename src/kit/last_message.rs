@@ -1,6 +1,6 @@
 //! The last message that a crashed program printed.
 
-/// Prefixes of lines that interpreters print after the message: locations, versions, hints.
+/// Prefixes of lines that interpreters print after the message: locations, versions and hints.
 const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 
 /// Returns the last line of standard error that looks like a message, if any.
@@ -22,7 +22,7 @@ mod tests {
     use super::last_message;
 
     #[test]
-    fn last_words_omit_interpreter_trailers() {
+    fn last_message_omits_interpreter_trailers() {
         let node = "dec.js:3\n  f();\n  ^\n\nTypeError: f is not a function\n    at main (dec.js:3:5)\n\nNode.js v20.20.2\n";
         assert_eq!(last_message(node), Some("TypeError: f is not a function"));
         let python =

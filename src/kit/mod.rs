@@ -6,8 +6,8 @@ pub(crate) mod last_message;
 pub mod parallel;
 pub mod yaml;
 
-/// Returns the name and the text of files of a folder of the repository. They are embedded in the program, so that an installed
-/// one needs no checkout.
+/// Expands to the names and texts of files in a folder of the repository. The files are embedded in the program, so that an
+/// installed program needs no checkout.
 macro_rules! embedded {
     ($folder:literal, $($name:literal),* $(,)?) => {
         &[$((

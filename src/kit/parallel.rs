@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex};
 
-/// Calls `work` with every number below `count`, each on a separate thread. Falls back to this thread if no thread
-/// can be started.
+/// Calls `work` with every number below `count`, each on a separate thread. If a thread cannot be started, the calling
+/// thread does its work.
 pub(crate) fn run_on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
-        let refused = |&i: &usize| {
+        let is_not_started = |&i: &usize| {
             let thread = std::thread::Builder::new();
             thread.spawn_scoped(scope, move || work(i)).is_err()
         };
-        let left: Vec<usize> = (0..count).filter(refused).collect();
-        left.into_iter().for_each(work);
+        let rest: Vec<usize> = (0..count).filter(is_not_started).collect();
+        rest.into_iter().for_each(work);
     });
 }
 
@@ -28,62 +28,62 @@ pub(crate) fn map_in_parallel<T: Send>(
     let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
     run_on_threads(jobs.clamp(1, count.max(1)), &|_| {
         loop {
-            let place = next.fetch_add(1, Relaxed);
-            if place >= count {
+            let i = next.fetch_add(1, Relaxed);
+            if i >= count {
                 break;
             }
-            *slots[place].lock().expect("no worker panics") = Some(make(place));
+            *slots[i].lock().expect("no worker panics") = Some(make(i));
             progress(done.fetch_add(1, Relaxed) + 1, count);
         }
     });
-    let made = slots
+    let results = slots
         .into_iter()
         .map(|slot| slot.into_inner().expect("no worker panics"));
-    made.flatten().collect()
+    results.flatten().collect()
 }
 
-/// Maximum number of results that wait for an earlier one.
+/// Maximum number of results that wait for an earlier result.
 const MAX_WAITING_RESULTS: usize = 256;
 
 /// Index of the next result to emit, and later results that are ready.
 struct OrderedResults<R, S> {
     next: usize,
     waiting: BTreeMap<usize, R>,
-    show: S,
+    emit: S,
 }
 
-/// Calls `work` with every item, up to `jobs` in parallel, and `show` with every result, in the order of the items.
+/// Calls `work` with every item, up to `jobs` in parallel, and `emit` with every result, in the order of the items.
 /// Buffers only a few results: a thread that is too far ahead waits. `work` must not panic.
 pub fn process_in_order<T: Send, R: Send>(
     items: impl Iterator<Item = T> + Send,
     jobs: usize,
     work: &(impl Fn(T) -> R + Sync),
-    show: impl FnMut(R) + Send,
+    emit: impl FnMut(R) + Send,
 ) {
     const LOCK_NOT_POISONED: &str = "no worker panics";
     let items = Mutex::new(items.enumerate());
-    let line = Mutex::new(OrderedResults {
+    let queue = Mutex::new(OrderedResults {
         next: 0,
         waiting: BTreeMap::new(),
-        show,
+        emit,
     });
-    let moved = Condvar::new();
+    let turn = Condvar::new();
     run_on_threads(jobs.max(1), &|_| {
         loop {
-            let Some((turn, item)) = items.lock().expect(LOCK_NOT_POISONED).next() else {
+            let Some((i, item)) = items.lock().expect(LOCK_NOT_POISONED).next() else {
                 break;
             };
             let result = work(item);
-            let line = line.lock().expect(LOCK_NOT_POISONED);
-            let early = |line: &mut OrderedResults<R, _>| turn > line.next + MAX_WAITING_RESULTS;
-            let mut line = moved.wait_while(line, early).expect(LOCK_NOT_POISONED);
-            line.waiting.insert(turn, result);
-            let line = &mut *line;
-            while let Some(result) = line.waiting.remove(&line.next) {
-                (line.show)(result);
-                line.next += 1;
+            let queue = queue.lock().expect(LOCK_NOT_POISONED);
+            let is_early = |r: &mut OrderedResults<R, _>| i > r.next + MAX_WAITING_RESULTS;
+            let mut queue = turn.wait_while(queue, is_early).expect(LOCK_NOT_POISONED);
+            queue.waiting.insert(i, result);
+            let queue = &mut *queue;
+            while let Some(result) = queue.waiting.remove(&queue.next) {
+                (queue.emit)(result);
+                queue.next += 1;
             }
-            moved.notify_all();
+            turn.notify_all();
         }
     });
 }
@@ -94,14 +94,14 @@ mod tests {
 
     #[test]
     fn results_arrive_in_order() {
-        let mut shown = Vec::new();
+        let mut emitted = Vec::new();
         let work = |item: usize| {
             if item == 0 {
                 std::thread::sleep(std::time::Duration::from_millis(50));
             }
             item
         };
-        process_in_order(0..2000, 4, &work, |result| shown.push(result));
-        assert!(shown.into_iter().eq(0..2000));
+        process_in_order(0..2000, 4, &work, |result| emitted.push(result));
+        assert!(emitted.into_iter().eq(0..2000));
     }
 }

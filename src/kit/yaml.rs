@@ -1,6 +1,6 @@
 //! Reading and writing of YAML.
 //!
-//! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so every
+//! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so that every
 //! error names its line. Size and depth are limited. Anchors, aliases and tags are rejected.
 
 use std::collections::HashSet;
@@ -17,7 +17,7 @@ use serde::forward_to_deserialize_any;
 
 use crate::kit::strip_os_error_code;
 
-/// Maximum size of a file in bytes, enough for about 200,000 cases.
+/// Maximum size of a file in bytes. It suffices for about 200,000 cases.
 const MAX_BYTES: u64 = 64 << 20;
 /// Maximum number of nodes in a file.
 const MAX_NODES: usize = 8_000_000;
@@ -33,26 +33,26 @@ const MAX_DEPTH: usize = 16;
     reason = "files are small where bytes are counted"
 )]
 pub fn read_text(path: &Path) -> Result<String, String> {
-    let named =
+    let with_path =
         |error: &dyn fmt::Display| format!("{}: {}", path.display(), strip_os_error_code(error));
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| named(&error))?;
+    let file = File::open(path).map_err(|error| with_path(&error))?;
     file.take(MAX_BYTES + 1)
         .read_to_end(&mut bytes)
-        .map_err(|error| named(&error))?;
+        .map_err(|error| with_path(&error))?;
     if bytes.len() as u64 > MAX_BYTES {
-        return Err(named(&format!(
+        return Err(with_path(&format!(
             "the file is larger than {} MiB, so it is not a report",
             MAX_BYTES >> 20
         )));
     }
     String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let line = 1 + error.as_bytes()[..at]
+        let end = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..end]
             .iter()
             .filter(|&&byte| byte == b'\n')
             .count();
-        named(&format!("line {line}: not UTF-8"))
+        with_path(&format!("line {line}: not UTF-8"))
     })
 }
 
@@ -93,7 +93,7 @@ pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, Strin
 /// Serializes a value.
 ///
 /// # Errors
-/// Returns an error if YAML cannot represent the value. No value in this program causes it.
+/// Returns an error if YAML cannot represent the value, which does not happen for the values of this program.
 pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
     serde_saphyr::to_string(value).map_err(|error| error.to_string())
 }
@@ -105,7 +105,7 @@ struct Node {
 }
 
 enum Value {
-    /// A scalar. An unquoted one (`plain`) may be a number, a Boolean or null.
+    /// A scalar. An unquoted (`plain`) scalar may be a number, a Boolean or null.
     Scalar {
         text: String,
         plain: bool,
@@ -118,27 +118,27 @@ enum Value {
 #[derive(Debug)]
 struct YamlError {
     line: usize,
-    what: String,
+    message: String,
 }
 
 impl fmt::Display for YamlError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.what)
+        write!(f, "line {}: {}", self.line, self.message)
     }
 }
 
 impl std::error::Error for YamlError {}
 
 impl de::Error for YamlError {
-    fn custom<T: fmt::Display>(what: T) -> YamlError {
+    fn custom<T: fmt::Display>(message: T) -> YamlError {
         YamlError {
             line: 0,
-            what: what.to_string(),
+            message: message.to_string(),
         }
     }
 }
 
-/// Message for a text with an anchor or an alias.
+/// Error message for an anchor or an alias.
 const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
 /// Parses a text into a tree.
@@ -148,14 +148,14 @@ fn parse(text: &str) -> Result<Node, String> {
     let (mut nodes, mut documents) = (0, 0);
     for next in Parser::new_from_str(text) {
         let (event, span) = next.map_err(|error| {
-            let says = match error.info() {
-                says if says.ends_with("unknown anchor") => NO_ANCHORS.to_owned(),
-                says => says,
+            let message = match error.info() {
+                info if info.ends_with("unknown anchor") => NO_ANCHORS.to_owned(),
+                info => info,
             };
-            format!("line {}: {says}", error.marker().line())
+            format!("line {}: {message}", error.marker().line())
         })?;
         let line = span.start.line();
-        let refuse = |what: &str| Err(format!("line {line}: {what}"));
+        let refuse = |why: &str| Err(format!("line {line}: {why}"));
         let value = match event {
             Event::Scalar(_, _, 1.., _)
             | Event::SequenceStart(_, 1.., _)
@@ -163,7 +163,7 @@ fn parse(text: &str) -> Result<Node, String> {
             | Event::Alias(_) => return refuse(NO_ANCHORS),
             Event::Scalar(_, _, _, Some(_))
             | Event::SequenceStart(_, _, Some(_))
-            | Event::MappingStart(_, _, Some(_)) => return refuse("tags are not read"),
+            | Event::MappingStart(_, _, Some(_)) => return refuse("tags are not supported"),
             Event::Scalar(text, style, ..) => Value::Scalar {
                 text: text.into_owned(),
                 plain: style == ScalarStyle::Plain,
@@ -176,7 +176,7 @@ fn parse(text: &str) -> Result<Node, String> {
                 add_node(node, &mut open, &mut root);
                 continue;
             }
-            Event::DocumentStart(..) if documents == 1 => return refuse("a second document"),
+            Event::DocumentStart(..) if documents == 1 => return refuse("more than one document"),
             Event::DocumentStart(..) => {
                 documents += 1;
                 continue;
@@ -206,7 +206,7 @@ fn parse(text: &str) -> Result<Node, String> {
     }))
 }
 
-/// Adds a finished node to the innermost open one. An open mapping stores the key that waits for a value.
+/// Adds a finished node to the innermost open node. An open mapping stores the key that waits for a value.
 fn add_node(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
     let Some((parent, waiting)) = open.last_mut() else {
         *root = Some(node);
@@ -228,10 +228,10 @@ impl Node {
         let Value::Map(entries) = &self.value else {
             return Ok(());
         };
-        let mut known = HashSet::new();
+        let mut keys = HashSet::new();
         for (Node { line, value }, _) in entries {
             match value {
-                Value::Scalar { text, .. } if known.insert(text) => {}
+                Value::Scalar { text, .. } if keys.insert(text) => {}
                 Value::Scalar { text, .. } => {
                     return Err(format!("line {line}: duplicate key {text}"));
                 }
@@ -280,10 +280,10 @@ fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors without one.
+/// Implements a method of the deserializer by a function of the node. Adds the line of the node to errors without a line.
 macro_rules! read {
-    ($($name:ident($($more:ident: $type:ty),*) = $read:expr;)*) => {$(
-        fn $name<V: Visitor<'de>>(self, $($more: $type,)* visitor: V) -> Result<V::Value, YamlError> {
+    ($($name:ident($($parameter:ident: $type:ty),*) = $read:expr;)*) => {$(
+        fn $name<V: Visitor<'de>>(self, $($parameter: $type,)* visitor: V) -> Result<V::Value, YamlError> {
             let read: fn(&Node, V) -> Result<V::Value, YamlError> = $read;
             read(self, visitor).map_err(|type_error| match type_error.line {
                 0 => YamlError { line: self.line, ..type_error },
@@ -394,8 +394,8 @@ mod tests {
 - id: => line 1: invalid type: unit value, expected a string
 id: a => line 1: expected a list
 - id: &a b↵- id: *a => line 1: anchors and aliases are not supported
-- id: !b a => line 1: tags are not read
-- id: a↵---↵- id: b => line 2: a second document
+- id: !b a => line 1: tags are not supported
+- id: a↵---↵- id: b => line 2: more than one document
 - [[[[[[[[[[[[[[[[]]]]]]]]]]]]]]]] => line 1: too deeply nested
 "#;
 
@@ -430,7 +430,7 @@ id: a => line 1: expected a list
     }
 
     #[test]
-    fn scalars_mean_what_the_core_schema_says() {
+    fn scalars_follow_the_core_schema() {
         let value: serde_json::Value =
             from_yaml("[1, -1, 1.5, .5, 1e3, inf, '1', ~, true, True, yes, 1.2.3, 2x]")
                 .expect("it is well-formed");

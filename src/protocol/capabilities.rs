@@ -1,7 +1,7 @@
 //! Capabilities that a decoder declares: `DECODER capabilities` (PTM-CP 1, optional).
 //!
-//! They count only if the program exits with 0 after YAML that says `protocol: 1`. Any other result, including a crash, a
-//! timeout or too much output, is not a failure, because the command is optional.
+//! Capabilities are used only if the program prints YAML that contains `protocol: 1` and exits with 0. Any other result,
+//! including a crash, a timeout or too much output, is not a failure, because the command is optional.
 
 use serde::Deserialize;
 
@@ -9,7 +9,7 @@ use crate::kit::yaml::from_yaml;
 use crate::protocol::frame::{EXIT_UNSUPPORTED, ViewKind};
 use crate::ptm::Format;
 
-/// Maximum number of characters of a name or version.
+/// Maximum number of characters in a name or version.
 const MAX_NAME_LENGTH: usize = 100;
 
 /// Capabilities that a decoder declares. Each is `None` if the decoder does not declare it.
@@ -19,7 +19,7 @@ pub struct Capabilities {
     pub name: Option<String>,
     /// Version of the decoder.
     pub version: Option<String>,
-    /// Views that the decoder offers.
+    /// Views that the decoder supports.
     pub views: Option<Vec<&'static str>>,
     /// Formats that the decoder reads.
     pub formats: Option<Vec<Format>>,
@@ -31,7 +31,7 @@ pub struct Capabilities {
     pub remarks: Vec<String>,
 }
 
-/// The YAML document that the decoder prints; other keys are ignored.
+/// The YAML document that the decoder prints. Other keys are ignored.
 #[derive(Deserialize)]
 #[serde(expecting = "a mapping with protocol: 1")]
 struct CapabilitiesRecord {
@@ -67,19 +67,19 @@ impl Capabilities {
         }
         let mut remarks = Vec::new();
         let view = |word: &str| ViewKind::from_name(word).map(ViewKind::name);
-        let views = known_words(record.views, "view", &mut remarks, view);
+        let views = parse_words(record.views, "view", &mut remarks, view);
         let format = |word: &str| word.parse().ok();
-        let formats = known_words(record.formats, "format", &mut remarks, format);
+        let formats = parse_words(record.formats, "format", &mut remarks, format);
         let mode = |word: &str| ["one-shot", "serve"].into_iter().find(|&mode| mode == word);
-        let modes = known_words(record.modes, "mode", &mut remarks, mode);
+        let modes = parse_words(record.modes, "mode", &mut remarks, mode);
         let reject_exit = record.reject_exit.and_then(|status| {
-            let usable = i32::try_from(status)
+            let valid = i32::try_from(status)
                 .ok()
                 .filter(|status| (1..=255).contains(status) && *status != EXIT_UNSUPPORTED);
-            if usable.is_none() {
+            if valid.is_none() {
                 remarks.push(format!("exit status {status} cannot mean a refusal"));
             }
-            usable
+            valid
         });
         Ok(Capabilities {
             name: record.name.as_deref().map(remove_unprintable),
@@ -101,21 +101,21 @@ impl Capabilities {
     }
 }
 
-fn known_words<T>(
+fn parse_words<T>(
     words: Option<Vec<String>>,
-    what: &str,
+    kind: &str,
     remarks: &mut Vec<String>,
-    know: impl Fn(&str) -> Option<T>,
+    parse: impl Fn(&str) -> Option<T>,
 ) -> Option<Vec<T>> {
-    let one = |word: String| {
+    let parse_word = |word: String| {
         let word = remove_unprintable(&word);
-        let known = know(&word);
+        let known = parse(&word);
         if known.is_none() && remarks.len() < 10 {
-            remarks.push(format!("the decoder declares an unknown {what}: {word:?}"));
+            remarks.push(format!("the decoder declares an unknown {kind}: {word:?}"));
         }
         known
     };
-    Some(words?.into_iter().filter_map(one).collect())
+    Some(words?.into_iter().filter_map(parse_word).collect())
 }
 
 #[cfg(test)]
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn only_declared_capabilities_are_set() {
         let read = Capabilities::read(b"protocol: 1\nname: x\nversion: 1.10\nviews: [raw, png]\nmodes: [serve]\ncolour: blue\nreject_exit: 1\n");
-        let capabilities = read.expect("it counts");
+        let capabilities = read.expect("it is valid");
         assert_eq!(capabilities.name.as_deref(), Some("x"));
         assert_eq!(capabilities.version.as_deref(), Some("1.10"));
         assert_eq!(capabilities.views, Some(vec!["raw"]));
@@ -144,7 +144,7 @@ mod tests {
     fn reserved_statuses_cannot_mean_refusal() {
         for status in ["0", "69", "256", "-1", "99999999999"] {
             let answer = format!("protocol: 1\nreject_exit: {status}\n");
-            let capabilities = Capabilities::read(answer.as_bytes()).expect("it counts");
+            let capabilities = Capabilities::read(answer.as_bytes()).expect("it is valid");
             assert_eq!(capabilities.reject_exit, None, "{status}");
             assert_eq!(capabilities.remarks.len(), 1);
         }
@@ -173,7 +173,7 @@ mod tests {
             (bomb.as_bytes(), "not valid"),
             (deep.as_bytes(), "not valid"),
         ] {
-            let error = Capabilities::read(answer).expect_err("it does not count");
+            let error = Capabilities::read(answer).expect_err("it is invalid");
             assert!(error.contains(says), "{error}");
         }
     }

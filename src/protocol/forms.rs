@@ -1,19 +1,19 @@
 //! Parsing of a response: a PTM1 frame, an image or a NumPy array, distinguished by their first bytes.
 //!
-//! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so it
-//! counts as the requested view. An answer in any form must be complete, and no bytes may follow it.
+//! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so the
+//! requested view is assumed. A response in any form must be complete, and no bytes may follow it.
 
 use super::{npy, picture};
 use crate::protocol::frame::{Frame, View};
 
-/// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `most` bytes.
+/// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `max_bytes` bytes.
 ///
 /// # Errors
 /// Returns the reason why `bytes` is not a valid response.
-pub fn read(bytes: &[u8], view: &View, most: usize) -> Result<Frame, String> {
+pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
-    } else if let Some(picture) = picture::read(bytes, most) {
+    } else if let Some(picture) = picture::read(bytes, max_bytes) {
         picture
     } else if let Some(form) = unsupported_form(bytes) {
         Err(format!(

@@ -111,12 +111,12 @@ impl fmt::Display for ViewKind {
     }
 }
 
-/// A direction of light.
+/// A light direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// Coordinate to the right.
+    /// Component to the right.
     pub lu: f64,
-    /// Coordinate upward.
+    /// Component upward.
     pub lv: f64,
     text: String,
 }
@@ -150,7 +150,7 @@ impl View {
         self.kind().name()
     }
 
-    /// Returns the values of all samples of `ptm` in this view under a reading, with some formulas edited; colors are not
+    /// Returns the values of all samples of `ptm` in this view under a reading, with some formulas edited. Colors are not
     /// rounded.
     pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
         let ptm = &*formula::stored(ptm, edits);
@@ -205,7 +205,7 @@ impl FromStr for View {
     }
 }
 
-/// Maximum length of a PTM1 line.
+/// Maximum length of a PTM1 line in bytes.
 const MAX_LINE_LENGTH: usize = 200;
 
 /// A decoded image as a decoder outputs it.
@@ -274,7 +274,7 @@ impl Samples {
         }
     }
 
-    /// Returns the number of bytes of the samples.
+    /// Returns the size of the samples in bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
@@ -301,7 +301,7 @@ impl Hash for Frame {
 }
 
 impl Frame {
-    /// Returns true if both frames are bitwise equal; a NaN equals only a NaN with the same bits.
+    /// Returns true if both frames are bitwise equal. A NaN equals only a NaN with the same bits.
     #[must_use]
     pub fn is_equivalent(&self, other: &Frame) -> bool {
         self.shape() == other.shape()
@@ -367,7 +367,7 @@ impl Frame {
         bytes
     }
 
-    /// Writes the PTM1 line of a frame of the given size, of which this frame may be a piece.
+    /// Writes the PTM1 line of a frame of the given size. This frame may be a piece of it.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let (view, channels, Size { width, height }) = (self.view, self.channels, size);
         let kind = self.samples.sample_type();
@@ -415,14 +415,14 @@ impl Frame {
             let needed = needed.map_or("more bytes than can be counted".to_owned(), |needed| {
                 format!("{needed} bytes")
             });
-            let cut = match bytes.len().is_multiple_of(65_536) {
+            let hint = match bytes.len().is_multiple_of(65_536) {
                 true => {
                     "; the output is truncated at a multiple of 65,536 bytes; does the program exit before its output is flushed?"
                 }
                 false => "",
             };
             return Err(format!(
-                "{line:?} announces {needed} of samples, but {} follow{cut}",
+                "{line:?} announces {needed} of samples, but {} follow{hint}",
                 samples.len()
             ));
         }
@@ -449,8 +449,8 @@ impl Frame {
         };
         let view = ViewKind::from_name(view).ok_or_else(|| format!("unknown view in {line:?}"))?;
         let number = |word: &str| {
-            let digits = word.bytes().all(|byte| byte.is_ascii_digit());
-            let number = digits.then(|| word.parse::<u32>().ok()).flatten();
+            let is_digits = word.bytes().all(|byte| byte.is_ascii_digit());
+            let number = is_digits.then(|| word.parse::<u32>().ok()).flatten();
             number.ok_or_else(|| format!("{word:?} in {line:?} is not a number"))
         };
         let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
@@ -503,7 +503,7 @@ pub enum Answer<T = Frame> {
     Crashed(String),
     /// Timeout.
     Hung(String),
-    /// More output than the largest frame of that file.
+    /// More output than the largest frame of the file.
     Flooded(String),
     /// More memory than the limit.
     OutOfMemory(String),
@@ -525,14 +525,14 @@ impl<T> Answer<T> {
             Answer::Decoded(decoded) => return Ok(decoded),
             Answer::Rejected => Answer::Rejected,
             Answer::Unsupported => Answer::Unsupported,
-            Answer::ProtocolError(what) => Answer::ProtocolError(what),
-            Answer::Crashed(what) => Answer::Crashed(what),
-            Answer::Hung(what) => Answer::Hung(what),
-            Answer::Flooded(what) => Answer::Flooded(what),
-            Answer::OutOfMemory(what) => Answer::OutOfMemory(what),
-            Answer::Tampered(what) => Answer::Tampered(what),
-            Answer::NotStarted(what) => Answer::NotStarted(what),
-            Answer::NotAsked(what) => Answer::NotAsked(what),
+            Answer::ProtocolError(details) => Answer::ProtocolError(details),
+            Answer::Crashed(details) => Answer::Crashed(details),
+            Answer::Hung(details) => Answer::Hung(details),
+            Answer::Flooded(details) => Answer::Flooded(details),
+            Answer::OutOfMemory(details) => Answer::OutOfMemory(details),
+            Answer::Tampered(details) => Answer::Tampered(details),
+            Answer::NotStarted(details) => Answer::NotStarted(details),
+            Answer::NotAsked(details) => Answer::NotAsked(details),
         })
     }
 
@@ -558,7 +558,7 @@ impl<T> Answer<T> {
     #[must_use]
     pub fn describe(&self) -> String {
         match self.violation() {
-            Some(what) => format!("{}: {what}", self.name()),
+            Some(details) => format!("{}: {details}", self.name()),
             None => self.name().to_owned(),
         }
     }
@@ -568,14 +568,14 @@ impl<T> Answer<T> {
     pub fn violation(&self) -> Option<&str> {
         match self {
             Answer::Decoded(_) | Answer::Rejected | Answer::Unsupported => None,
-            Answer::ProtocolError(what)
-            | Answer::Crashed(what)
-            | Answer::Hung(what)
-            | Answer::Flooded(what)
-            | Answer::OutOfMemory(what)
-            | Answer::Tampered(what)
-            | Answer::NotStarted(what)
-            | Answer::NotAsked(what) => Some(what),
+            Answer::ProtocolError(details)
+            | Answer::Crashed(details)
+            | Answer::Hung(details)
+            | Answer::Flooded(details)
+            | Answer::OutOfMemory(details)
+            | Answer::Tampered(details)
+            | Answer::NotStarted(details)
+            | Answer::NotAsked(details) => Some(details),
         }
     }
 

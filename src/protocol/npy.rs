@@ -1,5 +1,5 @@
 //! NumPy arrays: `\x93NUMPY`, a version, the length of a header, and the header: a Python dictionary of `descr`,
-//! `fortran_order` and `shape`. The shape is (height, width, channels), the type `u1` or `<f4`, in C order.
+//! `fortran_order` and `shape`. The shape is (height, width, channels), the type is `u1` or `<f4`, and the order is C order.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
@@ -65,15 +65,15 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
 
 /// Splits a file into its header and the rest.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
-    let cut = || "the file ends within its header".to_owned();
-    let version = bytes.get(6..8).ok_or_else(cut)?;
-    let (length, begin) = match (version, bytes.get(8..10), bytes.get(8..12)) {
+    let truncated = || "the file ends within its header".to_owned();
+    let version = bytes.get(6..8).ok_or_else(truncated)?;
+    let (length, start) = match (version, bytes.get(8..10), bytes.get(8..12)) {
         ([1, 0], Some(length), _) => (usize::from(u16::from_le_bytes([length[0], length[1]])), 10),
         ([2 | 3, 0], _, Some(length)) => {
             let length = [length[0], length[1], length[2], length[3]];
             (u32::from_le_bytes(length) as usize, 12)
         }
-        ([1..=3, 0], ..) => return Err(cut()),
+        ([1..=3, 0], ..) => return Err(truncated()),
         _ => {
             return Err(format!(
                 "the version is {}.{}; supported versions are 1.0, 2.0 and 3.0",
@@ -81,8 +81,8 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
             ));
         }
     };
-    let end = begin + length;
-    let header = bytes.get(begin..end).ok_or_else(cut)?;
+    let end = start + length;
+    let header = bytes.get(start..end).ok_or_else(truncated)?;
     let header = std::str::from_utf8(header).map_err(|_| "the header is not text")?;
     let header = header
         .strip_suffix('\n')
@@ -105,14 +105,14 @@ impl NpyHeader {
         while !rest.accept("}") {
             let key = rest.string()?;
             rest.expect(":")?;
-            let fresh = match key {
+            let is_new = match key {
                 "descr" => descr.replace(rest.string()?.to_owned()).is_none(),
-                "fortran_order" => fortran_order.replace(rest.truth()?).is_none(),
+                "fortran_order" => fortran_order.replace(rest.boolean()?).is_none(),
                 "shape" => shape.replace(rest.tuple()?).is_none(),
                 other => return Err(format!("the header has an unknown key {other:?}")),
             };
-            if !fresh {
-                return Err(format!("its header has {key:?} twice"));
+            if !is_new {
+                return Err(format!("the header has {key:?} twice"));
             }
             if !rest.accept(",") {
                 rest.expect("}")?;
@@ -137,18 +137,18 @@ impl NpyHeader {
 struct DictionaryText<'a>(&'a str);
 
 impl<'a> DictionaryText<'a> {
-    fn accept(&mut self, sign: &str) -> bool {
+    fn accept(&mut self, token: &str) -> bool {
         let text = self.0.trim_start_matches(' ');
-        let after = text.strip_prefix(sign);
-        self.0 = after.unwrap_or(text);
-        after.is_some()
+        let rest = text.strip_prefix(token);
+        self.0 = rest.unwrap_or(text);
+        rest.is_some()
     }
 
-    fn expect(&mut self, sign: &str) -> Result<(), String> {
-        if self.accept(sign) {
+    fn expect(&mut self, token: &str) -> Result<(), String> {
+        if self.accept(token) {
             Ok(())
         } else {
-            Err(format!("expected {sign:?} before {self} in the header"))
+            Err(format!("expected {token:?} before {self} in the header"))
         }
     }
 
@@ -157,15 +157,15 @@ impl<'a> DictionaryText<'a> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =
             quote.ok_or_else(|| format!("expected a string in the header, found {self}"))?;
-        let (string, after) = self
+        let (string, rest) = self
             .0
             .split_once(quote)
             .ok_or_else(|| format!("the header has a string without an end: {self}"))?;
-        self.0 = after;
+        self.0 = rest;
         Ok(string)
     }
 
-    fn truth(&mut self) -> Result<bool, String> {
+    fn boolean(&mut self) -> Result<bool, String> {
         match (self.accept("False"), self.accept("True")) {
             (true, false) => Ok(false),
             (false, true) => Ok(true),
@@ -178,12 +178,12 @@ impl<'a> DictionaryText<'a> {
         self.expect("(")?;
         while !self.accept(")") {
             let digits = self.0.bytes().take_while(u8::is_ascii_digit).count();
-            let (word, after) = self.0.split_at(digits);
+            let (word, rest) = self.0.split_at(digits);
             let number = word
                 .parse()
                 .map_err(|_| format!("expected a number before {self} in the shape"))?;
             numbers.push(number);
-            self.0 = after;
+            self.0 = rest;
             if !self.accept(",") {
                 self.expect(")")?;
                 break;

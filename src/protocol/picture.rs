@@ -1,11 +1,11 @@
 //! Images: PNG, Netpbm, TIFF, BMP, WebP and JPEG, 8-bit gray or color; their samples are used unchanged.
 //!
 //! The `image` crate reads them. There is no color management: gamma, profiles and chromaticities are ignored, because the
-//! samples are what the decoder computed. Gray stands for three equal channels. Alpha is dropped if it is opaque.
+//! samples are the output of the decoder. Gray is expanded to three equal channels. Alpha is dropped if it is opaque.
 //!
-//! A JPEG has lost some of what the decoder computed, so its frame is marked as lossy. It must have small quantization steps
-//! and no chroma subsampling, so that each sample is near the saved one. A coarser JPEG says as little about a single texel as
-//! a lossy WebP does.
+//! JPEG compression is lossy, so the frame is marked as lossy. A JPEG must have small quantization steps and no chroma
+//! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
+//! single texels.
 
 use std::io::Cursor;
 use std::panic::catch_unwind;
@@ -16,13 +16,13 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use crate::codec::markers;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
-/// Largest quantization step of an accepted JPEG, which is that of libjpeg's quality 95.
+/// Largest quantization step of an accepted JPEG: the largest step of libjpeg at quality 95.
 const MAX_QUANTIZATION_STEP: u16 = 12;
 /// Memory in bytes for tables and embedded profiles of an image, in addition to its samples.
 const WORKING_MEMORY: usize = 64 << 20;
 
 /// The accepted file formats.
-const FORMS: [(ImageFormat, &str); 6] = [
+const FORMATS: [(ImageFormat, &str); 6] = [
     (ImageFormat::Png, "a PNG"),
     (ImageFormat::Pnm, "a Netpbm file"),
     (ImageFormat::Tiff, "a TIFF"),
@@ -31,27 +31,27 @@ const FORMS: [(ImageFormat, &str); 6] = [
     (ImageFormat::Jpeg, "a JPEG"),
 ];
 
-/// Decodes `bytes` if they begin like an image file; decompresses at most `most` bytes of samples.
-pub(crate) fn read(bytes: &[u8], most: usize) -> Option<Result<Frame, String>> {
+/// Decodes `bytes` if they begin with the signature of an accepted format. Decompresses at most `max_bytes` bytes of samples.
+pub(crate) fn read(bytes: &[u8], max_bytes: usize) -> Option<Result<Frame, String>> {
     let found = image::guess_format(bytes).ok()?;
-    let (format, name) = FORMS.into_iter().find(|(format, _)| *format == found)?;
+    let (format, name) = FORMATS.into_iter().find(|(format, _)| *format == found)?;
     // A panic in the image library must not end the run.
-    let read = catch_unwind(|| read_as(format, bytes, most));
+    let read = catch_unwind(|| read_as(format, bytes, max_bytes));
     let read = read.unwrap_or_else(|_| Err("the image library cannot read the image".to_owned()));
     Some(read.map_err(|error| format!("{name}: {error}")))
 }
 
-fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, String> {
-    let say = |error: image::ImageError| error.to_string();
+fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame, String> {
+    let to_text = |error: image::ImageError| error.to_string();
     let mut cursor = Cursor::new(bytes);
     let mut reader = ImageReader::with_format(&mut cursor, format);
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(most.saturating_add(WORKING_MEMORY) as u64);
+    limits.max_alloc = Some(max_bytes.saturating_add(WORKING_MEMORY) as u64);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(say)?;
+    let decoder = reader.into_decoder().map_err(to_text)?;
     let (width, height) = decoder.dimensions();
-    // Checked before memory for a single texel is allocated.
-    if decoder.total_bytes() > most as u64 {
+    // Check the size before allocating memory for the texels.
+    if decoder.total_bytes() > max_bytes as u64 {
         return Err(format!(
             "{width} x {height} texels are more than the requested file has"
         ));
@@ -72,22 +72,22 @@ fn read_as(format: ImageFormat, bytes: &[u8], most: usize) -> Result<Frame, Stri
         }
         _ => {}
     }
-    let picture = DynamicImage::from_decoder(decoder).map_err(say)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(to_text)?;
     check_end(format, bytes, cursor.position() as usize)?;
     if color.has_alpha() {
-        check_opaque(&picture)?;
+        check_opaque(&image)?;
     }
     Ok(Frame {
         view: ViewKind::Rgb,
         width,
         height,
         channels: 3,
-        samples: Samples::U8(picture.into_rgb8().into_raw()),
+        samples: Samples::U8(image.into_rgb8().into_raw()),
         lossy: format == ImageFormat::Jpeg,
     })
 }
 
-/// Rejects Netpbm files whose maximum is not 255, because their samples are used unscaled.
+/// Rejects Netpbm files whose maximum value is not 255, because samples are not scaled.
 fn check_full_range(bytes: &[u8]) -> Result<(), String> {
     let decoder = PnmDecoder::new(bytes).map_err(|error| error.to_string())?;
     let header = decoder.header();
@@ -97,7 +97,7 @@ fn check_full_range(bytes: &[u8]) -> Result<(), String> {
     }
 }
 
-/// Returns true if a WebP has a lossy image, right after the header or in a separate chunk.
+/// Returns true if a WebP contains a lossy image, in the first or in a later chunk.
 fn is_lossy_webp(bytes: &[u8]) -> bool {
     let mut rest = bytes.get(12..).unwrap_or_default();
     while let [a, b, c, d, s0, s1, s2, s3, chunk @ ..] = rest {
@@ -159,16 +159,16 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// Rejects bytes after the image; `end` is where its samples ended. Formats that declare their own length are checked by their
-/// decoders.
+/// Rejects bytes after the image. `end` is the offset after its samples. Formats that declare their own length are checked by
+/// their decoders.
 fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {
         ImageFormat::Png => {
             let last = bytes.windows(IEND.len()).position(|bytes| bytes == IEND);
-            last.ok_or("it has no end")? + IEND.len()
+            last.ok_or("the image has no IEND chunk")? + IEND.len()
         }
-        // Only whitespace may follow numbers in ASCII.
+        // Only whitespace may follow the numbers of an ASCII file.
         ImageFormat::Pnm
             if matches!(bytes[1], b'1'..=b'3') && bytes[end..].trim_ascii().is_empty() =>
         {
@@ -187,13 +187,13 @@ fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String
 }
 
 /// Rejects an image with alpha other than 255.
-fn check_opaque(picture: &DynamicImage) -> Result<(), String> {
-    let picture = picture.to_rgba8();
-    let mut texels = picture.enumerate_pixels();
+fn check_opaque(image: &DynamicImage) -> Result<(), String> {
+    let image = image.to_rgba8();
+    let mut texels = image.enumerate_pixels();
     match texels.find(|(_, _, texel)| texel.0[3] != 255) {
         None => Ok(()),
         Some((x, y, texel)) => Err(format!(
-            "texel ({x}, {y}) is not opaque (its alpha is {}), but a lit PTM has no transparency",
+            "texel ({x}, {y}) is not opaque (its alpha is {}), but PTMs have no transparency",
             texel.0[3]
         )),
     }

@@ -4,7 +4,7 @@ use crate::formula::{self, Edits};
 use crate::ptm::{Planes, Ptm, Size};
 use crate::reading::Reading;
 
-/// Lights under which images are compared: one vertical, two oblique.
+/// Lights under which images are compared: one vertical and two oblique.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 /// Tolerance for the rounding of colors, the same as for decoders.
 const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
@@ -24,7 +24,7 @@ pub(super) struct ReaderImages {
 }
 
 impl ReaderImages {
-    /// Renders both maps under the lights; evaluates the reader's map with `reading` and `edits`.
+    /// Renders both maps under the lights. Evaluates the reader's map with `reading` and `edits`.
     pub(super) fn new(truth: &Ptm, other: &Ptm, reading: &Reading, edits: Edits) -> ReaderImages {
         let sizes = [truth, other].map(|ptm| ptm.planes.size);
         let channels = [truth, other].map(|ptm| ptm.planes.shape.channels());
@@ -37,7 +37,7 @@ impl ReaderImages {
             let readers = [(truth, &Reading::SPEC, Edits(&[])), (other, reading, edits)];
             let rows = readers.map(|(ptm, reading, edits)| {
                 let row = Ptm {
-                    planes: row_of(ptm, row)?,
+                    planes: extract_row(ptm, row)?,
                     header: ptm.header,
                 };
                 Some((formula::finals(&row, reading, edits), reading, edits))
@@ -58,8 +58,8 @@ impl ReaderImages {
                     let mut pairs = ours.values.iter().zip(&theirs.values);
                     differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING_TOLERANCE);
                 }
-                for (picture, row) in lit[light].iter_mut().zip(colors) {
-                    picture.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
+                for (image, row) in lit[light].iter_mut().zip(colors) {
+                    image.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
                 }
             }
         }
@@ -74,21 +74,21 @@ impl ReaderImages {
     /// Describes the visible fault of the reader's image, or returns `None` if the image is correct.
     pub(super) fn difference(&self) -> Option<String> {
         let Some(light) = self.differ.iter().position(|&differs| differs) else {
-            let words = "coefficients differ; the difference is visible under some lights at most";
-            return self.coefficients_differ.then(|| words.to_owned());
+            let fault = "coefficients differ; the difference is visible under some lights at most";
+            return self.coefficients_differ.then(|| fault.to_owned());
         };
         if self.sizes[0] != self.sizes[1] {
             let Size { width, height } = self.sizes[1];
             return Some(format!("an image of {width} x {height}"));
         }
         let [truth, other] = &self.lit[light];
-        let words = self
+        let fault = self
             .orientation_fault(truth, other)
             .or_else(|| exchanged_channels(truth, other));
-        let words = words.unwrap_or_else(|| visible_properties(truth, other));
+        let fault = fault.unwrap_or_else(|| visible_properties(truth, other));
         Some(match light {
-            0 => words,
-            _ => format!("wrong as the light moves: {words}"),
+            0 => fault,
+            _ => format!("wrong as the light moves: {fault}"),
         })
     }
 
@@ -96,26 +96,26 @@ impl ReaderImages {
     fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let Size { width, height } = self.sizes[0];
         let (width, height) = (width as usize, height as usize);
-        let is = |mirrored: bool, upside_down: bool| {
-            (0..width * height).all(|here| {
-                let (x, y) = (here % width, here / width);
+        let equals = |mirrored: bool, upside_down: bool| {
+            (0..width * height).all(|texel| {
+                let (x, y) = (texel % width, texel / width);
                 let x = if mirrored { width - 1 - x } else { x };
                 let y = if upside_down { height - 1 - y } else { y };
-                truth[3 * (y * width + x)..][..3] == other[3 * here..][..3]
+                truth[3 * (y * width + x)..][..3] == other[3 * texel..][..3]
             })
         };
-        let words = match () {
-            () if is(false, true) => "upside down",
-            () if is(true, false) => "mirrored",
-            () if is(true, true) => "turned by 180 degrees",
+        let fault = match () {
+            () if equals(false, true) => "upside down",
+            () if equals(true, false) => "mirrored",
+            () if equals(true, true) => "rotated by 180 degrees",
             () => return None,
         };
-        Some(words.to_owned())
+        Some(fault.to_owned())
     }
 }
 
-/// Returns a row of a map as a map, counted from the top.
-fn row_of(ptm: &Ptm, row: usize) -> Option<Planes> {
+/// Returns a row of a map as planes of height 1. Rows are counted from the top.
+fn extract_row(ptm: &Ptm, row: usize) -> Option<Planes> {
     let Planes {
         shape, mut size, ..
     } = ptm.planes;
@@ -142,23 +142,23 @@ fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
         ([1, 2, 0], GREEN_FOR_RED),
         ([2, 0, 1], BLUE_FOR_RED),
     ];
-    let is = |order: [usize; 3]| {
+    let has_order = |order: [usize; 3]| {
         let mut texels = truth.chunks(3).zip(other.chunks(3));
         texels.all(|(a, b)| (0..3).all(|channel| b[channel] == a[order[channel]]))
     };
-    let found = orders.into_iter().find(|(order, _)| is(*order));
-    found.map(|(_, words)| words.to_owned())
+    let found = orders.into_iter().find(|(order, _)| has_order(*order));
+    found.map(|(_, fault)| fault.to_owned())
 }
 
 /// Describes other visible faults: the affected part of the image, its brightness, and noise.
 fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     // Sums of the correct brightness, the reader's brightness, their squares and their product.
     let mut moments = [0.0; 5];
-    // The second sum is that of the correct brightness over the differing texels.
+    // `sum_where_differing` is the sum of the correct brightness over the differing texels.
     let (mut differing, mut sum_where_differing, mut largest) = (0.0, 0.0, 0);
     for (a, b) in truth.chunks(3).zip(other.chunks(3)) {
-        let light = |texel: &[u8]| texel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
-        let (x, y) = (light(a), light(b));
+        let gray = |texel: &[u8]| texel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
+        let (x, y) = (gray(a), gray(b));
         for (sum, term) in moments.iter_mut().zip([x, y, x * x, y * y, x * y]) {
             *sum += term;
         }
@@ -174,20 +174,20 @@ fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     let [x, y, xx, yy, xy] = moments.map(|sum| sum / texels);
     let share = differing / texels;
     let percent = format!("{:.0} % of the image", (100.0 * share).max(1.0));
-    let spread = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
-    let likeness = (xy - x * y) / (spread(x, xx) * spread(y, yy)).max(1e-9);
-    let there = sum_where_differing / f64::max(differing, 1.0);
-    let words = match () {
+    let deviation = |mean: f64, square: f64| (square - mean * mean).max(0.0).sqrt();
+    let correlation = (xy - x * y) / (deviation(x, xx) * deviation(y, yy)).max(1e-9);
+    let mean = sum_where_differing / f64::max(differing, 1.0);
+    let fault = match () {
         () if largest <= MAX_INVISIBLE_DIFFERENCE => {
-            return format!("off by at most {largest} of 255, which is hardly visible");
+            return format!("off by at most {largest} of 255, which is barely visible");
         }
-        () if share < 0.5 && there < 0.6 * x => "noise in dark parts",
-        () if share < 0.5 && there > 1.4 * x => "noise in bright parts",
+        () if share < 0.5 && mean < 0.6 * x => "noise in dark parts",
+        () if share < 0.5 && mean > 1.4 * x => "noise in bright parts",
         () if share < 0.5 => "noise",
-        () if y < 0.9 * x && (likeness > 0.8 || y < 0.3 * x) => "too dark",
-        () if y > 1.1 * x && likeness > 0.8 => "too bright",
-        () if likeness > 0.8 => "wrong colors or shading",
+        () if y < 0.9 * x && (correlation > 0.8 || y < 0.3 * x) => "too dark",
+        () if y > 1.1 * x && correlation > 0.8 => "too bright",
+        () if correlation > 0.8 => "wrong colors or shading",
         () => "an image that resembles noise",
     };
-    format!("{words}: {percent}")
+    format!("{fault}: {percent}")
 }

@@ -1,4 +1,4 @@
-//! Limits of readers that are known from their source and are not in the catalog of misreadings.
+//! Limits of readers that are known from their source code and are not in the catalog of misreadings.
 
 use std::borrow::Cow;
 
@@ -16,7 +16,7 @@ pub struct Limit {
     pub words: &'static str,
     /// Effect on a file that exceeds the limit.
     effect: Effect,
-    is_exceeded: fn(&Marks) -> bool,
+    is_exceeded: fn(&FileTraits) -> bool,
 }
 
 /// Effect of a limit on a file.
@@ -29,14 +29,14 @@ pub(super) enum Effect {
 }
 
 const LIMITS: [Limit; 9] = [
-    // Lines of vectors are not checked.
+    // These readers do not check the lists of motion vectors.
     Limit {
         slug: "blanks-of-compressed-refused",
         words: "refuses a compressed file in which a list ends in a space or has two adjacent spaces",
         effect: Effect::Refused("a list ends in a space or has two adjacent spaces"),
         is_exceeded: |file| file.is_compressed() && file.has_empty_list_items(),
     },
-    // The vectors have two lines.
+    // Motion vectors are two lists.
     Limit {
         slug: "lists-on-other-lines-refused",
         words: "refuses a compressed file unless each list has its own line",
@@ -55,7 +55,7 @@ const LIMITS: [Limit; 9] = [
         effect: Effect::Refused("a space follows twelve numbers on one line"),
         is_exceeded: |file| file.has_space_after_twelve_numbers(),
     },
-    // It accepts a space after the version.
+    // These readers accept a space after the version.
     Limit {
         slug: "space-after-format-refused",
         words: "refuses a space after the name of the format",
@@ -76,8 +76,8 @@ const LIMITS: [Limit; 9] = [
     },
     Limit {
         slug: "motion-not-applied",
-        words: "does not move planes that have motion vectors",
-        effect: Effect::Wrong("planes with motion vectors are not moved"),
+        words: "does not displace planes that have motion vectors",
+        effect: Effect::Wrong("planes with motion vectors are not displaced"),
         is_exceeded: |file| file.moves() && file.numbers("2.9.3/1").any(|vector| vector != 0),
     },
     Limit {
@@ -92,7 +92,7 @@ const LIMITS: [Limit; 9] = [
 
 impl Limit {
     /// Returns the effect on a file, or `None` if the file is within the limit.
-    pub(super) fn effect(&self, file: &Marks) -> Option<Effect> {
+    pub(super) fn effect(&self, file: &FileTraits) -> Option<Effect> {
         (self.is_exceeded)(file).then_some(self.effect)
     }
 }
@@ -110,7 +110,7 @@ impl<'de> Deserialize<'de> for Limit {
 }
 
 /// Properties of a file that the limits depend on.
-pub(super) struct Marks<'a> {
+pub(super) struct FileTraits<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
     /// Format of a legal file.
@@ -118,8 +118,8 @@ pub(super) struct Marks<'a> {
     payload: usize,
 }
 
-impl<'a> Marks<'a> {
-    pub(super) fn new(file: &'a [u8]) -> Marks<'a> {
+impl<'a> FileTraits<'a> {
+    pub(super) fn new(file: &'a [u8]) -> FileTraits<'a> {
         const PAYLOAD: [&str; 5] = ["2.5/3", "2.7/1", "2.8.1/1", "2.9.8/2", "2.9.8/4"];
         let (fields, outcome) = examine(file);
         let header = fields
@@ -127,7 +127,7 @@ impl<'a> Marks<'a> {
             .take_while(|field| !PAYLOAD.contains(&field.clause));
         let end = header.last().map_or(0, |field| field.range.end);
         let line_feed = file[end..].iter().position(|&byte| byte == b'\n');
-        Marks {
+        FileTraits {
             file,
             payload: line_feed.map_or(file.len(), |length| end + length + 1),
             format: outcome.ok().map(|ptm| ptm.header.format),
@@ -156,7 +156,7 @@ impl<'a> Marks<'a> {
         fields.any(|field| self.file[field.range.end..].starts_with(bytes))
     }
 
-    /// Returns true if a list that is split at single spaces has an empty part.
+    /// Returns true if a list has an empty item when it is split at single spaces.
     fn has_empty_list_items(&self) -> bool {
         let lists = "2.4/3 2.4/4 2.9.2/1 2.9.4/1 2.9.5/1 2.9.6/1 2.9.7/1";
         let is_empty = |list| self.is_followed_by(list, b" \n") || self.is_followed_by(list, b"  ");
@@ -200,10 +200,10 @@ impl<'a> Marks<'a> {
 
     fn has_space_after_twelve_numbers(&self) -> bool {
         let [scale, bias] = ["2.4/3", "2.4/4"].map(|list| self.fields_of_clause(list).last());
-        let on_one_line = scale.zip(bias).is_some_and(|(scale, bias)| {
-            let between = &self.file[scale.range.end..bias.range.start];
-            !between.contains(&b'\n') && self.file[bias.range.end..].starts_with(b" \n")
+        let is_on_one_line = scale.zip(bias).is_some_and(|(scale, bias)| {
+            let gap = &self.file[scale.range.end..bias.range.start];
+            !gap.contains(&b'\n') && self.file[bias.range.end..].starts_with(b" \n")
         });
-        self.format.is_some() && on_one_line
+        self.format.is_some() && is_on_one_line
     }
 }

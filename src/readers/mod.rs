@@ -1,8 +1,8 @@
 //! Public readers of PTMs, with predictions of their results.
 //!
-//! A reader is a [`ReaderProfile`]: the formats that it reads, its misreadings, and its other limits, each with its evidence;
-//! all of it is data (`spec-cases/readers.yaml`). A [`ReaderPrediction`] is made by reading the file as the reader does and
-//! comparing the result with the right one.
+//! A reader is described by a [`ReaderProfile`]: its formats, its misreadings and its other limits, each with evidence. The
+//! profiles are data (`spec-cases/readers.yaml`). A [`ReaderPrediction`] compares the result of reading the file as the reader
+//! does with the correct result.
 
 mod profile;
 
@@ -14,4 +14,4 @@ mod predict;
 
 pub use limits::Limit;
 pub use predict::{OpenedFile, ReaderPrediction, Shown};
-pub use profile::{Evidence, KnownMisreading, ReaderProfile, profiles, profiles_of};
+pub use profile::{Evidence, KnownMisreading, ReaderProfile, parse_profiles, profiles};

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::difference::ReaderImages;
-use super::limits::{Effect, Marks};
+use super::limits::{Effect, FileTraits};
 use super::profile::ReaderProfile;
 use crate::decode::decode;
 use crate::error::Error;
@@ -57,7 +57,7 @@ pub struct ReaderPrediction {
 /// A file and its correct contents.
 pub struct OpenedFile<'a> {
     file: &'a [u8],
-    marks: Marks<'a>,
+    traits: FileTraits<'a>,
     truth: Result<Ptm, Error>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> OpenedFile<'a> {
     pub fn new(file: &'a [u8]) -> OpenedFile<'a> {
         OpenedFile {
             file,
-            marks: Marks::new(file),
+            traits: FileTraits::new(file),
             truth: decode(file),
         }
     }
@@ -94,7 +94,7 @@ impl<'a> OpenedFile<'a> {
         }
         let mut wrong = None;
         for known in &profile.limits {
-            match known.limit.effect(&self.marks) {
+            match known.limit.effect(&self.traits) {
                 Some(Effect::Refused(why)) => {
                     return ((Shown::Nothing, why.to_owned()), Vec::new());
                 }
@@ -109,22 +109,22 @@ impl<'a> OpenedFile<'a> {
             (Shown::Right, None) => ((shows, how), Vec::new()),
             (Shown::Nothing, _) if self.truth.is_err() => ((shows, how), Vec::new()),
             _ => {
-                // The misreadings that alone give the same kind of result, or all misreadings if none does alone.
+                // The causes are the misreadings that alone lead to the same kind of result, or all misreadings if none does.
                 let mut causes = misreadings.clone();
-                causes.retain(|one| self.judge(&[one], profile).0 == shows);
+                causes.retain(|cause| self.judge(&[cause], profile).0 == shows);
                 let causes = if causes.is_empty() {
                     misreadings
                 } else {
                     causes
                 };
-                ((shows, how), causes.iter().map(|one| one.slug).collect())
+                ((shows, how), causes.iter().map(|m| m.slug).collect())
             }
         }
     }
 
-    /// Compares the result of a reader with these misreadings with the correct one, and describes the fault.
+    /// Compares the result of a reader that has these misreadings with the correct result, and describes the fault.
     fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Shown, String) {
-        let (mut shown, reading) = match read(misreadings, Reading::SPEC, self.file) {
+        let (mut ptm, reading) = match read(misreadings, Reading::SPEC, self.file) {
             Ok(found) => found,
             Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
             Err(Some(error)) => {
@@ -133,16 +133,16 @@ impl<'a> OpenedFile<'a> {
             }
         };
         let Ok(truth) = &self.truth else {
-            return match profile.reads(shown.header.format) {
+            return match profile.reads(ptm.header.format) {
                 true => (Shown::Wrong, "an image of a damaged file".to_owned()),
-                false => unsupported(shown.header.format),
+                false => unsupported(ptm.header.format),
             };
         };
         for edit in plane_edits(misreadings) {
-            edit(&mut shown);
+            edit(&mut ptm);
         }
         let edits = formula_edits(misreadings);
-        match ReaderImages::new(truth, &shown, &reading, Edits(&edits)).difference() {
+        match ReaderImages::new(truth, &ptm, &reading, Edits(&edits)).difference() {
             None => (Shown::Right, String::new()),
             Some(how) => (Shown::Wrong, how),
         }

@@ -9,7 +9,7 @@ use crate::kit::yaml;
 use crate::misreadings::{self, Misreading};
 use crate::ptm::Format;
 
-/// A reader, as in `readers.yaml`.
+/// A reader, as described in `readers.yaml`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderProfile {
@@ -62,8 +62,8 @@ pub struct KnownLimit {
 }
 
 static ALL: LazyLock<Vec<ReaderProfile>> = LazyLock::new(|| {
-    profiles_of(include_str!("../../spec-cases/readers.yaml"))
-        .unwrap_or_else(|error| unreachable!("readers.yaml, which a test reads: {error}"))
+    parse_profiles(include_str!("../../spec-cases/readers.yaml"))
+        .unwrap_or_else(|error| unreachable!("invalid embedded readers.yaml: {error}"))
 });
 
 /// Returns the known readers.
@@ -76,7 +76,7 @@ pub fn profiles() -> &'static [ReaderProfile] {
 ///
 /// # Errors
 /// Returns a message that names the offending line or reader.
-pub fn profiles_of(text: &str) -> Result<Vec<ReaderProfile>, String> {
+pub fn parse_profiles(text: &str) -> Result<Vec<ReaderProfile>, String> {
     let records = yaml::records::<ReaderProfile>(text)?;
     let profiles: Vec<ReaderProfile> = records.into_iter().map(|(_, profile)| profile).collect();
     for profile in &profiles {
@@ -99,31 +99,31 @@ impl ReaderProfile {
     }
 
     fn check(&self) -> Result<(), String> {
-        let unknown = |what: String| Err(format!("{}: {what}", self.name));
+        let fail = |why: String| Err(format!("{}: {why}", self.name));
         for name in &self.reads {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
-                return unknown(format!("unknown format {name}"));
+                return fail(format!("unknown format {name}"));
             }
         }
         for known in &self.misreadings {
             if misreadings::find(&known.slug).is_none() {
-                return unknown(format!("unknown misreading {}", known.slug));
+                return fail(format!("unknown misreading {}", known.slug));
             }
         }
         // If two misreadings changed the same decision, the second would replace the first.
         let mut seen: Vec<&Misreading> = Vec::new();
-        for one in self.active_misreadings() {
-            if !one.at.is_decision() {
+        for misreading in self.active_misreadings() {
+            if !misreading.at.is_decision() {
                 continue;
             }
             if let Some(other) = seen
                 .iter()
-                .find(|other| other.at.changes_same_step(&one.at))
+                .find(|other| other.at.changes_same_step(&misreading.at))
             {
-                let (first, second) = (other.slug, one.slug);
-                return unknown(format!("{first} and {second} change the same decision"));
+                let (first, second) = (other.slug, misreading.slug);
+                return fail(format!("{first} and {second} change the same decision"));
             }
-            seen.push(one);
+            seen.push(misreading);
         }
         Ok(())
     }

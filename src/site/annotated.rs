@@ -12,7 +12,7 @@ use crate::suite::values::parse_hex;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chapter {
-    /// Number of the section, such as `2.4`. Includes subsections that are not separate chapters.
+    /// Number of the section, such as `2.4`. The chapter includes subsections that are not separate chapters.
     pub section: String,
     /// Title of the chapter.
     pub title: String,
@@ -48,7 +48,7 @@ pub struct AnnotatedClause {
     /// Formulas, one per line.
     #[serde(default)]
     pub formula: Vec<String>,
-    /// Worked examples; at least one.
+    /// Worked examples. Every clause has at least one.
     pub examples: Vec<WorkedExample>,
 }
 
@@ -66,7 +66,7 @@ pub struct WorkedExample {
     /// Names of the parts to highlight.
     #[serde(default)]
     pub look: Vec<String>,
-    /// View: `raw` (default), `coef` or `rgb:LU,LV`.
+    /// View: `raw` (the default), `coef` or `rgb:LU,LV`.
     pub view: Option<String>,
     /// Column and row, counted from the top left, or `all`. The default is `0 0`.
     pub texel: Option<String>,
@@ -156,11 +156,11 @@ impl Files {
                 return Err(format!("{file} has no part {:?}", part.is));
             }
         }
-        let made = parts.iter().map(|old| {
+        let replaced = parts.iter().map(|old| {
             let part = with.iter().find(|part| part.is == old.is).unwrap_or(old);
             Ok((part.is.clone(), self.bytes(part)?))
         });
-        made.collect()
+        replaced.collect()
     }
 
     fn bytes(&self, part: &Part) -> Result<Vec<u8>, String> {
@@ -169,7 +169,7 @@ impl Files {
             (None, Some(hex), None) => parse_hex(hex),
             (None, None, Some(stream)) => {
                 let stream = self.streams.get(stream);
-                parse_hex(stream.ok_or_else(|| format!("part {:?} names no stream", part.is))?)
+                parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.is))?)
             }
             _ => Err("expected one of text, hex and stream".to_owned()),
         };

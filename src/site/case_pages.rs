@@ -1,4 +1,4 @@
-//! Pages for cases: each describes the file byte by byte, its image, the expected result, and related cases.
+//! Pages for cases. Each page shows the file byte by byte, its image, the expected result, and related cases.
 
 use maud::{Markup, html};
 
@@ -24,7 +24,7 @@ const MAX_FIELDS: usize = 32;
 /// Renders the list of cases, and a page and the file of each case.
 pub(super) fn pages(paper: PageContext, jobs: usize) -> Vec<SiteFile> {
     let cases = &paper.library.suite.cases;
-    let made = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
+    let files = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(paper, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);
@@ -32,7 +32,7 @@ pub(super) fn pages(paper: PageContext, jobs: usize) -> Vec<SiteFile> {
         let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
         std::iter::once(page).chain(file)
     });
-    (std::iter::once(list_page(paper)).chain(made.into_iter().flatten())).collect()
+    (std::iter::once(list_page(paper)).chain(files.into_iter().flatten())).collect()
 }
 
 fn list_page(paper: PageContext) -> SiteFile {
@@ -40,7 +40,7 @@ fn list_page(paper: PageContext) -> SiteFile {
     let body = html! {
         p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
         (PageContext::descriptions(&paper.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
-        p { "What each exit status means: " (paper.protocol()) "." }
+        p { "The exit statuses are defined in " (paper.protocol()) "." }
         (filter_box("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
             thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
@@ -66,7 +66,7 @@ fn page(paper: PageContext, case: &Case, built: &Built) -> SiteFile {
         (findings(paper, built))
         (related_cases(paper, case))
         (reader_results(paper, case))
-        h2 { "Run it" }
+        h2 { "Commands" }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
     };
     paper.entry("Cases", &case.id, &case.id, &body)
@@ -79,8 +79,8 @@ fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
             dt { "Clauses" } dd { (paper.links(case.clauses.iter().map(String::as_str))) }
             dt { "Format" } dd { (paper.link_as("2.2", &html! { code { (case.format()) } })) }
             @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (paper.link(ruling)) } }
-            dt { "Requested views" } dd { code { (views.join(", ")) } " — the first of these that the decoder offers" }
-            @if let Some(slack) = describe_tolerance(case, built) { dt { "Tolerance" } dd { (slack) } }
+            dt { "Requested views" } dd { code { (views.join(", ")) } " — the first of these that the decoder supports" }
+            @if let Some(tolerance) = describe_tolerance(case, built) { dt { "Tolerance" } dd { (tolerance) } }
             dt { "File" } dd {
                 @if built.file.len() <= MAX_DOWNLOAD_BYTES {
                     a href={ (paper.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
@@ -96,11 +96,11 @@ fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
 fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
     let view = &case.views[0];
     let expected = Expected::new(&built.values, view)?;
-    let most = expected.slack.iter().copied().fold(0.0, f64::max);
-    let own = tolerance_text(view.kind());
-    Some(match most > 0.0 {
-        true => format!("{own}; plus up to {most}, because inverse DCTs differ"),
-        false => own.to_owned(),
+    let max = expected.slack.iter().copied().fold(0.0, f64::max);
+    let text = tolerance_text(view.kind());
+    Some(match max > 0.0 {
+        true => format!("{text}, plus up to {max} because inverse DCTs differ"),
+        false => text.to_owned(),
     })
 }
 
@@ -143,7 +143,7 @@ fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
     let all = inspection.fields.len();
     html! {
         div.scroll tabindex="0" { table.hex {
-            thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "what" } th scope="col" { "value" } th scope="col" { "begins" } } }
+            thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "field" } th scope="col" { "value" } th scope="col" { "first bytes" } } }
             tbody { @for field in inspection.fields.iter().take(MAX_FIELDS) { tr {
                 td.number { (field.offset) } td.number { (field.length) }
                 td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.begins) } }
@@ -161,7 +161,7 @@ fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
 fn truncate(value: &str) -> String {
     const MAX_CHARS: usize = 96;
     match value.char_indices().nth(MAX_CHARS) {
-        Some((at, _)) => format!("{}…", &value[..at]),
+        Some((end, _)) => format!("{}…", &value[..end]),
         None => value.to_owned(),
     }
 }
@@ -170,19 +170,19 @@ fn findings(paper: PageContext, built: &Built) -> Markup {
     let findings = lint(&built.file);
     html! {
         @if !findings.is_empty() {
-            h2 { "What lint says" }
+            h2 { "Lint findings" }
             ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.says) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
         }
     }
 }
 
-/// Renders links to the twin of a damaged case, and to cases that are damaged copies of this one.
+/// Renders links to the twin of a damaged case, and to the damaged copies of this case.
 fn related_cases(paper: PageContext, case: &Case) -> Markup {
     let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
     children.retain(|child| child.twin_of.as_ref() == Some(&case.id));
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
-            h2 { "Its twin" }
+            h2 { "Twin" }
             p { "The file is a copy of " (paper.link(twin)) ", in which " (damage.effect) "." }
         }
         @if !children.is_empty() {

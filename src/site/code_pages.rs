@@ -14,9 +14,9 @@ use crate::tools::lint::lint;
 /// Renders the list of codes and the page of each code.
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let list = html! {
-        p.lead { code { "ptm-conform lint" } " reports these codes. E: the file breaks a rule, or the reference cannot read it. W: some readers refuse it or show another image. I: the message is for information." }
+        p.lead { code { "ptm-conform lint" } " reports these codes. E (error): the file breaks a rule, or the reference cannot read it. W (warning): some readers refuse the file or display a different image. I: information." }
         div.scroll tabindex="0" { table.list {
-            thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "what" } } }
+            thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "message" } } }
             tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
         } }
     };
@@ -26,20 +26,20 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
 }
 
 fn page(paper: PageContext, code: &Code) -> SiteFile {
-    let provokes = |case: &&Case| {
+    let triggers = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
         code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
     };
-    let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(provokes).collect();
+    let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(triggers).collect();
     let body = html! {
         h1 { code { (code.id) } " " span.chip data-severity=(code.severity.name()) { (code.severity.name()) } }
-        p.lead { "Lint says: " (code.says) "." }
-        h2 { "Why it matters" }
+        p.lead { "Message: " (code.says) "." }
+        h2 { "Severity" }
         p { (paper.library.texts.severities[code.severity.name()]) }
         @if let Some(clause) = paper.library.clause(code.clause) { p { "Clause " (paper.link(&clause.id)) ": " (clause.rule) } }
         @if !code.fix.is_empty() {
             @let (first, rest) = code.fix.split_at(1);
-            h2 { "What to do" } p { (first.to_uppercase()) (rest) "." }
+            h2 { "Fix" } p { (first.to_uppercase()) (rest) "." }
         }
         (example(paper, code, &cases))
         (affected_readers(paper, code, &cases))
@@ -51,7 +51,7 @@ fn page(paper: PageContext, code: &Code) -> SiteFile {
     paper.entry("Lint codes", code.id, code.id, &body)
 }
 
-/// Renders the output of lint for the smallest file that provokes the code.
+/// Renders the output of lint for the smallest file that triggers the code.
 fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     let built = |case: &&&Case| case.build(TableSpelling::default()).file.len();
     let Some(case) = cases.iter().min_by_key(built) else {
@@ -71,7 +71,7 @@ fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
 /// Renders the readers that are affected, based on runs and the catalog.
 fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     let mut seen: Vec<_> = misreadings::all().collect();
-    seen.retain(|of| of.clause == code.clause && !readers_with_mistake(of).is_empty());
+    seen.retain(|m| m.clause == code.clause && !readers_with_mistake(m).is_empty());
     let runs = &paper.library.runs;
     let tally = |run: &ReaderRun| {
         let mut tally: BTreeMap<&str, usize> = BTreeMap::new();

@@ -50,13 +50,13 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     DOCUMENTS.iter().map(page).chain([image]).collect()
 }
 
-/// Returns the headings of all documents with their URLs, relative to the root of the site, and the names of the documents.
+/// Returns the headings of all documents, their URLs relative to the root of the site, and the names of the documents.
 pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)> {
     DOCUMENTS.iter().flat_map(|(file, name, text)| {
         let (headings, _) = render_document(file, text);
         headings.into_iter().map(move |heading| {
-            let place = format!("docs/{name}.html#{}", anchor(&heading));
-            (heading, place, short_name(file))
+            let url = format!("docs/{name}.html#{}", anchor(&heading));
+            (heading, url, short_name(file))
         })
     })
 }
@@ -89,10 +89,10 @@ fn render_document(file: &str, text: &str) -> (Vec<String>, Markup) {
             }
             Event::End(TagEnd::Heading(_)) => {
                 let (level, text) = heading.take()?;
-                // Add the anchor that links to the heading use.
+                // Add the anchor for links to the heading.
                 let words = html! { (text) }.0;
-                let set = format!("<{level} id=\"{}\">{words}</{level}>", anchor(&text));
-                event = Event::Html(set.into());
+                let element = format!("<{level} id=\"{}\">{words}</{level}>", anchor(&text));
+                event = Event::Html(element.into());
                 headings.push(text);
             }
             // Headings contain only text.
@@ -129,14 +129,14 @@ fn resolve_link(file: &str, link: &str) -> Option<String> {
     }
     let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder);
     let mut path: Vec<&str> = folder.split('/').filter(|part| !part.is_empty()).collect();
-    let (place, anchor) = link.split_at(link.find('#').unwrap_or(link.len()));
-    for part in place.split('/').filter(|&part| part != ".") {
+    let (target, anchor) = link.split_at(link.find('#').unwrap_or(link.len()));
+    for part in target.split('/').filter(|&part| part != ".") {
         match part {
             ".." => drop(path.pop()),
             part => path.push(part),
         }
     }
-    let place = path.join("/");
-    let (_, page, _) = DOCUMENTS.iter().find(|(file, _, _)| *file == place)?;
+    let target = path.join("/");
+    let (_, page, _) = DOCUMENTS.iter().find(|(file, _, _)| *file == target)?;
     Some(format!("{page}.html{anchor}"))
 }

@@ -39,7 +39,7 @@ pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<Sit
     let Some(module) = module else {
         let body = html! {
             h1 { "Drop a PTM file" }
-            p { "This page needs the reference decoder as WebAssembly, which is not part of this build. To add it:" }
+            p { "This page requires the reference decoder as WebAssembly, which is not part of this build. To add it, run:" }
             pre.command { (BUILD_COMMANDS) }
         };
         let title = "Drop a file";
@@ -62,8 +62,8 @@ fn check_module(module: &[u8]) -> Result<(), String> {
     }
     let is_exported = |name: &&str| {
         // In the binary format, a name consists of its length and its bytes.
-        let named = [&[name.len() as u8], name.as_bytes()].concat();
-        module.windows(named.len()).any(|window| window == named)
+        let entry = [&[name.len() as u8], name.as_bytes()].concat();
+        module.windows(entry.len()).any(|window| window == entry)
     };
     match EXPORTS.iter().find(|name| !is_exported(name)) {
         None => Ok(()),
@@ -73,7 +73,7 @@ fn check_module(module: &[u8]) -> Result<(), String> {
 
 /// Returns sample files as JSON: label, name and contents.
 fn samples(paper: PageContext) -> String {
-    let of_case = |label: &str, id: &str| {
+    let sample = |label: &str, id: &str| {
         let case = paper.library.suite.case(id).expect("a case of the suite");
         let file = &case.build(TableSpelling::default()).file;
         (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
@@ -81,8 +81,8 @@ fn samples(paper: PageContext) -> String {
     let ball = BASE64.encode(&lit_scene::file(Format::Lrgb, Count::default()));
     let samples = [
         ("a legal file".to_owned(), "ball.ptm".to_owned(), ball),
-        of_case("a damaged file", "one-byte-short-lrgb"),
-        of_case("a file of another kind", "not-a-ptm-lrgb"),
+        sample("a damaged file", "one-byte-short-lrgb"),
+        sample("a file that is not a PTM", "not-a-ptm-lrgb"),
     ];
     serde_json::json!(samples).to_string()
 }
@@ -133,7 +133,7 @@ fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) 
     markup.into_string()
 }
 
-/// Returns the contents of the page with indentation removed. The standalone page has no link to itself.
+/// Returns the contents of the page without indentation. The standalone page has no link to itself.
 fn contents(standalone: bool) -> String {
     let is_shown = |line: &&str| !standalone || !line.contains("ptm-viewer.html");
     let lines = CONTENTS.lines().map(str::trim_start);

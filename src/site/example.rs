@@ -26,7 +26,7 @@ pub struct Executed {
 pub enum Found {
     /// Names of the requested channels, and a row per texel with the position and the values.
     Values(Vec<String>, Vec<(String, Vec<f64>)>),
-    /// The file is refused. Contains the clause and the error message.
+    /// The file is refused. Contains the violated clause and the error message.
     Refused(&'static str, String),
 }
 
@@ -60,10 +60,10 @@ impl WorkedExample {
         let (width, height) = (size.width as usize, size.height as usize);
         let texels = match self.texel.as_deref() {
             Some("all") => 0..size.texels(),
-            place => match numbers(place.unwrap_or("0 0"))?[..] {
+            texel => match numbers(texel.unwrap_or("0 0"))?[..] {
                 [x, y] if x < width && y < height => y * width + x..y * width + x + 1,
                 [_, _] => return Err(format!("the map is {size}")),
-                _ => return Err(format!("expected column and row, found {place:?}")),
+                _ => return Err(format!("expected column and row, found {texel:?}")),
             },
         };
         let row = |texel: usize| {
@@ -116,15 +116,15 @@ pub fn execute(
     }
     let mut executed = Vec::new();
     for (i, example) in (1..).zip(&clause.examples) {
-        let named = |error| format!("clause {}, example {i}: {error}", clause.clause);
-        executed.push(run(example, ruling, files).map_err(named)?);
+        let in_example = |error| format!("clause {}, example {i}: {error}", clause.clause);
+        executed.push(run(example, ruling, files).map_err(in_example)?);
     }
     Ok(executed)
 }
 
 fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
     let parts = files.parts(&example.file, &example.with)?;
-    let is_missing = |name: &&String| parts.iter().all(|(is, _)| is != *name);
+    let is_missing = |name: &&String| parts.iter().all(|(part, _)| part != *name);
     if let Some(name) = example.look.iter().find(is_missing) {
         return Err(format!("{} has no part {name:?}", example.file));
     }
@@ -157,18 +157,17 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
         (Found::Refused(clause, why), _, _) => {
             Err(format!("the file is refused (clause {clause}): {why}"))
         }
-        (Found::Values(..), _, Some(expected)) => {
-            let says = "the file is decoded instead of refused";
-            Err(format!("{says} (clause {expected})"))
-        }
+        (Found::Values(..), _, Some(expected)) => Err(format!(
+            "the file is decoded instead of refused (clause {expected})"
+        )),
         (Found::Values(_, rows), Some(value), None) => {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
             let words: Vec<&str> = value.split_whitespace().collect();
             let is_equal = |(word, value): (&&str, &f64)| {
                 let decimals = word.split_once('.').map_or("", |(_, decimals)| decimals);
                 let tolerance = 0.5e-9 + 0.5 * 0.1_f64.powi(decimals.len() as i32 + 3);
-                let said = word.parse::<f64>();
-                said.is_ok_and(|said| (said - value).abs() < tolerance)
+                let stated = word.parse::<f64>();
+                stated.is_ok_and(|stated| (stated - value).abs() < tolerance)
             };
             if words.len() == found.len() && words.iter().zip(&found).all(is_equal) {
                 return Ok(());
@@ -176,6 +175,6 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
             let found: Vec<String> = found.iter().map(ToString::to_string).collect();
             Err(format!("expected {value}, found {}", found.join(" ")))
         }
-        (Found::Values(..), None, None) => Err("the example expects nothing".to_owned()),
+        (Found::Values(..), None, None) => Err("the example states no expected result".to_owned()),
     }
 }

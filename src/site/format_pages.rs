@@ -17,7 +17,7 @@ use crate::suite::clauses::Clause;
 
 /// Maximum number of misreadings per clause that are displayed with images. The others are listed.
 const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
-/// Maximum number of bytes of a part that are displayed.
+/// Maximum length of a part whose bytes are all displayed.
 const MAX_DISPLAYED_BYTES: usize = 32;
 
 /// Renders the table of contents and the page of each chapter.
@@ -38,16 +38,16 @@ fn contents(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "The format, annotated" }
         p.lead {
-            "PTM 1.2 section by section, in our own words: every rule has an id, an example in bytes that was executed when this page was built, the mistakes that "
-            "readers make in it, and how this suite reads it where the text is silent, with reasons."
+            "PTM 1.2 section by section, in our own words. Every rule has an id, an example in bytes that was executed when this page was built, and the mistakes that "
+            "readers make. If the text is silent, a ruling states how this suite reads it, with reasons."
         }
-        p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " says which of them a format needs." }
+        p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " lists the chapters that each format needs." }
         ol.chapters {
             @for chapter in &paper.library.annotated.chapters {
                 li { a href={ (chapter.section) ".html" } { b { (chapter.section) } " " (chapter.title) } " " span.quiet { (chapter.clauses.len()) " clauses" } }
             }
         }
-        h2 #drawing { "The file in one drawing" }
+        h2 #drawing { "File structure" }
         (overview::drawing(paper))
         (overview::flow(paper))
     };
@@ -66,7 +66,7 @@ fn page(
     for annotated in &chapter.clauses {
         clauses.push(clause(paper, annotated, &mut explained)?);
     }
-    let to = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
+    let link = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
     let body = html! {
         p.kicker { a href="index.html" { "The format, annotated" } }
         h1 { (chapter.section) " " (chapter.title) }
@@ -85,8 +85,8 @@ fn page(
         }
         @for clause in &clauses { (clause) }
         nav.turn aria-label="Chapters" {
-            @if let Some(chapter) = before { span { "← " (to(chapter)) } }
-            @if let Some(chapter) = after { span { (to(chapter)) " →" } }
+            @if let Some(chapter) = before { span { "← " (link(chapter)) } }
+            @if let Some(chapter) = after { span { (link(chapter)) " →" } }
         }
     };
     let path = format!("format/{}.html", chapter.section);
@@ -101,22 +101,22 @@ fn clause<'a>(
 ) -> Result<Markup, String> {
     let library = paper.library;
     let id = annotated.clause.as_str();
-    let known = library.clause(id);
-    let known = known.ok_or_else(|| format!("unknown clause {id}"))?;
-    let executed = execute(annotated, known.ruling.as_deref(), &library.annotated.files)?;
+    let rule = library.clause(id);
+    let rule = rule.ok_or_else(|| format!("unknown clause {id}"))?;
+    let executed = execute(annotated, rule.ruling.as_deref(), &library.annotated.files)?;
     let anchor = format!("c-{}", id.replace('/', "-"));
     let mistakes = misreadings::all().filter(|misreading| misreading.clause == id);
     Ok(html! {
         section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
-            h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (known.rule) }
+            h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (rule.rule) }
             p { (paper.prose(&annotated.text)) }
             @for line in &annotated.formula { div.formula tabindex="0" { (formula(line)) } }
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
                 (render_example(paper, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruling_markup(paper, &known.id, explained))
+            (ruling_markup(paper, &rule.id, explained))
             (misreading_markup(paper, mistakes.collect()))
-            (test_markup(paper, known))
+            (test_markup(paper, rule))
         }
     })
 }
@@ -127,30 +127,30 @@ fn render_example(
     example: &WorkedExample,
     executed: &Executed,
     number: usize,
-    of: usize,
+    count: usize,
 ) -> Markup {
-    let placed = executed.parts.iter().scan(0, |end, (is, bytes)| {
+    let placed = executed.parts.iter().scan(0, |end, (name, bytes)| {
         let offset = *end;
         *end += bytes.len();
-        Some((offset, is, bytes))
+        Some((offset, name, bytes))
     });
     let placed = placed.filter(|(.., bytes)| !bytes.is_empty());
     html! {
         figure.example {
-            figcaption { b { "Example" @if of > 1 { " " (number) } } @if let Some(says) = &example.says { " " (paper.prose(says)) } }
+            figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.says { " " (paper.prose(says)) } }
             div.scroll tabindex="0" { table.hex {
-                thead { tr { th.number scope="col" { "byte" } th scope="col" { "what" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
+                thead { tr { th.number scope="col" { "byte" } th scope="col" { "part" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
                 tbody {
-                    @for (offset, is, bytes) in placed {
-                        tr data-look[example.look.iter().any(|name| name == is)] {
-                            td.number { (offset) } td { (is) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
+                    @for (offset, name, bytes) in placed {
+                        tr data-look[example.look.contains(name)] {
+                            td.number { (offset) } td { (name) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
                         }
                     }
                 }
             } }
             (result(&executed.asks, &executed.found, example.because.as_deref()))
             @for (reading, found) in &executed.otherwise {
-                p.otherwise { "With the other reading, " em { (reading) } ": " (inline_result(found)) "." }
+                p.otherwise { "Under the reading " em { (reading) } ": " (inline_result(found)) "." }
             }
         }
     }
@@ -172,7 +172,7 @@ fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
 fn inline_result(found: &Found) -> Markup {
     match found {
         Found::Refused(clause, why) => {
-            html! { b { "Refused" } " for clause " (clause) ": " code { (why) } }
+            html! { b { "Refused" } " by clause " (clause) ": " code { (why) } }
         }
         Found::Values(_, rows) => html! {
             @for (i, (texel, values)) in rows.iter().enumerate() {
@@ -204,15 +204,15 @@ fn as_text(bytes: &[u8]) -> String {
     text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Renders the rulings of a clause. A ruling that is already in `known` is abbreviated to its reading.
-fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, known: &mut BTreeSet<&'a str>) -> Markup {
+/// Renders the rulings of a clause. Only the reading of a ruling in `seen` is rendered.
+fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, seen: &mut BTreeSet<&'a str>) -> Markup {
     let rulings = paper.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.iter().any(|clause| clause == id));
     html! {
         @for ruling in rulings {
             aside.ruling aria-label={ "Ruling " (ruling.id) " at " (id) } {
-                p { b { "Where the text is silent: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
-                @if known.insert(&ruling.id) { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
+                p { b { "Ruling: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
+                @if seen.insert(&ruling.id) { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
             }
         }
     }
@@ -225,7 +225,7 @@ fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Mark
     html! {
         @if !first.is_empty() {
             details.mistakes open[first.iter().any(|misreading| !readers_with_mistake(misreading).is_empty())] {
-                summary { "What goes wrong: " (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
+                summary { (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
                 @for misreading in first {
                     article.mistake {
                         p { (paper.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }

@@ -1,7 +1,7 @@
 //! Conversion of formulas from plain text to `MathML`.
 //!
-//! Letters form names and digits form numbers. `_` and `^` create subscripts and superscripts, braces group, and `√(…)` is
-//! a root. All other characters are operators.
+//! Letters form names, and digits form numbers. `_` and `^` create subscripts and superscripts, braces group, and `√(…)` is
+//! a square root. All other characters are operators.
 
 use std::iter::Peekable;
 use std::str::Chars;
@@ -61,7 +61,7 @@ fn parse_atom(chars: &mut Peekable<Chars>) -> String {
     if first == '√' && chars.next_if_eq(&'(').is_some() {
         return format!("<msqrt>{}</msqrt>", parse_row(chars, Some(')')));
     }
-    let (tag, belongs): (&str, fn(char) -> bool) = if first.is_ascii_digit() {
+    let (tag, continues): (&str, fn(char) -> bool) = if first.is_ascii_digit() {
         ("mn", |c| c.is_ascii_digit() || c == '.')
     } else if first.is_alphabetic() {
         ("mi", |c| c.is_alphanumeric() || c == '′')
@@ -69,7 +69,7 @@ fn parse_atom(chars: &mut Peekable<Chars>) -> String {
         ("mo", |c| c == '>')
     };
     let mut word = first.to_string();
-    while let Some(next) = chars.next_if(|&next| belongs(next)) {
+    while let Some(next) = chars.next_if(|&next| continues(next)) {
         word.push(next);
     }
     format!("<{tag}>{}</{tag}>", html! { (word) }.0)
@@ -80,9 +80,9 @@ mod tests {
     use super::*;
 
     #[track_caller]
-    fn check_formula(text: &str, inside: &str) {
-        let whole = format!("<math display=\"block\"><mrow>{inside}</mrow></math>");
-        assert_eq!(formula(text).0, whole);
+    fn check_formula(text: &str, row: &str) {
+        let expected = format!("<math display=\"block\"><mrow>{row}</mrow></math>");
+        assert_eq!(formula(text).0, expected);
     }
 
     #[test]

@@ -14,7 +14,7 @@ pub(super) fn page(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }
         dl.glossary {
-            @for (word, means) in &paper.library.texts.glossary { dt id=(anchor(word)) { (word) } dd { (paper.prose(means)) } }
+            @for (word, meaning) in &paper.library.texts.glossary { dt id=(anchor(word)) { (word) } dd { (paper.prose(meaning)) } }
         }
     };
     paper.page("glossary.html", "Glossary", "Glossary", &body)

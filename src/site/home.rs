@@ -45,16 +45,16 @@ pub(super) fn page(paper: PageContext) -> SiteFile {
                 }
             }
         }
-        ul.doors { @for ((place, what), count) in library.texts.counts.iter().zip(counts) { li { a href=(place) { b { (count) } " " (what) } } } }
-        h2 { "The file in one drawing" }
+        ul.doors { @for ((url, name), count) in library.texts.counts.iter().zip(counts) { li { a href=(url) { b { (count) } " " (name) } } } }
+        h2 { "File structure" }
         (overview::drawing(paper))
         h2 { "From bytes to an image" }
         (overview::flow(paper))
-        h2 { "Where to begin" }
+        h2 { "Getting started" }
         ul {
-            li { "To write a reader, read " a href="format/index.html" { "the format" } " from the first chapter on, let your program speak " (paper.protocol()) ", and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
-            li { "If a file looks wrong, " a href="drop.html" { "drop it on this page" } ", or run " code { "ptm-conform lint FILE" } "; the " a href="codes/index.html" { "codes" } " are explained here." }
-            li { "If a program displays a file incorrectly, find the mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "what public readers do" } "." }
+            li { "To write a reader, read " a href="format/index.html" { "the format" } ", starting with the first chapter, implement " (paper.protocol()) " in your program, and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
+            li { "If a file looks wrong, " a href="drop.html" { "drop it on this page" } ", or run " code { "ptm-conform lint FILE" } ". The meanings of the " a href="codes/index.html" { "codes" } " are described here." }
+            li { "If a program displays a file incorrectly, find the mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "the results of public readers" } "." }
             li { "To map a PTM onto a surface, read " a href="texture/index.html" { "the texture chapter" } "." }
         }
     };

@@ -66,7 +66,7 @@ impl Library {
         };
         // If two subjects have the same id, links lead to the first.
         let subjects = library.subjects().into_iter().rev();
-        library.page_urls = (subjects.map(|(id, _, place, _)| (id.to_owned(), place))).collect();
+        library.page_urls = (subjects.map(|(id, _, url, _)| (id.to_owned(), url))).collect();
         Ok(library)
     }
 
@@ -74,8 +74,8 @@ impl Library {
     pub(super) fn subjects(&self) -> Vec<PageSubject<'_>> {
         let (ptm, texture) = (SuiteName::Ptm, SuiteName::Texture);
         let mut subjects = Vec::new();
-        let mut put = |id, kind, place: Option<String>, words| {
-            subjects.extend(place.map(|place| (id, kind, place, words)));
+        let mut put = |id, kind, url: Option<String>, text| {
+            subjects.extend(url.map(|url| (id, kind, url, text)));
         };
         let protocol = ptm.protocol_page().to_owned();
         put(PROTOCOL, "protocol", Some(protocol), PROTOCOL_DESCRIPTION);
@@ -146,7 +146,7 @@ type NamedText = (String, String);
 /// Descriptions by name.
 pub(super) type NamedTexts = BTreeMap<String, String>;
 
-/// Texts and tables of the site. See `spec-cases/site/texts.yaml` for descriptions of the fields.
+/// Texts and tables of the site. `spec-cases/site/texts.yaml` describes the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Texts {

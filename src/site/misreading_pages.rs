@@ -31,7 +31,7 @@ fn list_page(paper: PageContext) -> SiteFile {
     }
     let chapters = &paper.library.annotated.chapters;
     let body = html! {
-        p.lead { (count) " mistakes that a reader of the format can make, each in one clause. Those marked ● were seen in public readers." }
+        p.lead { (count) " mistakes that a reader of the format can make, each about one clause. Mistakes marked ● were seen in public readers." }
         (filter_box("misreadings"))
         @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
@@ -51,7 +51,7 @@ pub(super) fn filter_box(entries: &str) -> Markup {
     html! {
         form.tools role="search" {
             label for="list-filter" { "Filter" }
-            input #list-filter type="search" placeholder={ "words or clauses; only matching " (entries) " stay" } autocomplete="off" spellcheck="false";
+            input #list-filter type="search" placeholder={ "words or clauses; hides other " (entries) } autocomplete="off" spellcheck="false";
             span #list-found role="status" aria-live="polite" {}
         }
     }
@@ -66,22 +66,22 @@ fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
         p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
         p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
         @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
-        h2 { "The smallest file that shows the mistake" }
+        h2 { "Smallest file that reveals the mistake" }
         @match witness {
             Some(witness) => (witness_markup(paper, misreading, witness)),
-            None => p { "No file of the suite alone shows the mistake, because it concerns a choice or the spelling of a table." },
+            None => p { "No single file of the suite reveals the mistake, because it concerns a choice or the spelling of a table." },
         }
     };
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(paper: PageContext, misreading: &Misreading, seen: &MisreadingWitness) -> Markup {
-    let case = &paper.library.suite.cases[seen.case];
+fn witness_markup(paper: PageContext, misreading: &Misreading, w: &MisreadingWitness) -> Markup {
+    let case = &paper.library.suite.cases[w.case];
     let built = case.build(TableSpelling::default());
     html! {
-        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (seen.view) } ": " (case.because) }
+        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (w.view) } ": " (case.because) }
         (image_pair(paper, misreading))
-        @if let Some(difference) = &seen.difference { p { "In " code { (seen.view) } ": " (difference) "." } }
+        @if let Some(difference) = &w.difference { p { "In " code { (w.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
 }
@@ -118,9 +118,9 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
         answer.decoded::<Frame>().ok()
     };
     let wrong_lit = wrong(&light);
-    let shows = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
+    let is_visible = right.is_err() || wrong_lit.is_none() || wrong_lit != right_frame(&light);
     // If the mistake is invisible under a light, display the stored values.
-    let (view, wrong) = match shows {
+    let (view, wrong) = match is_visible {
         true => (light, wrong_lit),
         false => (View::Raw, wrong(&View::Raw)),
     };
@@ -131,14 +131,14 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
     };
     html! {
         div.pair {
-            figure { (image_or_text(right_frame(&view).as_ref(), "right", "refused: the file breaks a rule")) figcaption { "right" } }
-            figure { (image_or_text(wrong.as_ref(), "wrong", answer)) figcaption { "with the mistake" } }
+            figure { (image_or_text(right_frame(&view).as_ref(), "correct", "refused: the file breaks a rule")) figcaption { "correct" } }
+            figure { (image_or_text(wrong.as_ref(), "with the mistake", answer)) figcaption { "with the mistake" } }
         }
-        @if view == View::Raw { p.quiet { "Stored values, plane by plane; the difference is not visible under a light." } }
+        @if view == View::Raw { p.quiet { "These are the stored values, plane by plane, because the difference is not visible under a light." } }
     }
 }
 
-fn image_or_text(frame: Option<&Frame>, alt: &str, otherwise: &str) -> Markup {
+fn image_or_text(frame: Option<&Frame>, alt: &str, fallback: &str) -> Markup {
     let image = frame.and_then(|frame| pictures::render_frame(frame, alt));
-    image.unwrap_or_else(|| html! { p.nothing { (otherwise) } })
+    image.unwrap_or_else(|| html! { p.nothing { (fallback) } })
 }

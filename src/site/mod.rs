@@ -1,6 +1,6 @@
 //! Website about the format, its readers and this suite. The pages need no server.
 //!
-//! Start reading at [`build`]. Every worked example is executed during generation, and a failing example ends the build.
+//! Start reading at [`build`]. Every worked example is executed during generation, and a failing example aborts the build.
 //! The output is reproducible.
 
 pub mod annotated;
@@ -37,7 +37,7 @@ const STYLE: &str = crate::report::html::STYLE;
 const SCRIPT: &str = include_str!("site.js");
 
 /// Generates all files of the site. `annotated` replaces the embedded annotated format. `module` is the reference as
-/// WebAssembly, which the page for dropped files needs.
+/// WebAssembly, which the page for dropped files requires.
 ///
 /// # Errors
 /// Returns a message that names the clause whose example fails, or the file of the suite that cannot be read.
@@ -51,7 +51,7 @@ pub fn build(
         library: &library,
         root: "",
     };
-    let below = PageContext { root: "../", ..top };
+    let nested = PageContext { root: "../", ..top };
     let mut files = vec![
         SiteFile::new("style.css", STYLE),
         SiteFile::new("site.js", SCRIPT),
@@ -61,13 +61,13 @@ pub fn build(
     files.push(home::page(top));
     files.push(glossary::page(top));
     files.push(reader_pages::scoreboard(top));
-    files.extend(format_pages::pages(below)?);
-    files.extend(ruling_pages::pages(below));
-    files.extend(misreading_pages::pages(below));
-    files.extend(code_pages::pages(below));
-    files.extend(reader_pages::pages(below));
-    files.extend(texture_pages::pages(below)?);
-    files.extend(docs_pages::pages(below));
-    files.extend(case_pages::pages(below, jobs));
+    files.extend(format_pages::pages(nested)?);
+    files.extend(ruling_pages::pages(nested));
+    files.extend(misreading_pages::pages(nested));
+    files.extend(code_pages::pages(nested));
+    files.extend(reader_pages::pages(nested));
+    files.extend(texture_pages::pages(nested)?);
+    files.extend(docs_pages::pages(nested));
+    files.extend(case_pages::pages(nested, jobs));
     Ok(files)
 }

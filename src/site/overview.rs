@@ -12,14 +12,14 @@ pub(super) fn drawing(paper: PageContext) -> Markup {
                 @let text = drawing.text.iter().map(|part| (part, "line"));
                 @let parts = text.chain(drawing.bytes.iter().map(|part| (part, "data")));
                 @let height = 30 * parts.clone().count() + 34;
-                svg.file viewBox={ "0 0 300 " (height) } role="group" aria-label={ "A file of " (drawing.name) } {
+                svg.file viewBox={ "0 0 300 " (height) } role="group" aria-label={ "Parts of a file: " (drawing.name) } {
                     text.name x="2" y="20" { (drawing.name) }
-                    @for (i, ((what, section), class)) in parts.enumerate() {
+                    @for (i, ((part, section), class)) in parts.enumerate() {
                         @let y = 32 + 30 * i;
-                        @let place = paper.library.page_url(section).unwrap_or_default();
-                        a href={ (paper.root) (place) } {
+                        @let url = paper.library.page_url(section).unwrap_or_default();
+                        a href={ (paper.root) (url) } {
                             rect class=(class) x="2" y=(y) width="296" height="26" rx="4" {}
-                            text x="12" y=(y + 18) { (what) }
+                            text x="12" y=(y + 18) { (part) }
                             text.section x="288" y=(y + 18) text-anchor="end" { (section) }
                         }
                     }
@@ -33,6 +33,6 @@ pub(super) fn drawing(paper: PageContext) -> Markup {
 /// Renders the four steps from bytes to an image.
 pub(super) fn flow(paper: PageContext) -> Markup {
     html! {
-        ol.flow { @for (what, how, id) in &paper.library.texts.flow { li { b { (what) } br; (how) " " span.quiet { (paper.link_as(id, &html! { (id) })) } } } }
+        ol.flow { @for (step, method, id) in &paper.library.texts.flow { li { b { (step) } br; (method) " " span.quiet { (paper.link_as(id, &html! { (id) })) } } } }
     }
 }

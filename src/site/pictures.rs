@@ -16,13 +16,13 @@ const MAX_SIDE: u32 = 128;
 /// Gray of the separator between two planes.
 const SEPARATOR_GRAY: Luma<u8> = Luma([128]);
 
-/// Renders a map under a light as an embedded image. `says` is the alternative text.
-pub(super) fn render_map(map: &Coefficients, (lu, lv): (f64, f64), says: &str) -> Markup {
-    embed_image(subsample(&render_lit(map, lu, lv)), says)
+/// Renders a map under a light as an embedded image. `alt` is the alternative text.
+pub(super) fn render_map(map: &Coefficients, (lu, lv): (f64, f64), alt: &str) -> Markup {
+    embed_image(subsample(&render_lit(map, lu, lv)), alt)
 }
 
 /// Renders a frame as an embedded image: colors directly, and other views as planes side by side.
-pub(super) fn render_frame(frame: &Frame, says: &str) -> Option<Markup> {
+pub(super) fn render_frame(frame: &Frame, alt: &str) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels);
     let Samples::U8(samples) = &frame.samples else {
         return None;
@@ -33,7 +33,7 @@ pub(super) fn render_frame(frame: &Frame, says: &str) -> Option<Markup> {
     }
     if frame.view == ViewKind::Rgb {
         let image = RgbImage::from_raw(width, height, samples.clone())?;
-        return Some(embed_image(subsample(&image), says));
+        return Some(embed_image(subsample(&image), alt));
     }
     let plane = |channel: u32| {
         let samples = samples.iter().skip(channel as usize);
@@ -41,12 +41,12 @@ pub(super) fn render_frame(frame: &Frame, says: &str) -> Option<Markup> {
         Some(subsample(&GrayImage::from_raw(width, height, samples)?))
     };
     let planes: Vec<GrayImage> = (0..channels).map(plane).collect::<Option<_>>()?;
-    let (each, height) = planes[0].dimensions();
-    let mut joined = GrayImage::from_pixel(channels * (each + 1) - 1, height, SEPARATOR_GRAY);
-    for (plane, x) in planes.iter().zip((0..).step_by(each as usize + 1)) {
+    let (side, height) = planes[0].dimensions();
+    let mut joined = GrayImage::from_pixel(channels * (side + 1) - 1, height, SEPARATOR_GRAY);
+    for (plane, x) in planes.iter().zip((0..).step_by(side as usize + 1)) {
         imageops::replace(&mut joined, plane, x, 0);
     }
-    Some(embed_image(joined, says))
+    Some(embed_image(joined, alt))
 }
 
 /// Subsamples an image whose sides exceed [`MAX_SIDE`].
@@ -57,13 +57,13 @@ fn subsample<P: Pixel<Subpixel = u8>>(image: &ImageBuffer<P, Vec<u8>>) -> ImageB
     ImageBuffer::from_fn(width.div_ceil(step), height.div_ceil(step), texel)
 }
 
-fn embed_image(image: impl Into<DynamicImage>, says: &str) -> Markup {
+fn embed_image(image: impl Into<DynamicImage>, alt: &str) -> Markup {
     let image = image.into();
     let (width, height) = image.dimensions();
     let scale = (MAX_DISPLAYED_SIDE / width.max(height)).max(1);
     let png = encode_image(image, ImageFormat::Png).expect("a subsampled image is small");
     html! {
-        img.texels width=(width * scale) height=(height * scale) alt=(says)
+        img.texels width=(width * scale) height=(height * scale) alt=(alt)
             src={ "data:image/png;base64," (BASE64.encode(&png)) };
     }
 }

@@ -27,12 +27,12 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
-/// Returns the mistakes of a reader: first the mistakes of its profile in the order in which they take effect, then other
+/// Returns the mistakes of a reader: first those in its profile, in the order in which they take effect, then other
 /// sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
-    let known = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
-    let known = known.iter().map(|known| misreadings::find(&known.slug));
-    let mut mistakes: Vec<&Misreading> = known.flatten().collect();
+    let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
+    let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));
+    let mut mistakes: Vec<&Misreading> = profiled.flatten().collect();
     for misreading in misreadings::all() {
         let mut seen = misreading.seen.iter();
         let is_seen = seen.any(|sighting| sighting.reader == reader);
@@ -55,10 +55,10 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: PageContext) -> SiteFile {
     let body = html! {
-        p.lead { "These public programs read PTM files. The suite was run on some of them; the source code of the others was read. "
+        p.lead { "These public programs read PTM files. The suite was run on some of them. The entries of the others are based on their source code. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
-            thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "mistakes known" } } }
+            thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "known mistakes" } } }
             tbody { @for reader in paper.library.readers() {
                 @let run = find_run(paper, reader);
                 tr {
@@ -79,10 +79,10 @@ fn page(paper: PageContext, reader: &str) -> SiteFile {
     let body = html! {
         h1 { (reader) }
         @if let Some(run) = run { (run_results(paper, run)) }
-        @else { p { "The suite was not run on this reader. This list is based on the source code of the reader." } }
+        @else { p { "The suite was not run on this reader. This page is based on its source code." } }
         @if let Some(profile) = profile(reader) { (render_profile(profile)) }
         @if !mistakes.is_empty() {
-            h2 { "Its mistakes" }
+            h2 { "Known mistakes" }
             ul { @for misreading in mistakes {
                 li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
             } }
@@ -93,19 +93,19 @@ fn page(paper: PageContext, reader: &str) -> SiteFile {
 
 /// Renders the formats and limits of a reader, with the evidence for them.
 fn render_profile(profile: &ReaderProfile) -> Markup {
-    let known = |evidence| match evidence {
-        Evidence::Run => "the reader was run on the cases",
-        Evidence::Code => "the source code was read",
+    let basis = |evidence| match evidence {
+        Evidence::Run => "based on a run of the cases",
+        Evidence::Code => "based on the source code",
     };
     html! {
-        h2 { "What the reader reads" }
+        h2 { "Supported files" }
         dl.facts {
             @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
-            dt { "Formats" } dd { (profile.reads.join(", ")) " (" (known(profile.evidence)) ")" }
+            dt { "Formats" } dd { (profile.reads.join(", ")) " (" (basis(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Also" } dd { ul.plain { @for known_limit in &profile.limits { li { "The reader " (known_limit.limit.words) " (" (known(known_limit.evidence)) ")." } } } }
+                dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.words) " (" (basis(known.evidence)) ")." } } } }
             }
-            dt { "Predict" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts what the reader displays for a file." }
+            dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the output of the reader for a file." }
         }
     }
 }
@@ -126,7 +126,7 @@ fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
             dt { "Outcomes" } dd { (run.counts()) }
         }
         @for remark in &run.remarks { p.note { (paper.prose(remark)) } }
-        h2 { "Clauses in which a case fails" }
+        h2 { "Clauses with failing cases" }
         @if clauses.is_empty() { p { "None." } }
         ul { @for clause in clauses {
             @let tally = tallies[clause.id.as_str()];
@@ -151,12 +151,12 @@ fn case_list(paper: PageContext, cases: &[String]) -> Markup {
 pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
     let runs = &paper.library.runs;
     let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
-    let tally = |place: usize, clause: &str| all[place].get(clause).copied().unwrap_or_default();
+    let tally = |index: usize, clause: &str| all[index].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
-        (0..runs.len()).any(|place| tally(place, &clause.id) != ClauseTally::default())
+        (0..runs.len()).any(|index| tally(index, &clause.id) != ClauseTally::default())
     };
     let differs = |clause: &Clause| {
-        let mut states = (0..runs.len()).map(|place| tally(place, &clause.id).state());
+        let mut states = (0..runs.len()).map(|index| tally(index, &clause.id).state());
         let first = states.next();
         states.any(|state| Some(state) != first)
     };
@@ -185,7 +185,7 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
             tbody { @for clause in paper.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
                     th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
-                    @for place in 0..runs.len() { (tally(place, &clause.id).cell()) }
+                    @for index in 0..runs.len() { (tally(index, &clause.id).cell()) }
                 }
             } }
         } }

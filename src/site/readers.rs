@@ -101,11 +101,11 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
 pub(super) fn readers_with_mistake(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
     let seen = misreading.seen.iter();
     let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));
-    let makes = |profile: &&ReaderProfile| {
+    let has_mistake = |profile: &&ReaderProfile| {
         let mut known = profile.misreadings.iter();
         known.any(|known| known.slug == misreading.slug)
     };
-    let profiled = profiles().iter().filter(makes);
+    let profiled = profiles().iter().filter(has_mistake);
     let profiled = profiled.map(|profile| (profile.reader.as_str(), profile.version.as_deref()));
     seen.chain(profiled).collect()
 }

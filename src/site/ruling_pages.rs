@@ -10,7 +10,7 @@ use crate::suite::clauses::{Ruling, RulingKind};
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     let rulings = &paper.library.rulings;
     let list = html! {
-        p.lead { "Rulings answer the questions that the text leaves open. Each page states the reading of this suite, the readings of public readers, and whether another reading fails." }
+        p.lead { "Rulings answer the questions that the text leaves open. Each page states the reading of this suite, the readings of public readers, and whether other readings fail." }
         (PageContext::descriptions(&paper.library.texts.ruling_kinds, &["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }
@@ -33,10 +33,10 @@ pub(super) fn describe_ruling(paper: PageContext, ruling: &Ruling) -> Markup {
 }
 
 fn page(paper: PageContext, ruling: &Ruling) -> SiteFile {
-    let shows = |case: &&Case| {
+    let depends = |case: &&Case| {
         case.ruling.as_ref() == Some(&ruling.id) || case.axes().contains(&ruling.id.as_str())
     };
-    let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(shows).collect();
+    let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(depends).collect();
     let mut kinds: Vec<&str> = Vec::new();
     for case in &cases {
         if !kinds.contains(&case.expect.name()) {

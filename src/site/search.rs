@@ -1,4 +1,4 @@
-//! Search index: a script that a page loads when the user begins to type in the search box.
+//! Search index: a script that a page loads when the user focuses the search box.
 
 use serde_json::{Value, json};
 
@@ -11,10 +11,10 @@ use super::paper::SiteFile;
 pub(super) fn index(library: &Library) -> SiteFile {
     let subjects = library.subjects().into_iter().map(|subject| json!(subject));
     let headings = docs_pages::headings()
-        .map(|(heading, place, document)| json!([heading, "document", place, document]));
-    let words = library.texts.glossary.iter().map(|(word, means)| {
-        let place = format!("glossary.html#{}", glossary::anchor(word));
-        json!([word, "word", place, means])
+        .map(|(heading, url, document)| json!([heading, "document", url, document]));
+    let words = library.texts.glossary.iter().map(|(word, meaning)| {
+        let url = format!("glossary.html#{}", glossary::anchor(word));
+        json!([word, "word", url, meaning])
     });
     let entries: Value = subjects.chain(headings).chain(words).collect();
     let script = format!("window.searchIndex = {entries};\n");

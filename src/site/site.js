@@ -18,13 +18,13 @@
   show();
 }
 
-// Search box: ids first, then words. The index is a separate script that is loaded when the user begins to type.
+// Search box: ids first, then words. The index is a separate script that is loaded when the box receives the focus.
 {
   const input = document.getElementById("search");
   const hits = document.getElementById("hits");
   const root = document.body.dataset.root;
-  const MOST = 20;
-  let chosen = -1;
+  const MAX_HITS = 20;
+  let selected = -1;
   let loading;
   const load = () => {
     loading ??= new Promise((resolve) => {
@@ -35,36 +35,36 @@
     });
     return loading;
   };
-  // Rank of an entry, smaller is better; Infinity if a word does not occur.
+  // Rank of an entry. Lower is better, and the rank is Infinity if a word does not occur.
   const rank = ([id, , , words], wanted) => {
     const name = id.toLowerCase();
     const text = `${name} ${words.toLowerCase()}`;
     if (!wanted.every((word) => text.includes(word))) { return Infinity; }
-    const whole = wanted.join("-");
-    if (name === whole || name === wanted.join(" ")) { return 0; }
-    if (name.startsWith(whole)) { return 1; }
+    const slug = wanted.join("-");
+    if (name === slug || name === wanted.join(" ")) { return 0; }
+    if (name.startsWith(slug)) { return 1; }
     return wanted.every((word) => name.includes(word)) ? 2 : 3;
   };
-  const close = () => { hits.hidden = true; chosen = -1; input.setAttribute("aria-expanded", "false"); input.removeAttribute("aria-activedescendant"); };
+  const close = () => { hits.hidden = true; selected = -1; input.setAttribute("aria-expanded", "false"); input.removeAttribute("aria-activedescendant"); };
   const find = async () => {
     const wanted = input.value.toLowerCase().split(/\s+/).filter(Boolean);
     if (!wanted.length) { close(); return; }
     const index = await load();
     const found = index.map((entry) => ({ entry, rank: rank(entry, wanted) })).filter((hit) => hit.rank < Infinity);
     found.sort((a, b) => a.rank - b.rank || a.entry[0].length - b.entry[0].length);
-    hits.replaceChildren(...found.slice(0, MOST).map(({ entry: [id, kind, place, words] }, i) => {
+    hits.replaceChildren(...found.slice(0, MAX_HITS).map(({ entry: [id, kind, url, words] }, i) => {
       const item = document.createElement("li");
       item.id = `hit-${i}`;
       item.setAttribute("role", "option");
       item.setAttribute("aria-selected", "false");
       const link = document.createElement("a");
-      link.href = root + place;
+      link.href = root + url;
       link.tabIndex = -1;
       const name = document.createElement("b");
       name.textContent = id;
-      const what = document.createElement("small");
-      what.textContent = ` ${kind} `;
-      link.append(name, what, words.slice(0, 90));
+      const label = document.createElement("small");
+      label.textContent = ` ${kind} `;
+      link.append(name, label, words.slice(0, 90));
       item.append(link);
       return item;
     }));
@@ -76,18 +76,18 @@
       item.textContent = "No entry has this name, and no text contains these words.";
       hits.append(item);
     }
-    chosen = -1;
+    selected = -1;
     hits.hidden = false;
     input.setAttribute("aria-expanded", "true");
   };
   const choose = (step) => {
     const items = [...hits.querySelectorAll("li:has(a)")];
     if (!items.length) { return; }
-    items[chosen]?.setAttribute("aria-selected", "false");
-    chosen = (chosen + step + items.length) % items.length;
-    items[chosen].setAttribute("aria-selected", "true");
-    items[chosen].scrollIntoView({ block: "nearest" });
-    input.setAttribute("aria-activedescendant", items[chosen].id);
+    items[selected]?.setAttribute("aria-selected", "false");
+    selected = (selected + step + items.length) % items.length;
+    items[selected].setAttribute("aria-selected", "true");
+    items[selected].scrollIntoView({ block: "nearest" });
+    input.setAttribute("aria-activedescendant", items[selected].id);
   };
   input.addEventListener("focus", load, { once: true });
   input.addEventListener("input", find);
@@ -95,7 +95,7 @@
     if (event.key === "Escape") { close(); input.value = ""; }
     if (event.key === "ArrowDown") { event.preventDefault(); choose(1); }
     if (event.key === "ArrowUp") { event.preventDefault(); choose(-1); }
-    if (event.key === "Enter") { hits.querySelectorAll("li a")[Math.max(chosen, 0)]?.click(); }
+    if (event.key === "Enter") { hits.querySelectorAll("li a")[Math.max(selected, 0)]?.click(); }
   });
   document.addEventListener("click", (event) => { if (!event.target.closest("search")) { close(); } });
   document.addEventListener("keydown", (event) => {
@@ -105,7 +105,7 @@
   });
 }
 
-// Filter of a list: every word must occur. A clause also matches everything below it. The filter is part of the URL.
+// Filter of a list: every word must occur. A clause or section also matches everything in it. The filter is part of the URL.
 {
   const input = document.getElementById("list-filter");
   if (input) {
@@ -132,11 +132,11 @@
       const query = encodeURIComponent(input.value.trim());
       history.replaceState(null, "", (query ? `?${query}` : location.pathname) + location.hash);
     };
-    const asked = decodeURIComponent(location.search.slice(1));
-    if (asked) { input.value = asked; }
+    const initial = decodeURIComponent(location.search.slice(1));
+    if (initial) { input.value = initial; }
     input.addEventListener("input", apply);
     differing?.addEventListener("change", apply);
     input.form.addEventListener("submit", (event) => event.preventDefault());
-    if (asked) { apply(); } else { found.textContent = `${rows.length}`; }
+    if (initial) { apply(); } else { found.textContent = `${rows.length}`; }
   }
 }

@@ -24,18 +24,18 @@ fn chapter(paper: PageContext) -> Result<SiteFile, String> {
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
-        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 describes how it is applied to a surface. The formulas of the chapter were printed as images and are "
-            "lost. They are reconstructed here from the surrounding text and from related documents, and rulings mark the reconstructions." }
-        p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "How a stage is called" } }
+        p.lead { "A PTM under a light is an image, and an image can be a texture. The chapter “Texture Mapping Table” of PEXlib 5.2 describes how a texture is applied to a surface. The formulas of the chapter were printed as images and are "
+            "lost. They are reconstructed here from the surrounding text and from related documents. Rulings mark the reconstructions." }
+        p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "Stage protocol" } }
         h2 #steps { "Step by step: a question and its answer" }
-        p { "Every answer was computed by the reference when this page was built, and compared with the one that the suite expects." }
+        p { "The reference computed every answer when this page was built, and the answer was compared with the one that the suite expects." }
         @for question in &questions { (question) }
         h2 #requirements { "The requirements" }
         @for (letters, title) in &texts.topics {
-            @let of: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == letters).collect();
-            @if !of.is_empty() {
+            @let clauses: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == letters).collect();
+            @if !clauses.is_empty() {
                 h3 id=(letters) { (title) " " span.quiet { (letters) } }
-                ul.plain { @for clause in of { (requirement(paper, clause)) } }
+                ul.plain { @for clause in clauses { (requirement(paper, clause)) } }
             }
         }
     };
@@ -56,8 +56,8 @@ fn requirement(paper: PageContext, clause: &Clause) -> Markup {
     }
 }
 
-/// Renders the shortest question about a step with its answer, which is verified with the reference.
-fn question(paper: PageContext, (op, does): &(String, String)) -> Result<Markup, String> {
+/// Renders the shortest question about a step and its answer, which is verified with the reference.
+fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Markup, String> {
     let cases = paper.library.textures.cases.iter();
     let cases = cases.filter(|case| case.op == *op);
     let case = cases.min_by_key(|case| case.question().to_string().len());
@@ -68,7 +68,7 @@ fn question(paper: PageContext, (op, does): &(String, String)) -> Result<Markup,
     }
     Ok(html! {
         figure.example id={ "step-" (op) } {
-            figcaption { b { code { (op) } } " " (does) " — " (paper.link(&case.id)) }
+            figcaption { b { code { (op) } } " " (action) " — " (paper.link(&case.id)) }
             pre tabindex="0" { (case.question()) }
             pre tabindex="0" { (case.expect) }
             p.because { (case.because) }

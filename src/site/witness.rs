@@ -27,19 +27,19 @@ pub(super) struct MisreadingWitness {
 /// Finds the smallest witness of each misreading. Misreadings without a witness are omitted.
 pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, MisreadingWitness> {
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
-    let built = |place: usize| suite.cases[place].build(TableSpelling::default());
-    by_size.sort_by_cached_key(|&place| built(place).file.len());
+    let built = |index: usize| suite.cases[index].build(TableSpelling::default());
+    by_size.sort_by_cached_key(|&index| built(index).file.len());
     let all: Vec<&'static Misreading> = misreadings::all().collect();
     let found = map_in_parallel(all.len(), jobs, &|_, _| (), &|i| {
-        let mut places = by_size.iter();
-        let witness = places.find_map(|&place| witness(all[i], place, &suite.cases[place]));
+        let mut cases = by_size.iter();
+        let witness = cases.find_map(|&index| witness(all[i], index, &suite.cases[index]));
         (all[i].slug, witness)
     });
-    let found = found.into_iter().filter_map(|(slug, of)| Some((slug, of?)));
+    let found = found.into_iter().filter_map(|(slug, w)| Some((slug, w?)));
     found.collect()
 }
 
-fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<MisreadingWitness> {
+fn witness(misreading: &Misreading, index: usize, case: &Case) -> Option<MisreadingWitness> {
     let built = case.build(TableSpelling::default());
     let view = case.views.first()?;
     if case.expect == Expect::Spelling || !can_affect_file(misreading, &built.file) {
@@ -50,7 +50,7 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Misread
         Answer::Decoded(frame) => Some(case.compare(&built, view, frame)),
         _ => None,
     };
-    let wrong = match (&case.expect, &compared) {
+    let is_revealed = match (&case.expect, &compared) {
         (Expect::Decode, None) => true,
         (Expect::Reject, _) => !matches!(answer, Answer::Rejected),
         (Expect::Refuse, compared) => compared.is_some(),
@@ -60,8 +60,8 @@ fn witness(misreading: &Misreading, place: usize, case: &Case) -> Option<Misread
         _ => false,
     };
     let difference = compared.and_then(|compared| compared.difference);
-    wrong.then(|| MisreadingWitness {
-        case: place,
+    is_revealed.then(|| MisreadingWitness {
+        case: index,
         view: view.clone(),
         answer,
         difference: difference.map(|difference| difference.to_string()),

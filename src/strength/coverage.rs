@@ -1,6 +1,6 @@
-//! Measures of the suite: clauses, kills, separations, pairs of parameters, and redundant cases.
+//! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
-//! - A clause is covered by its cases, and by misreadings of it that are caught.
+//! - A clause is *covered* by its cases, and by its misreadings that the suite catches.
 //! - A misreading is *killed* by the cases that fail a decoder with it. Two misreadings are *separated* by a case
 //!   with different answers.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. It may
@@ -16,7 +16,7 @@ use crate::strength::matrix::MatrixRow;
 use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::clauses::{self, ClauseStatus};
 
-/// All measures of a suite.
+/// All measurements of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Coverage {
     /// Coverage of every clause, in the order of the text.
@@ -25,7 +25,7 @@ pub struct Coverage {
     pub misreadings: Vec<Kills>,
     /// Separation of misreadings, with its gaps.
     pub separation: Separation,
-    /// Pairs of parameters that occur together in some file.
+    /// Pairs of parameter values that occur together in some file.
     pub pairwise: Pairwise,
     /// Ids of redundant cases.
     pub redundant: Vec<String>,
@@ -62,7 +62,7 @@ pub struct Kills {
 pub struct Separation {
     /// Number of pairs of misreadings.
     pub pairs: usize,
-    /// Number of pairs that some case separates.
+    /// Number of pairs that at least one case separates.
     pub separated: usize,
     /// Sets of misreadings with the same answers to every case.
     pub alike: Vec<Vec<String>>,
@@ -82,7 +82,7 @@ pub struct Pairwise {
 }
 
 impl Coverage {
-    /// Computes all measures from the matrix of a suite.
+    /// Computes all measurements from the matrix of a suite.
     ///
     /// # Errors
     /// Returns an error if the clauses cannot be loaded.
@@ -110,7 +110,7 @@ impl Coverage {
         })
     }
 
-    /// Formats the measures for a terminal.
+    /// Formats the measurements for a terminal.
     #[must_use]
     pub fn to_text(&self, suite: &Suite) -> String {
         let mut lines = Vec::new();
@@ -121,8 +121,8 @@ impl Coverage {
         lines.push(format!(
             "pairs of recipe parameters: {covered} of {pairs} occur in a file that must be decoded"
         ));
-        let shown = missing.iter().take(MAX_MISSING);
-        lines.extend(shown.map(|pair| format!("  missing: {pair}")));
+        let listed = missing.iter().take(MAX_MISSING);
+        lines.extend(listed.map(|pair| format!("  missing: {pair}")));
         if missing.len() > MAX_MISSING {
             let more = missing.len() - MAX_MISSING;
             lines.push(format!("  … and {more} more; --yaml lists them"));
@@ -143,9 +143,9 @@ impl Coverage {
         let statuses = statuses.map(|(status, count)| format!("{count} {status}"));
         let (all, statuses) = (self.clauses.len(), statuses.collect::<Vec<_>>().join(", "));
         lines.push(format!("clauses: {all}: {statuses}"));
-        for one in &self.clauses {
-            let (clause, cases) = (&one.clause, one.cases);
-            if one.status == "tested" && (cases == 0 || one.killed.is_empty()) {
+        for coverage in &self.clauses {
+            let (clause, cases) = (&coverage.clause, coverage.cases);
+            if coverage.status == "tested" && (cases == 0 || coverage.killed.is_empty()) {
                 lines.push(format!(
                     "  {clause}: {cases} cases, but none detects a misreading"
                 ));
@@ -159,15 +159,15 @@ impl Coverage {
         lines.push(format!("misreadings: {} of {all} killed", killed.count()));
         for kills in self.misreadings.iter().filter(|kills| kills.count < 2) {
             let (slug, clause) = (&kills.misreading, &kills.clause);
-            let by = kills.cases.first().map_or("no case", String::as_str);
-            lines.push(format!("  {slug} ({clause}): killed by {by}"));
+            let case = kills.cases.first().map_or("no case", String::as_str);
+            lines.push(format!("  {slug} ({clause}): killed by {case}"));
         }
         let (separated, pairs) = (self.separation.separated, self.separation.pairs);
         lines.push(format!(
             "pairs of misreadings: {separated} of {pairs} distinguished"
         ));
         let alike = self.separation.alike.iter().map(|set| set.join(", "));
-        lines.extend(alike.map(|set| format!("  alike in every case: {set}")));
+        lines.extend(alike.map(|set| format!("  equivalent in every case: {set}")));
     }
 }
 
@@ -175,7 +175,7 @@ impl Coverage {
 const MAX_MISSING: usize = 20;
 
 fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {
-    let one = |clause: clauses::Clause| {
+    let coverage = |clause: clauses::Clause| {
         let status = match clause.status {
             ClauseStatus::Tested => "tested",
             ClauseStatus::Ruled => "ruled",
@@ -190,14 +190,14 @@ fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCovera
         ClauseCoverage {
             status: status.to_owned(),
             cases: cases.count(),
-            killed: killed.map(|one| one.slug.to_owned()).collect(),
+            killed: killed.map(|killed| killed.slug.to_owned()).collect(),
             clause: clause.id,
         }
     };
-    Ok(clauses::clauses()?.into_iter().map(one).collect())
+    Ok(clauses::clauses()?.into_iter().map(coverage).collect())
 }
 
-/// Returns the separation of misreadings, and the cases that are the only ones to separate some pair.
+/// Returns the separation of misreadings, and the cases that are the only cases to separate some pair.
 fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
     let mut unique_separators = BTreeSet::new();
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
@@ -206,10 +206,10 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
         let slug = a.misreading.slug.to_owned();
         alike.entry(&a.answers).or_default().push(slug);
         for b in &rows[i + 1..] {
-            let mut apart = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
-            if let Some(first) = apart.next() {
+            let mut separating = (0..suite.cases.len()).filter(|&c| a.answers[c] != b.answers[c]);
+            if let Some(first) = separating.next() {
                 separated += 1;
-                unique_separators.extend(apart.next().is_none().then_some(first));
+                unique_separators.extend(separating.next().is_none().then_some(first));
             }
         }
     }
@@ -224,7 +224,7 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
 /// Returns the parameters of a recipe, with names and values.
 fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
-    let lines = |two: bool| if two { "two lines" } else { "one line" };
+    let line_count = |two: bool| if two { "two lines" } else { "one line" };
     let yes_or_no = |yes: bool| if yes { "yes" } else { "no" };
     let bias = match recipe.bias.values.iter().any(|&bias| bias > 255.0) {
         true => "over 255",
@@ -232,11 +232,11 @@ fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)
     };
     let scale_bias = spelling.scale_bias_on_two_lines;
     let space = !spelling.space_before_newline.is_empty();
-    let mut chosen = vec![
+    let mut parameters = vec![
         ("format", recipe.format.short_name()),
         ("size", size_kind(recipe.size)),
-        ("size is written on", lines(spelling.size_on_two_lines)),
-        ("scale and bias are written on", lines(scale_bias)),
+        ("size is written on", line_count(spelling.size_on_two_lines)),
+        ("scale and bias are written on", line_count(scale_bias)),
         ("space before a line feed", yes_or_no(space)),
         ("scale", number_kind(&recipe.scale)),
         ("bias", bias),
@@ -248,29 +248,29 @@ fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)
             256 => "256",
             _ => "more than 256",
         };
-        chosen.push(("entries", entries));
+        parameters.push(("entries", entries));
     }
     if let Some(plan) = case.compression() {
         let prediction = match (plan.predicts(), plan.inverts(), plan.moves()) {
             (false, ..) => "none",
             (_, false, false) => "plain",
             (_, true, false) => "inverted",
-            (_, false, true) => "moved",
-            (_, true, true) => "inverted and moved",
+            (_, false, true) => "displaced",
+            (_, true, true) => "inverted and displaced",
         };
-        chosen.push(("prediction", prediction));
-        chosen.push(("side information", yes_or_no(!plan.records.is_empty())));
+        parameters.push(("prediction", prediction));
+        parameters.push(("side information", yes_or_no(!plan.records.is_empty())));
     }
     let owned = |(name, value): (&'static str, &str)| (name, value.to_owned());
-    chosen.into_iter().map(owned).collect()
+    parameters.into_iter().map(owned).collect()
 }
 
 fn number_kind(numbers: &Numbers<6>) -> &'static str {
     let values = &numbers.values;
     if numbers.texts().iter().any(|text| text.contains(['e', 'E'])) {
-        "an exponent"
+        "with an exponent"
     } else if values.iter().any(|&value| value < 0.0) {
-        "below zero"
+        "negative"
     } else if values.contains(&0.0) {
         "zero"
     } else {
@@ -285,16 +285,16 @@ fn size_kind(size: Size) -> &'static str {
         (1, _) => "one column",
         (width, height) if width > 255 || height > 255 => "over 255",
         (width, height) if width == height => "square",
-        _ => "oblong",
+        _ => "not square",
     }
 }
 
 /// Returns true if no file can have the first parameter with this value, and the second parameter with any value.
 fn rules_out((name, value): (&str, &str), other: &str) -> bool {
-    let of_streams = matches!(other, "prediction" | "side information");
+    let is_of_planes = matches!(other, "prediction" | "side information");
     match (name, value.parse::<Format>()) {
-        ("entries", _) => of_streams,
-        ("format", Ok(format)) if of_streams => format.coding().is_none(),
+        ("entries", _) => is_of_planes,
+        ("format", Ok(format)) if is_of_planes => format.coding().is_none(),
         ("format", Ok(format)) => other == "entries" && !format.has_table(),
         _ => false,
     }
@@ -306,10 +306,10 @@ fn measure_pairs(suite: &Suite) -> Pairwise {
     for case in &suite.cases {
         let recipe = case.recipe().filter(|_| case.expect == Expect::Decode);
         let Some(recipe) = recipe else { continue };
-        let chosen = recipe_parameters(case, recipe);
-        for (i, (a, x)) in chosen.iter().enumerate() {
+        let parameters = recipe_parameters(case, recipe);
+        for (i, (a, x)) in parameters.iter().enumerate() {
             values.entry(a).or_default().insert(x.clone());
-            for (b, y) in &chosen[i + 1..] {
+            for (b, y) in &parameters[i + 1..] {
                 seen.insert(BTreeSet::from([(*a, x.clone()), (*b, y.clone())]));
             }
         }

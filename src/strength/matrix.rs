@@ -24,7 +24,7 @@ pub struct MatrixRow<A: 'static = At> {
     pub misreading: &'static Misreading<A>,
     /// Indices of the failing cases in the suite.
     pub killed_by: Vec<usize>,
-    /// Digest of the answer to each case.
+    /// Hash of the answer to each case.
     pub answers: Vec<u64>,
 }
 
@@ -34,10 +34,10 @@ pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 /// Runs the suite of PTM files against every misreading. `progress` receives the number of finished items and the total.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
-    let (_, right) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());
+    let (_, correct) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());
     let all = misreadings::all().count();
     let rows = misreadings::all().enumerate().map(|(i, misreading)| {
-        let results = run_with_mistakes(suite, &[misreading], &[], jobs, &right);
+        let results = run_with_mistakes(suite, &[misreading], &[], jobs, &correct);
         progress(i + 1, all);
         matrix_row(suite, misreading, results, Frame::hash)
     });
@@ -50,7 +50,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
     let rows = misreadings::texture::all().map(|misreading| {
         let rules = misreading.change(Rules::SPEC);
         let ask = |request: &Request<'_, _>| {
-            let case = suite.case(request.name).expect("its own case is asked");
+            let case = suite.case(request.name).expect("a case of the suite");
             case.answer(&rules)
         };
         let results = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
@@ -87,25 +87,25 @@ fn matrix_row<C: TestCase, A: 'static>(
 }
 
 /// Runs the suite against a decoder with these mistakes. Requests only `views`, or all views if the list is empty.
-/// Returns the run and the answers. If no mistake can affect a file, reuses the answer in `right`, if available.
+/// Returns the run and the answers. If no mistake can affect a file, reuses the answer in `correct` if it is available.
 #[must_use]
 pub fn run_with_mistakes(
     suite: &Suite,
     mistakes: &[&Misreading],
     views: &[&'static str],
     jobs: usize,
-    right: &KnownAnswers<Case>,
+    correct: &KnownAnswers<Case>,
 ) -> (Run, KnownAnswers<Case>) {
     let reading = Reading {
         stream: decode_stream_cached,
         ..Reading::SPEC
     };
     let ask = |request: &Request<'_>| {
-        let known = right.get(&answer_key::<Case>(request.name, request.view));
+        let known = correct.get(&answer_key::<Case>(request.name, request.view));
         let can_affect = |mistake: &&Misreading| can_affect_file(mistake, request.file);
         let known = known.filter(|_| !mistakes.iter().any(can_affect)).cloned();
-        let make = || misreadings::answer(mistakes, reading, request.file, request.view);
-        known.unwrap_or_else(make)
+        let compute = || misreadings::answer(mistakes, reading, request.file, request.view);
+        known.unwrap_or_else(compute)
     };
     let plan = RunPlan {
         views: views.iter().map(|&view| view.to_owned()).collect(),
@@ -121,14 +121,14 @@ fn run_and_answers<C: TestCase>(
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
 ) -> (Run<C>, KnownAnswers<C>) {
     let answers = Mutex::new(HashMap::new());
-    let recording = |request: &Request<'_, C::View>, _: usize| {
+    let record = |request: &Request<'_, C::View>, _: usize| {
         let answer = ask(request);
         let key = answer_key::<C>(request.name, request.view);
         let mut answers = answers.lock().expect("no worker panics");
         answers.insert(key, answer.clone());
         answer.into()
     };
-    let run = check(suite, plan, &recording, &|_, _, _, _| ());
+    let run = check(suite, plan, &record, &|_, _, _, _| ());
     (run, answers.into_inner().expect("no worker panics"))
 }
 

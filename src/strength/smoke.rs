@@ -43,32 +43,32 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
 #[must_use]
 pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     let killed = rows.iter().filter(|row| !row.killed_by.is_empty());
-    let mut left: Vec<&MatrixRow> = killed.collect();
+    let mut remaining: Vec<&MatrixRow> = killed.collect();
     let mut chosen = Vec::new();
-    while !left.is_empty() {
+    while !remaining.is_empty() {
         let mut kills = vec![0_usize; suite.cases.len()];
-        for row in &left {
+        for row in &remaining {
             for &case in &row.killed_by {
                 kills[case] += 1;
             }
         }
         // On ties, choose the first case.
-        let most = kills.iter().max().copied().unwrap_or_default();
-        let Some(best) = kills.iter().position(|&count| count == most) else {
+        let max = kills.iter().max().copied().unwrap_or_default();
+        let Some(best) = kills.iter().position(|&count| count == max) else {
             break;
         };
-        left.retain(|row| !row.killed_by.contains(&best));
+        remaining.retain(|row| !row.killed_by.contains(&best));
         chosen.push(best);
     }
     // Later choices may together kill all misreadings that an earlier one kills.
-    for place in (0..chosen.len()).rev() {
-        let mut without = chosen.clone();
-        without.remove(place);
+    for i in (0..chosen.len()).rev() {
+        let mut others = chosen.clone();
+        others.remove(i);
         let kills = |row: &MatrixRow| {
-            row.killed_by.is_empty() || row.killed_by.iter().any(|case| without.contains(case))
+            row.killed_by.is_empty() || row.killed_by.iter().any(|case| others.contains(case))
         };
         if rows.iter().all(kills) {
-            chosen.remove(place);
+            chosen.remove(i);
         }
     }
     chosen.sort_unstable();

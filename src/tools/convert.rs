@@ -28,7 +28,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Checks that quality and loss apply to the format. The error message begins with the name of the parameter that does not.
+    /// Checks that quality and loss apply to the format. The error message begins with the name of the offending parameter.
     ///
     /// # Errors
     /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for a format other
@@ -79,7 +79,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
 }
 
 /// Returns the recipe of the converted file. Scales keep their spelling, biases are written as integers, and everything
-/// else is spelled as every known reader accepts it.
+/// else uses the spelling that every known reader accepts.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
     let texts = |role: fn(usize) -> Role, count: usize| {
         join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
@@ -108,7 +108,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             Ok(ptm.planes.samples.clone())
         }
         (Shape::Lum(_), _) => Err(format!(
-            "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format holds all of them"
+            "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
         )),
         (_, Shape::Lum(())) => Err(format!(
             "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
@@ -126,7 +126,7 @@ const NOT_A_BYTE: &str =
 /// Maximum absolute bias. Products of two numbers of this size are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
-/// Conversion of a texel with its biases; the flags mark coefficients with a scale other than 0.
+/// Converts a texel with its biases. The flags mark coefficients whose scale is not 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.
@@ -142,22 +142,22 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
         ));
     }
     let bias = set.bias.map(|bias| bias as i64);
-    let counts = set.scale.map(|scale| scale != 0.0);
+    let used = set.scale.map(|scale| scale != 0.0);
     let mut samples = Vec::with_capacity(ptm.planes.size.texels() * target.channels());
     let mut misfits = Vec::new();
-    for (place, texel) in ptm.planes.texels().enumerate() {
-        match convert(texel, &bias, counts) {
+    for (i, texel) in ptm.planes.texels().enumerate() {
+        match convert(texel, &bias, used) {
             Some(texel) => samples.extend(texel),
-            None => misfits.push(place),
+            None => misfits.push(i),
         }
     }
     let Some(&first) = misfits.first() else {
         return Ok(samples);
     };
     let (count, size) = (misfits.len(), ptm.planes.size);
-    let (all, place) = (size.texels(), describe_position(size, first));
+    let (all, position) = (size.texels(), describe_position(size, first));
     Err(format!(
-        "{source} into {target}: {count} of {all} texels do not fit, the first at {place}: {why}"
+        "{source} into {target}: {count} of {all} texels do not fit, the first at {position}: {why}"
     ))
 }
 
@@ -165,14 +165,14 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
 ///
 /// After subtraction of the biases, the three polynomials must be multiples m·d of a primitive vector d. The common
 /// polynomial is n·d for some n, and each color is 255·m/n.
-fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
-    let value = |channel: usize, i: usize| match counts[i] {
+fn factor_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u8>> {
+    let value = |channel: usize, i: usize| match used[i] {
         true => i64::from(texel[6 * channel + i]) - bias[i],
         false => 0,
     };
     let vectors = [0, 1, 2].map(|channel| std::array::from_fn::<i64, 6, _>(|i| value(channel, i)));
-    // Coefficients with a scale of 0 do not matter and keep their stored value.
-    let whole = |i: usize, value: i64| match counts[i] {
+    // Coefficients with a scale of 0 have no effect and keep their stored values.
+    let stored = |i: usize, value: i64| match used[i] {
         true => u8::try_from(value + bias[i]).ok(),
         false => Some(texel[i]),
     };
@@ -184,16 +184,16 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
     let direction = longest.map(|x| x / factor);
     let lead = direction.iter().position(|&x| x != 0)?;
     let multiples = vectors.map(|vector| vector[lead] / direction[lead]);
-    let parallel =
+    let is_parallel =
         |(vector, multiple): (&[i64; 6], i64)| (0..6).all(|i| vector[i] == multiple * direction[i]);
-    if !vectors.iter().zip(multiples).all(parallel) {
+    if !vectors.iter().zip(multiples).all(is_parallel) {
         return None;
     }
     // Each element of n · d plus its bias must fit a byte, so there are at most 256 candidates for n.
     let values = (0..=255).map(|byte| byte - bias[lead]);
     let fitting = values.filter(|value| *value != 0 && value % direction[lead] == 0);
     fitting.map(|value| value / direction[lead]).find_map(|n| {
-        let polynomial = (0..6).map(|i| whole(i, n * direction[i]));
+        let polynomial = (0..6).map(|i| stored(i, n * direction[i]));
         let color = |multiple: i64| {
             ((255 * multiple) % n == 0).then(|| u8::try_from(255 * multiple / n).ok())?
         };
@@ -202,9 +202,9 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec
 }
 
 /// Multiplies a polynomial by three colors. Returns `None` if a product is not exact.
-fn multiply_colors(texel: &[u8], bias: &[i64; 6], counts: [bool; 6]) -> Option<Vec<u8>> {
+fn multiply_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
-        if !counts[i] {
+        if !used[i] {
             return Some(texel[i]);
         }
         let product = (i64::from(texel[i]) - bias[i]) * i64::from(color);
@@ -225,18 +225,18 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
 /// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
     let bug = "this is a bug in ptm-conform, and nothing is written";
-    let wrong = |what: &str| format!("the converted file was read back and {what}; {bug}");
+    let wrong = |fault: &str| format!("the converted file was read back and {fault}; {bug}");
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
-        return Err(wrong("has another header"));
+        return Err(wrong("has a different header"));
     }
     let pairs = back.planes.samples.iter().zip(samples);
     let largest = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
     if target.format.coding() != Some(Coding::Jpeg) && largest > target.loss {
-        return Err(wrong("holds other values"));
+        return Err(wrong("contains different values"));
     }
     if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {
-        check_same_colors(ptm, &back).map_err(|what| wrong(&what))?;
+        check_same_colors(ptm, &back).map_err(|fault| wrong(&fault))?;
     }
     Ok(largest)
 }
@@ -265,9 +265,9 @@ mod tests {
     #[test]
     fn only_multiples_of_one_polynomial_are_factored() {
         // Multiples 10, 6 and 0 of d = (1, 2, −1, 0, 3, 1) over a bias of 100.
-        let at = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
-        let found = factor_colors(&[at(10), at(6), at(0)].concat(), &[100; 6], COUNTS);
-        assert_eq!(found, Some([&at(10)[..], &[255, 153, 0]].concat()));
+        let p = |m: i64| [1, 2, -1, 0, 3, 1].map(|d: i64| (m * d + 100) as u8);
+        let found = factor_colors(&[p(10), p(6), p(0)].concat(), &[100; 6], COUNTS);
+        assert_eq!(found, Some([&p(10)[..], &[255, 153, 0]].concat()));
         let gray = factor_colors(&[[1, 2, 3, 4, 5, 6]; 3].concat(), &[0; 6], COUNTS);
         assert_eq!(gray, Some(vec![1, 2, 3, 4, 5, 6, 255, 255, 255]));
         let black = factor_colors(&[7; 18], &[7; 6], COUNTS).unwrap();
@@ -290,17 +290,17 @@ mod tests {
                 (_, x) => x / 51 * 51,
             };
             let texel: Vec<u8> = (0..9).map(value).collect();
-            let whole = |at: usize| {
-                let (value, color) = (i64::from(texel[at % 6]), i64::from(texel[6 + at / 6]));
-                let product = (value - bias[at % 6]) * color;
-                let byte = u8::try_from(product / 255 + bias[at % 6]).ok();
+            let expected = |i: usize| {
+                let (value, color) = (i64::from(texel[i % 6]), i64::from(texel[6 + i / 6]));
+                let product = (value - bias[i % 6]) * color;
+                let byte = u8::try_from(product / 255 + bias[i % 6]).ok();
                 byte.filter(|_| product % 255 == 0)
             };
             let three = multiply_colors(&texel, &bias, COUNTS);
-            assert_eq!(three, (0..18).map(whole).collect());
+            assert_eq!(three, (0..18).map(expected).collect());
             let Some(three) = three else { continue };
             fitting += 1;
-            let one = factor_colors(&three, &bias, COUNTS).expect("it came of one");
+            let one = factor_colors(&three, &bias, COUNTS).expect("it is a product");
             assert_eq!(multiply_colors(&one, &bias, COUNTS), Some(three));
         }
         assert!(fitting > 10, "{fitting}");

@@ -9,7 +9,7 @@ use super::join_texts;
 use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 
-/// Formats to try after the format of the file, most widely supported first.
+/// Formats to try after the format of the file, the most widely supported first.
 const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lrgb,
     Format::Rgb,
@@ -31,12 +31,12 @@ pub fn convert_for(
 ) -> Result<(Format, Converted), String> {
     let own = ptm.header.format;
     let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
-    let read_by_all = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
-    let formats = std::iter::once(own).chain(others).filter(read_by_all);
+    let is_supported = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
+    let formats = std::iter::once(own).chain(others).filter(is_supported);
     let formats: Vec<Format> = formats.collect();
     let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
-        return Err(names + ": no lossless format is read by all of them");
+        return Err(names + ": no lossless format is supported by all of them");
     }
     let mut reasons = Vec::new();
     for format in formats {
@@ -46,7 +46,7 @@ pub fn convert_for(
         }
     }
     Err(format!(
-        "{names} display no spelling of this map correctly: {}",
+        "no format of this map is displayed correctly by {names}: {}",
         reasons.join("; ")
     ))
 }
@@ -59,7 +59,7 @@ fn try_format(
     readers: &[&ReaderProfile],
 ) -> Result<Converted, String> {
     if format.coding() == Some(Coding::Jpeg) {
-        return Err(format!("{format} would lose something"));
+        return Err(format!("{format} is lossy"));
     }
     let (quality, loss) = (None, 0);
     let target = Target {

@@ -73,12 +73,12 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
 }
 
 fn compare_headers(a: &Ptm, b: &Ptm) -> Vec<String> {
-    let (mut words, mut numbers) = (Vec::new(), Vec::new());
+    let (mut layout, mut numbers) = (Vec::new(), Vec::new());
     let (a_shape, b_shape) = (a.planes.shape, b.planes.shape);
     let [(a_format, a_planes), (b_format, b_planes)] =
         [(a, a_shape), (b, b_shape)].map(|(ptm, shape)| (ptm.header.format, shape.channels()));
     if a_planes != b_planes {
-        words.push(format!(
+        layout.push(format!(
             "format: {a_format} has {a_planes} planes, {b_format} has {b_planes}; planes of different kinds are not compared"
         ));
     }
@@ -97,17 +97,17 @@ fn compare_headers(a: &Ptm, b: &Ptm) -> Vec<String> {
     }
     let (a, b) = (a.header.size, b.header.size);
     if a != b {
-        words.push(format!(
-            "size: {a} and {b}; planes of different sizes are not compared"
+        layout.push(format!(
+            "size: {a} and {b}; planes of different layout are not compared"
         ));
     }
-    [words, numbers].concat()
+    [layout, numbers].concat()
 }
 
 fn compare_planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
     let channels = a.shape.channels();
     let width = a.size.width as usize;
-    let one = |plane: usize| {
+    let compare = |plane: usize| {
         let pairs = a.samples.iter().zip(&b.samples);
         let pairs = || pairs.clone().skip(plane).step_by(channels);
         let first = pairs().position(|(a, b)| a != b)?;
@@ -124,7 +124,7 @@ fn compare_planes(a: &Planes, b: &Planes) -> Vec<PlaneDifference> {
             },
         })
     };
-    (0..channels).filter_map(one).collect()
+    (0..channels).filter_map(compare).collect()
 }
 
 impl MapDifference {
@@ -149,7 +149,7 @@ impl MapDifference {
             );
         }
         for line in &self.written {
-            let _ = writeln!(out, "written differently: {line}");
+            let _ = writeln!(out, "encoded differently: {line}");
         }
         out
     }

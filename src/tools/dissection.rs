@@ -13,7 +13,7 @@ use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size};
 
-/// Part of a file: a field, or an element of a field. Members that `inspect` sets are empty in a dissection.
+/// Part of a file: a field, or an element of a field. Fields that `inspect` sets are empty in a dissection.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FilePart {
     /// Offset of the first byte.
@@ -38,9 +38,9 @@ pub struct FilePart {
     /// Name of the list that contains the part; empty if it is not in a list.
     #[serde(skip)]
     pub list: &'static str,
-    /// Length that the part should have, if the file ends before its end.
+    /// Full length of the part, if the file ends inside it.
     #[serde(skip)]
-    pub cut_from: Option<u64>,
+    pub full_length: Option<u64>,
     /// Whitespace before the next part, as visible symbols; set by `inspect`.
     #[serde(skip)]
     pub(super) gap: String,
@@ -124,12 +124,12 @@ impl<'a> Dissection<'a> {
             dissection.add_part(field.clause, field.range.clone(), *nth, None);
             *nth += 1;
         }
-        let side = |role| {
-            let side = u32::try_from(dissection.number(role)?).ok();
-            side.filter(|&side| side > 0)
+        let length = |role| {
+            let length = u32::try_from(dissection.number(role)?).ok();
+            length.filter(|&length| length > 0)
         };
-        let sides = side(Role::Width).zip(side(Role::Height));
-        dissection.size = sides.map(|(width, height)| Size { width, height });
+        let size = length(Role::Width).zip(length(Role::Height));
+        dissection.size = size.map(|(width, height)| Size { width, height });
         dissection.add_truncated_parts();
         dissection
     }
@@ -187,29 +187,29 @@ impl<'a> Dissection<'a> {
     /// Returns the whitespace between the part with index `i` and the next part.
     #[must_use]
     pub fn gap_after(&self, i: usize) -> &'a [u8] {
-        let from = self.parts[i].range().end;
+        let start = self.parts[i].range().end;
         let in_header = || !self.parts.iter().any(|part| part.role.is_payload());
-        let length = match (self.parts.get(i + 1), &self.file[from..]) {
-            (Some(next), _) => next.offset.saturating_sub(from),
-            // A damaged header may end in a line end.
+        let length = match (self.parts.get(i + 1), &self.file[start..]) {
+            (Some(next), _) => next.offset.saturating_sub(start),
+            // A damaged header may end with a line ending.
             (None, [b'\n', ..]) if in_header() => 1,
             (None, [b' ', b'\n', ..]) if in_header() => 2,
             _ => 0,
         };
-        &self.file[from..from + length]
+        &self.file[start..start + length]
     }
 
-    /// Adds the truncated parts whose lengths the header declares.
+    /// Adds the parts of a truncated payload, whose lengths the header declares.
     fn add_truncated_parts(&mut self) {
         let Err(error) = &self.outcome else { return };
         let &Kind::Short { needs, .. } = error.kind() else {
             return;
         };
-        let (clause, mut at) = (error.clause(), error.offset());
+        let (clause, mut offset) = (error.clause(), error.offset());
         if clause != COMPRESSED_PLANE {
             let blocks = self.parts.iter();
             let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
-            let (nth, range) = (blocks.count(), at..self.file.len());
+            let (nth, range) = (blocks.count(), offset..self.file.len());
             return self.add_part(clause, range, nth, Some(needs));
         }
         // Add the planes up to the end of the file.
@@ -220,21 +220,21 @@ impl<'a> Dissection<'a> {
             ] {
                 let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);
-                let there = (self.file.len() - at) as u64;
-                let range = at..at + size.min(there) as usize;
-                at = range.end;
-                self.add_part(clause, range, plane, (there < size).then_some(size));
+                let available = (self.file.len() - offset) as u64;
+                let range = offset..offset + size.min(available) as usize;
+                offset = range.end;
+                self.add_part(clause, range, plane, (available < size).then_some(size));
             }
         }
     }
 
-    /// Adds the `nth` field of a clause. If the field is truncated, `cut_from` is its full length.
+    /// Adds the `nth` field of a clause. If the field is truncated, `full_length` is its full length.
     fn add_part(
         &mut self,
         clause: &'static str,
         range: Range<usize>,
         nth: usize,
-        cut_from: Option<u64>,
+        full_length: Option<u64>,
     ) {
         let planes = self.format.map_or(9, Format::channels);
         let is_y = clause == "2.9.3/1" && nth >= planes;
@@ -282,7 +282,7 @@ impl<'a> Dissection<'a> {
             },
             offset: range.start,
             length: range.len(),
-            cut_from,
+            full_length,
             ..FilePart::default()
         });
     }
@@ -320,7 +320,7 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Names of the sizes of planes.
+/// Names of the fields that contain the sizes of a plane.
 const STREAM_SIZE: &str = "compressed size of plane #";
 const SIDE_SIZE: &str = "side information size of plane #";
 
@@ -349,13 +349,13 @@ mod tests {
             let written = write(&recipe, &Model::paint(&recipe));
             let dissection = Dissection::parse(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
-            // The writer's map and the reader's agree on the position of every part.
+            // The writer and the reader agree on the position of every part.
             let ranges = dissection.parts.iter().map(FilePart::range);
             let fields = written.fields.iter().map(|field| field.range.clone());
             assert!(ranges.eq(fields), "{format}");
             assert_eq!(dissection.end(), written.bytes.len());
-            for place in 0..dissection.parts.len() {
-                let gap = dissection.gap_after(place);
+            for i in 0..dissection.parts.len() {
+                let gap = dissection.gap_after(i);
                 assert!(matches!(gap, b"" | b" " | b"\n"), "{format}");
             }
         }
@@ -366,13 +366,13 @@ mod tests {
         for format in Format::ALL {
             let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;
-            let [whole, cut] = [5, 0].map(|kept| Dissection::parse(&file[..file.len() - 5 + kept]));
+            let [full, cut] = [5, 0].map(|kept| Dissection::parse(&file[..file.len() - 5 + kept]));
             let mut parts = cut.parts.iter();
-            let part = parts.find(|part| part.cut_from.is_some()).unwrap();
+            let part = parts.find(|part| part.full_length.is_some()).unwrap();
             assert_eq!(part.range().end, file.len() - 5, "{format}");
-            let uncut = whole.part(part.role).unwrap();
-            assert_eq!(part.offset, uncut.offset, "{format}");
-            assert_eq!(part.cut_from, Some(uncut.length as u64), "{format}");
+            let expected = full.part(part.role).unwrap();
+            assert_eq!(part.offset, expected.offset, "{format}");
+            assert_eq!(part.full_length, Some(expected.length as u64), "{format}");
         }
     }
 }

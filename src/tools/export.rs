@@ -21,15 +21,15 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
     let coefficients = ptm.coefficients();
     let set = &ptm.header.scale_bias;
     let (scale, bias) = (join_texts(set.scale, " "), join_texts(set.bias, " "));
-    let mut about = format!("{}; scale {scale}; bias {bias}", ptm.header.format);
+    let mut text = format!("{}; scale {scale}; bias {bias}", ptm.header.format);
     if let Shape::Lum(matrix) = &coefficients.shape {
-        about = about + "; matrix, columns first, " + &join_texts(matrix.0, " ");
+        text = text + "; matrix in column-major order " + &join_texts(matrix.0, " ");
     }
     let channels = coefficients.shape.channels();
-    encode_exr(&coefficients.values, coefficients.size, channels, &about)
+    encode_exr(&coefficients.values, coefficients.size, channels, &text)
 }
 
-/// Encodes `values` as an EXR file. The values are interleaved, top row first. `about` becomes the attribute `ptm`.
+/// Encodes `values` as an EXR file. The values are interleaved, top row first. `text` becomes the attribute `ptm`.
 ///
 /// # Errors
 /// Returns an error if the map is too large for the format.
@@ -37,7 +37,7 @@ pub fn encode_exr(
     values: &[f64],
     size: Size,
     channels: usize,
-    about: &str,
+    text: &str,
 ) -> Result<Vec<u8>, String> {
     let channel = |channel: usize| {
         let plane = values.iter().skip(channel).step_by(channels);
@@ -56,15 +56,15 @@ pub fn encode_exr(
     };
     let mut attributes = LayerAttributes::default();
     // Write only one attribute, because the library writes multiple attributes in random order.
-    let about = AttributeValue::Text(Text::from(about));
-    attributes.other.insert(Text::from("ptm"), about);
+    let text = AttributeValue::Text(Text::from(text));
+    attributes.other.insert(Text::from("ptm"), text);
     let side_lengths = (size.width as usize, size.height as usize);
     let channels = AnyChannels::sort((0..channels).map(channel).collect());
     let layer = Layer::new(side_lengths, attributes, encoding, channels);
     let mut bytes = Cursor::new(Vec::new());
     let image = ExrImage::from_layer(layer);
-    let written = image.write().non_parallel().to_buffered(&mut bytes);
-    written.map_err(|error| error.to_string())?;
+    let result = image.write().non_parallel().to_buffered(&mut bytes);
+    result.map_err(|error| error.to_string())?;
     Ok(bytes.into_inner())
 }
 

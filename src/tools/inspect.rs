@@ -12,13 +12,13 @@ use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
 use crate::tools::segments::segments;
 use crate::tools::{describe_position, join_texts, texel_index};
 
-/// Number of table entries or records that are displayed unless all are requested.
+/// Maximum number of table entries or records that are displayed unless all are requested.
 const MAX_ENTRIES: usize = 8;
-/// Number of payload bytes that are displayed.
+/// Maximum number of payload bytes that are displayed.
 const MAX_PREVIEW_BYTES: usize = 8;
 
 const DIM_STYLE: Style = Style::new().dimmed();
-const CLAUSE: Style = AnsiColor::Cyan.on_default();
+const CLAUSE_STYLE: Style = AnsiColor::Cyan.on_default();
 const NAME_STYLE: Style = Style::new().bold();
 const VALUE_STYLE: Style = AnsiColor::Green.on_default();
 const ERROR_STYLE: Style = AnsiColor::Red.on_default().bold();
@@ -58,7 +58,7 @@ pub struct Fault {
     pub class: &'static str,
     /// Description of the error.
     pub what: String,
-    /// Kind of the error, which determines the field after which the error is displayed.
+    /// Kind of the error. It determines the field after which the error is displayed.
     #[serde(skip)]
     kind: Kind,
 }
@@ -125,8 +125,9 @@ fn inspect_part(dissection: &Dissection, i: usize) -> FilePart {
 /// Returns a description of a payload part and its elements.
 fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
-    if let Some(whole) = part.cut_from {
-        return (format!("cut: {} of {whole} bytes", bytes.len()), Vec::new());
+    if let Some(whole) = part.full_length {
+        let value = format!("truncated: {} of {whole} bytes", bytes.len());
+        return (value, Vec::new());
     }
     let value = match part.role {
         Role::Table => return table(dissection, part, bytes),
@@ -146,15 +147,15 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
             let width = bytes.len().checked_div(texels).unwrap_or(0);
             let largest = index_values(bytes, width).max().unwrap_or(0);
             let smallest = index_values(bytes, width).min().unwrap_or(0);
-            let each = match width {
+            let size = match width {
                 1 => "one byte",
                 _ => "two bytes, low byte first",
             };
-            format!("{texels} of {each}, from {smallest} to {largest}, bottom row first")
+            format!("{texels} of {size}, from {smallest} to {largest}, bottom row first")
         }
         _ => {
-            let each = bytes.len().checked_div(texels).unwrap_or(0);
-            format!("{texels} texels of {each} bytes, bottom row first")
+            let size = bytes.len().checked_div(texels).unwrap_or(0);
+            format!("{texels} texels of {size} bytes, bottom row first")
         }
     };
     (value, Vec::new())
@@ -201,11 +202,11 @@ fn describe_plane(dissection: &Dissection, plane: usize) -> String {
     let transform = number(Role::Transform(plane));
     let inverted = if transform & 1 != 0 { " inverted" } else { "" };
     let [x, y] = [Role::MotionX, Role::MotionY].map(|role| number(role(plane)) as f64 / 2.0);
-    let moved = match transform & 2 {
+    let displaced = match transform & 2 {
         0 => String::new(),
-        _ => format!(" moved by ({x}, {y})"),
+        _ => format!(" displaced by ({x}, {y})"),
     };
-    format!("{channel}, rank {rank}, predicted from plane {reference}{inverted}{moved}")
+    format!("{channel}, rank {rank}, predicted from plane {reference}{inverted}{displaced}")
 }
 
 /// Describes a block of side information and its records (clause 2.9.8/5).
@@ -220,7 +221,7 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
             }
             _ => "no texel".to_owned(),
         };
-        let value = format!("position {position} ({texel}) becomes {value}");
+        let value = format!("position {position} ({texel}) is set to {value}");
         let element = part.element(5 * i..5 * i + 5, CLAUSE, format!("record {i}"));
         FilePart { value, ..element }
     };
@@ -230,12 +231,12 @@ fn records(dissection: &Dissection, part: &FilePart, block: &[u8]) -> (String, V
         let (element, value) = (part.element(range, CLAUSE, name), join_texts(rest, " "));
         parts.push(FilePart { value, ..element });
     }
-    let words = match whole.len() {
+    let summary = match whole.len() {
         0 if rest.is_empty() => "no records".to_owned(),
         1 => "1 record".to_owned(),
         count => format!("{count} records"),
     };
-    (words, parts)
+    (summary, parts)
 }
 
 impl Inspection {
@@ -246,7 +247,7 @@ impl Inspection {
         let size = size.map(|(width, height)| format!("{width} x {height} texels, "));
         let mut out = format!(
             "{NAME_STYLE}{name}{NAME_STYLE:#}: {}, {}{} bytes\n\n{DIM_STYLE}  offset   length  clause        what{:<29}value{DIM_STYLE:#}\n",
-            self.format.unwrap_or("no known format"),
+            self.format.unwrap_or("unknown format"),
             size.unwrap_or_default(),
             self.bytes,
             ""
@@ -259,19 +260,19 @@ impl Inspection {
                 continue;
             }
             write_line(&mut out, line, 0);
-            let fault_here = fault.take_if(|fault| fault.is_in(line));
-            first.write_parts(&mut out, all, fault_here.is_some());
-            write_fault(&mut out, fault_here);
+            let own_fault = fault.take_if(|fault| fault.is_in(line));
+            first.write_parts(&mut out, all, own_fault.is_some());
+            write_fault(&mut out, own_fault);
         }
         write_fault(&mut out, fault);
         if let Some(rest) = &self.rest {
-            let why = match self.error {
+            let label = match self.error {
                 Some(_) => "not read",
                 None => "after the last value, unused",
             };
             let _ = writeln!(
                 out,
-                "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {:<12}  {NAME_STYLE}{why}{NAME_STYLE:#}  {DIM_STYLE}{}{DIM_STYLE:#}",
+                "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {:<12}  {NAME_STYLE}{label}{NAME_STYLE:#}  {DIM_STYLE}{}{DIM_STYLE:#}",
                 rest.offset, rest.length, "", rest.begins
             );
         }
@@ -310,14 +311,14 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
     };
     let _ = write!(
         out,
-        "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {CLAUSE}{:<12}{CLAUSE:#}  {:indent$}{NAME_STYLE}{name}{NAME_STYLE:#}",
+        "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {CLAUSE_STYLE}{:<12}{CLAUSE_STYLE:#}  {:indent$}{NAME_STYLE}{name}{NAME_STYLE:#}",
         first.offset,
         line[line.len() - 1].range().end - first.offset,
         first.clause,
         "",
     );
-    let taken = indent + name.chars().count();
-    let mut space = 33_usize.saturating_sub(taken).max(1);
+    let width = indent + name.chars().count();
+    let mut space = 33_usize.saturating_sub(width).max(1);
     for FilePart { value, gap, .. } in line.iter().filter(|part| !part.value.is_empty()) {
         let _ = write!(
             out,
@@ -338,8 +339,8 @@ impl FilePart {
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
         let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {
-            let words: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
-            let _ = writeln!(out, "{:33}{DIM_STYLE}{}{DIM_STYLE:#}", "", words.join(", "));
+            let names: Vec<&str> = self.parts.iter().map(|part| part.name.as_str()).collect();
+            let _ = writeln!(out, "{:33}{DIM_STYLE}{}{DIM_STYLE:#}", "", names.join(", "));
             return;
         }
         let hidden = match all || is_stream {
@@ -370,10 +371,10 @@ fn visible_symbols(bytes: &[u8]) -> String {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    let shown = bytes.iter().take(MAX_PREVIEW_BYTES);
-    let shown = join_texts(shown.map(|byte| format!("{byte:02x}")), " ");
+    let first = bytes.iter().take(MAX_PREVIEW_BYTES);
+    let preview = join_texts(first.map(|byte| format!("{byte:02x}")), " ");
     match bytes.len() {
-        0..=MAX_PREVIEW_BYTES => shown,
-        _ => shown + " …",
+        0..=MAX_PREVIEW_BYTES => preview,
+        _ => preview + " …",
     }
 }

@@ -1,7 +1,7 @@
 //! Tools for single files: dissection, lint, rendering and conversion.
 //!
-//! Data flow: dissection → inspect, lint; decode → render, export, diff; decode → generate → convert. The tools judge no
-//! decoder. Except for the profiles, they do no I/O, which is left to the program.
+//! Data flow: dissection → inspect, lint; decode → render, export, diff; decode → generate → convert. The tools do not
+//! judge decoders. Except for `profiles`, they perform no I/O, which is left to the caller.
 
 use crate::ptm::Size;
 
@@ -25,10 +25,10 @@ fn texel_index(size: Size, position: u32) -> usize {
     ((size.height - 1 - row) * size.width + column) as usize
 }
 
-/// Joins the string representations of `items` with the separator `by`.
-pub(crate) fn join_texts<T: ToString>(items: impl IntoIterator<Item = T>, by: &str) -> String {
+/// Joins the string representations of `items` with `separator`.
+pub(crate) fn join_texts(items: impl IntoIterator<Item: ToString>, separator: &str) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();
-    texts.join(by)
+    texts.join(separator)
 }
 
 /// Formats the column and row of a texel index that is counted from the top left.

@@ -57,12 +57,12 @@ impl Profile {
 
     /// Returns the views for which expected answers of a case are included.
     fn views(self, case: &Case) -> Vec<View> {
-        let of_case = match self {
+        let preferred = match self {
             Profile::Minimal => &[][..],
             Profile::Standard => &case.views[..1],
             Profile::Exhaustive => &case.views[..],
         };
-        let more = of_case.iter().filter(|view| **view != View::Raw).cloned();
+        let more = preferred.iter().filter(|view| **view != View::Raw).cloned();
         std::iter::once(View::Raw).chain(more).collect()
     }
 
@@ -79,17 +79,17 @@ impl Profile {
         let mut covered = BTreeSet::new();
         let mut ids = BTreeSet::new();
         for case in fitting.filter(|case| matches!(case.expect, Expect::Decode | Expect::Reject)) {
-            let mut is_fresh = false;
+            let mut is_new = false;
             for clause in &case.clauses {
-                is_fresh |= covered.insert((case.expect.name(), case.format(), clause));
+                is_new |= covered.insert((case.expect.name(), case.format(), clause));
             }
-            if is_fresh || case.first {
+            if is_new || case.first {
                 ids.insert(case.id.as_str());
                 ids.extend(case.twin_of.as_deref());
             }
         }
-        let in_it = |case: &&Case| ids.contains(case.id.as_str());
-        suite.cases.iter().filter(in_it).collect()
+        let is_selected = |case: &&Case| ids.contains(case.id.as_str());
+        suite.cases.iter().filter(is_selected).collect()
     }
 }
 
@@ -135,7 +135,7 @@ pub struct ProfileCase {
     pub format: &'static str,
     /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
-    /// Purpose of the case.
+    /// Reason why the case exists.
     pub because: String,
     /// Clauses that the case tests.
     pub clauses: Vec<String>,
@@ -172,7 +172,7 @@ pub struct ProfiledAnswer {
     /// Path of an array of the same shape that contains the additional tolerance of each value, because inverse DCTs differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
-    /// Rulings that affect the answer. Decoders that follow other readings of these rulings have other correct answers.
+    /// Rulings that affect the answer. Decoders that follow other readings of these rulings have different correct answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shows: Vec<&'static str>,
 }
@@ -195,8 +195,8 @@ pub fn write(
         return Err(io::Error::new(io::ErrorKind::AlreadyExists, why));
     }
     let cases = profile.cases(suite);
-    let entries = map_in_parallel(cases.len(), jobs, progress, &|place| {
-        let (entry, outputs) = entry(cases[place], profile).map_err(io::Error::other)?;
+    let entries = map_in_parallel(cases.len(), jobs, progress, &|i| {
+        let (entry, outputs) = entry(cases[i], profile).map_err(io::Error::other)?;
         for (path, bytes) in outputs {
             write_file(&directory.join(path), &bytes)?;
         }
@@ -221,8 +221,8 @@ pub fn write(
 
 fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>), String> {
     let built = case.build(TableSpelling::default());
-    let place = case.format().short_name().to_lowercase();
-    let file = format!("files/{place}/{}.ptm", case.id);
+    let folder = case.format().short_name().to_lowercase();
+    let file = format!("files/{folder}/{}.ptm", case.id);
     let mut outputs = vec![(file.clone(), built.file.clone())];
     let mut expected = Vec::new();
     for view in profile.views(case) {
@@ -265,8 +265,8 @@ fn answers(
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
     // `raw`, `coef`, `rgb-0.25--0.5`
     let suffix = view.to_string().replace([':', ','], "-");
-    let place = case.format().short_name().to_lowercase();
-    let stem = format!("expected/{place}/{}.{suffix}", case.id);
+    let folder = case.format().short_name().to_lowercase();
+    let stem = format!("expected/{folder}/{}.{suffix}", case.id);
     let mut answers = Vec::new();
     let (size, channels) = (expected.size, expected.channels);
     let slack = (!expected.slack.is_empty()).then(|| format!("{stem}.slack.npy"));
@@ -334,8 +334,8 @@ mod tests {
         assert!(minimal.len() * 2 < standard.len() && standard.len() < exhaustive.len());
         assert_eq!(exhaustive.len(), suite.cases.len());
         let clauses = |cases: &[&Case]| -> BTreeSet<String> {
-            let asked = cases.iter().filter(|case| case.expect == Expect::Decode);
-            asked.flat_map(|case| case.clauses.clone()).collect()
+            let legal = cases.iter().filter(|case| case.expect == Expect::Decode);
+            legal.flat_map(|case| case.clauses.clone()).collect()
         };
         let size = |case: &Case| case.build(TableSpelling::default()).file.len();
         let is_small = |case: &&Case| size(case) <= Profile::Minimal.max_file_bytes();

@@ -30,17 +30,17 @@ pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
 /// the direction of its light; at the edge, lights are at `RIM_RADIUS`. Images larger than `cell` are downscaled.
 ///
 /// # Errors
-/// Returns an error if the sheet needs more than 1 GiB.
+/// Returns an error if the sheet is larger than 1 GiB.
 pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     let coefficients = ptm.coefficients();
-    let step = |at: u32| match side {
+    let step = |i: u32| match side {
         1 => 0.0,
-        _ => 2.0 * f64::from(at) / f64::from(side - 1) - 1.0,
+        _ => 2.0 * f64::from(i) / f64::from(side - 1) - 1.0,
     };
     let Size { width, height } = coefficients.size;
     let factor = width.max(height).div_ceil(cell.max(1));
-    let place = |at: u32, length: u32| MARGIN + at * (length.div_ceil(factor) + MARGIN);
-    let (sheet_width, sheet_height) = (place(side, width), place(side, height));
+    let offset = |i: u32, length: u32| MARGIN + i * (length.div_ceil(factor) + MARGIN);
+    let (sheet_width, sheet_height) = (offset(side, width), offset(side, height));
     let bytes = 3 * u64::from(sheet_width) * u64::from(sheet_height);
     if bytes > MAX_IMAGE_BYTES {
         return Err(format!(
@@ -52,7 +52,7 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
         for column in 0..side {
             let (lu, lv) = square_to_disc(step(column), step(side - 1 - row));
             let small = downscale(&render_lit(&coefficients, lu, lv), factor);
-            let (x, y) = (place(column, width), place(row, height));
+            let (x, y) = (offset(column, width), offset(row, height));
             imageops::replace(&mut sheet, &small, x.into(), y.into());
         }
     }
@@ -85,8 +85,8 @@ pub fn normals(ptm: &Ptm) -> RgbImage {
 
 /// Returns the light direction at which the polynomial is largest.
 ///
-/// This is the point of zero gradient if it is a maximum within the hemisphere, or else a point on the rim. If several
-/// directions are equally bright, the one nearest to the zenith is returned. For a constant polynomial, that is the zenith.
+/// This is the point with zero gradient if it is a maximum within the hemisphere, or else a point on the rim. If several
+/// directions are equally bright, returns the one nearest to the zenith. For a constant polynomial, this is the zenith.
 #[must_use]
 pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     let largest = a[..5].iter().map(|a| a.abs()).fold(0.0, f64::max);
@@ -111,7 +111,7 @@ pub fn normal(a: &[f64; 6]) -> [f64; 3] {
     [u, v, 0.0]
 }
 
-/// Finds the angle on the circle at which `brightness` is largest by repeated refinement.
+/// Finds the angle on the circle at which `brightness` is largest, by repeated refinement.
 fn brightest_angle(brightness: &impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 64;
     let mut step = std::f64::consts::TAU / STEPS as f64;
@@ -146,7 +146,7 @@ pub fn encode_image(
     format: ImageFormat,
 ) -> Result<Vec<u8>, String> {
     let (image, mut out) = (image.into(), Cursor::new(Vec::new()));
-    let written = match format {
+    let result = match format {
         ImageFormat::Pnm => {
             // The default is the newer variant P7, which few programs read.
             let subtype = PnmSubtype::Pixmap(SampleEncoding::Binary);
@@ -157,20 +157,20 @@ pub fn encode_image(
         }
         _ => image.write_to(&mut out, format),
     };
-    written.map_err(|error| error.to_string())?;
+    result.map_err(|error| error.to_string())?;
     Ok(out.into_inner())
 }
 
 /// Enlarges an image: every pixel becomes a square of `factor` × `factor` pixels.
 ///
 /// # Errors
-/// Returns an error if the image needs more than 1 GiB.
+/// Returns an error if the image is larger than 1 GiB.
 pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     let area = u64::from(factor) * u64::from(factor);
     let bytes = area.saturating_mul(image.len() as u64);
     if bytes > MAX_IMAGE_BYTES {
-        let says = "is too large; choose a smaller factor";
-        return Err(format!("an image of {bytes} bytes {says}"));
+        let hint = "request a smaller factor";
+        return Err(format!("an image of {bytes} bytes is too large; {hint}"));
     }
     let (width, height) = (image.width() * factor, image.height() * factor);
     let pixel = |x, y| *image.get_pixel(x / factor, y / factor);

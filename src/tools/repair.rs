@@ -1,6 +1,6 @@
 //! Repair of faults that have only one correction:
 //!
-//! - blanks and line ends in the header that the specification does not allow
+//! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones
 //! - bytes after the last value
 //! - records of side information that a later record for the same texel overrides
@@ -29,7 +29,7 @@ pub struct Repaired {
 struct LenientHeader<'a> {
     /// Words of each line, in the layout of files from HP's programs.
     lines: Vec<Vec<String>>,
-    /// Line end: `\n`, `\r\n` or `\r`.
+    /// Line ending: `\n`, `\r\n` or `\r`.
     line_end: &'static str,
     payload: &'a [u8],
     format: Format,
@@ -44,25 +44,25 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let mut changes = Vec::new();
     let mut bytes = file.to_vec();
     if before.is_err() {
-        let loose = LenientHeader::read(file)?;
-        bytes = loose.into_legal_file(&mut changes)?;
+        let header = LenientHeader::read(file)?;
+        bytes = header.into_legal_file(&mut changes)?;
     }
     let dissection = Dissection::parse(&bytes);
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
-        changes.push(format!("{rest} bytes after the last value are removed"));
+        changes.push(format!("removed {rest} bytes after the last value"));
         bytes.truncate(end);
     }
     bytes = remove_overridden_records(bytes, &mut changes)?;
     if changes.is_empty() {
         return Err("there is nothing to repair".to_owned());
     }
-    let unlike = "this is a bug in ptm-conform, and nothing is written";
-    let malformed = |error| format!("the result is malformed: {error}; {unlike}");
+    let bug = "this is a bug in ptm-conform, and nothing is written";
+    let malformed = |error| format!("the result is malformed: {error}; {bug}");
     let after = decode(&bytes).map_err(malformed)?;
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
-        return Err(format!("the result is another map; {unlike}"));
+        return Err(format!("the result is a different map; {bug}"));
     }
     Ok(Repaired { bytes, changes })
 }
@@ -70,61 +70,61 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
 impl<'a> LenientHeader<'a> {
     /// Reads a header with arbitrary whitespace between its words.
     fn read(file: &'a [u8]) -> Result<LenientHeader<'a>, String> {
-        let mut at = 0;
-        let version = next_word(file, &mut at)?;
+        let mut offset = 0;
+        let version = next_word(file, &mut offset)?;
         if version != "PTM_1.2" {
-            return Err("it does not begin with PTM_1.2".to_owned());
+            return Err("the file does not begin with PTM_1.2".to_owned());
         }
-        let line_end = match strip_leading_blanks(&file[at..]) {
+        let line_end = match strip_leading_blanks(&file[offset..]) {
             [b'\r', b'\n', ..] => "\r\n",
             [b'\r', ..] => "\r",
             _ => "\n",
         };
-        let name = next_word(file, &mut at)?;
+        let name = next_word(file, &mut offset)?;
         let format = Format::ALL.into_iter().find(|format| format.name() == name);
         let format = format.ok_or_else(|| format!("unknown format {name:?}"))?;
         let mut lines = vec![vec![version], vec![name]];
         let planes = format.channels();
         let more = match format {
             Format::PtmLut | Format::PtmCLut => {
-                return Err("the spelling of a lookup table's header is left as it is".to_owned());
+                return Err("headers of files with a lookup table are not repaired".to_owned());
             }
             Format::Lum => vec![16],
             _ if format.coding().is_some() => [&[1][..], &[planes; 7]].concat(),
             _ => Vec::new(),
         };
         for count in [1, 1, 6, 6].into_iter().chain(more) {
-            let words = (0..count).map(|_| next_word(file, &mut at));
+            let words = (0..count).map(|_| next_word(file, &mut offset));
             lines.push(words.collect::<Result<_, _>>()?);
         }
-        let rest = strip_leading_blanks(&file[at..]);
+        let rest = strip_leading_blanks(&file[offset..]);
         let payload = rest.strip_prefix(line_end.as_bytes());
         Ok(LenientHeader {
             lines,
             line_end,
-            payload: payload.ok_or("the end of its header cannot be found")?,
+            payload: payload.ok_or("the end of the header cannot be found")?,
             format,
         })
     }
 
     /// Returns a file with a legal header, and describes the changes.
     fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
-        const BLANKS: &str = "the numbers in the header are now separated by single spaces, and its lines end in line feeds";
-        let as_lines = self.to_bytes();
-        if let Ok(ptm) = decode(&as_lines) {
-            let is_exact = Dissection::parse(&as_lines).end() == as_lines.len();
+        const WHITESPACE: &str = "replaced the whitespace in the header by spaces and line feeds";
+        let normalized = self.to_bytes();
+        if let Ok(ptm) = decode(&normalized) {
+            let is_exact = Dissection::parse(&normalized).end() == normalized.len();
             if self.line_end != "\n" && !is_exact {
                 return Err(format!(
-                    "its header has line ends other than line feeds, and its payload is longer than {} texels need: it was copied in text mode, which also changed the payload",
+                    "the header has line endings other than line feeds, and the payload is longer than {} texels require: the file was copied in text mode, which also changed the payload",
                     ptm.header.size
                 ));
             }
-            changes.push(BLANKS.to_owned());
-            return Ok(as_lines);
+            changes.push(WHITESPACE.to_owned());
+            return Ok(normalized);
         }
         if self.format.coding().is_none() {
-            let says = "its faults cannot be repaired without guessing; `lint` lists them";
-            return Err(says.to_owned());
+            let why = "the faults cannot be repaired without guessing; `lint` lists them";
+            return Err(why.to_owned());
         }
         self.measure_streams(changes)?;
         Ok(self.to_bytes())
@@ -139,38 +139,38 @@ impl<'a> LenientHeader<'a> {
     /// Corrects the compressed sizes if the streams and their side information fill the payload without gaps.
     fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
         const SIZES: usize = 12;
-        let unsettled = "the streams do not determine the correct sizes";
-        let mut at = 0_usize;
+        let ambiguous = "the streams do not determine the correct sizes";
+        let mut offset = 0_usize;
         for plane in 0..self.format.channels() {
-            let stream = self.payload.get(at..).ok_or(unsettled)?;
-            let size = stream_length(stream).ok_or(unsettled)?;
+            let stream = self.payload.get(offset..).ok_or(ambiguous)?;
+            let size = stream_length(stream).ok_or(ambiguous)?;
             let text = &mut self.lines[SIZES][plane];
             if *text != size.to_string() {
-                let size_of = format!("the compressed size of plane {plane}");
-                changes.push(format!("{size_of} is {size}, not {text}"));
+                let name = format!("the compressed size of plane {plane}");
+                changes.push(format!("corrected {name} from {text} to {size}"));
                 *text = size.to_string();
             }
             let side = self.lines[SIZES + 1][plane].parse::<usize>();
-            let end = side.ok().and_then(|side| (at + size).checked_add(side));
-            at = end.ok_or(unsettled)?;
+            let end = side.ok().and_then(|side| (offset + size).checked_add(side));
+            offset = end.ok_or(ambiguous)?;
         }
-        match at == self.payload.len() && !changes.is_empty() {
+        match offset == self.payload.len() && !changes.is_empty() {
             true => Ok(()),
-            false => Err(unsettled.to_owned()),
+            false => Err(ambiguous.to_owned()),
         }
     }
 }
 
-/// Skips whitespace and returns the next word of a header. Advances `at` to the end of the word.
-fn next_word(file: &[u8], at: &mut usize) -> Result<String, String> {
+/// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.
+fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
     let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
-    *at += file[*at..].iter().take_while(is_blank).count();
-    let letters = file[*at..].iter();
-    let length = letters.take_while(|byte| byte.is_ascii_graphic()).count();
-    let word = String::from_utf8_lossy(&file[*at..*at + length]).into_owned();
-    *at += length;
+    *offset += file[*offset..].iter().take_while(is_blank).count();
+    let rest = file[*offset..].iter();
+    let length = rest.take_while(|byte| byte.is_ascii_graphic()).count();
+    let word = String::from_utf8_lossy(&file[*offset..*offset + length]).into_owned();
+    *offset += length;
     match length {
-        0 => Err(format!("its header ends at byte {at}")),
+        0 => Err(format!("the header ends at byte {offset}")),
         _ => Ok(word),
     }
 }
@@ -209,11 +209,10 @@ fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Resul
         kept.retain(|record| seen.insert(&record[..4]));
         kept.reverse();
         if kept.len() < all {
-            let removed = format!(
-                "{} records that later ones override are removed",
-                all - kept.len()
-            );
-            changes.push(format!("plane {plane}: {removed}"));
+            let removed = all - kept.len();
+            changes.push(format!(
+                "plane {plane}: removed {removed} records that later records override"
+            ));
             let kept = kept.concat();
             edits.push((size, kept.len().to_string().into_bytes()));
             edits.push((side, kept));
@@ -222,8 +221,8 @@ fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Resul
     // Apply edits from the end, so that the ranges of earlier edits remain valid.
     edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
     let mut bytes = bytes;
-    for (range, with) in edits {
-        bytes.splice(range, with);
+    for (range, replacement) in edits {
+        bytes.splice(range, replacement);
     }
     Ok(bytes)
 }

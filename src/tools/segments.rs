@@ -48,7 +48,7 @@ impl SegmentKind {
             SegmentKind::Fill => ("fill bytes", "T.81 B.1.1.2"),
             SegmentKind::Data => ("entropy-coded data", "T.81 B.1.1.5"),
             SegmentKind::Trailing => ("bytes after the end", "T.81 B.1.1.3"),
-            SegmentKind::Stray => ("no marker", "T.81 B.1.1.3"),
+            SegmentKind::Stray => ("stray bytes", "T.81 B.1.1.3"),
             SegmentKind::Marker(code) => match code {
                 SOI => ("SOI", "T.81 B.2.1"),
                 EOI => ("EOI", "T.81 B.2.1"),
@@ -115,7 +115,7 @@ fn marker_or_gap(rest: &[u8]) -> (SegmentKind, usize) {
         [0xff, code, ..] if code != 0 => (SegmentKind::Marker(code), rest.len()),
         _ => {
             let stray = rest[1..].iter().position(|&byte| byte == 0xff);
-            (SegmentKind::Stray, stray.map_or(rest.len(), |at| at + 1))
+            (SegmentKind::Stray, stray.map_or(rest.len(), |i| i + 1))
         }
     }
 }
@@ -168,18 +168,18 @@ fn describe(kind: SegmentKind, bytes: &[u8], is_jpeg_ls: bool) -> String {
             let is_restart = |pair: &&[u8]| matches!(pair, [0xff, 0xd0..=0xd7]);
             match bytes.windows(2).filter(is_restart).count() {
                 0 => String::new(),
-                restarts => format!("{restarts} restart markers within"),
+                restarts => format!("{restarts} restart markers"),
             }
         }
         (SegmentKind::Marker(code), _) if has_no_segment(code) => String::new(),
         (SegmentKind::Marker(code), &[_, _, high, low, ref body @ ..]) => {
             let length = usize::from(u16::from_be_bytes([high, low]));
             match bytes.len() < 2 + length {
-                true => format!("cut: {length} bytes, {} remain", bytes.len() - 2),
+                true => format!("truncated: {} of {length} bytes", bytes.len() - 2),
                 false => describe_segment(code, body, is_jpeg_ls),
             }
         }
-        (SegmentKind::Marker(_), _) => "cut".to_owned(),
+        (SegmentKind::Marker(_), _) => "truncated".to_owned(),
         _ => String::new(),
     }
 }
@@ -191,7 +191,7 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
         (0xc0..=0xcf | SOF55, &[precision, h1, h0, w1, w0, count, ..]) => {
             let (width, height) = (u16::from_be_bytes([w1, w0]), u16::from_be_bytes([h1, h0]));
             let components = match *body {
-                [_, _, _, _, _, 1, _, f, ..] => format!("component of {}x{}", f >> 4, f & 15),
+                [_, _, _, _, _, 1, _, f, ..] => format!("component sampled {}x{}", f >> 4, f & 15),
                 [_, _, _, _, _, 1, ..] => "component".to_owned(),
                 _ => "components".to_owned(),
             };
@@ -211,9 +211,9 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
         (0xdd, &[high, low]) => format!("interval {}", u16::from_be_bytes([high, low])),
         (0xf8, &[1, ref rest @ ..]) => {
             let names = ["MAXVAL", "T1", "T2", "T3", "RESET"];
-            let words = names.iter().zip(rest.as_chunks::<2>().0);
-            let word = |(name, &pair): (_, _)| format!("{name} {}", u16::from_be_bytes(pair));
-            join_texts(words.map(word), ", ")
+            let pairs = names.iter().zip(rest.as_chunks::<2>().0);
+            let text = |(name, &pair): (_, _)| format!("{name} {}", u16::from_be_bytes(pair));
+            join_texts(pairs.map(text), ", ")
         }
         (0xe0..=0xef | 0xfe, _) => body[..body.len().min(24)].escape_ascii().to_string(),
         _ => String::new(),
@@ -222,21 +222,21 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
 
 /// Describes the class, number and code count of each table in a DHT segment (T.81 B.2.4.2).
 fn huffman_tables(mut body: &[u8]) -> String {
-    let mut words = Vec::new();
+    let mut tables = Vec::new();
     while let [kind, rest @ ..] = body
         && let Some((counts, values)) = rest.split_at_checked(16)
     {
         let codes: usize = counts.iter().map(|&count| usize::from(count)).sum();
         let class = if kind >> 4 == 0 { "DC" } else { "AC" };
-        words.push(format!("{class} table {} of {codes} codes", kind & 15));
+        tables.push(format!("{class} table {} of {codes} codes", kind & 15));
         body = values.get(codes..).unwrap_or_default();
     }
-    words.join(", ")
+    tables.join(", ")
 }
 
 /// Describes the number, element width and DC step of each table in a DQT segment (T.81 B.2.4.1).
 fn quantization_tables(mut body: &[u8]) -> String {
-    let mut words = Vec::new();
+    let mut tables = Vec::new();
     while let [kind, rest @ ..] = body {
         let size = if kind >> 4 == 0 { 1 } else { 2 };
         let Some((table, more)) = rest.split_at_checked(64 * size) else {
@@ -245,10 +245,10 @@ fn quantization_tables(mut body: &[u8]) -> String {
         let first = table[..size].iter();
         let first = first.fold(0, |step, &byte| step << 8 | u16::from(byte));
         let table = format!("table {} of {} bits", kind & 15, 8 * size);
-        words.push(format!("{table}, first divisor {first}"));
+        tables.push(format!("{table}, DC step {first}"));
         body = more;
     }
-    words.join(", ")
+    tables.join(", ")
 }
 
 #[cfg(test)]
@@ -269,11 +269,11 @@ mod tests {
     fn segments_of_arbitrary_bytes_cover_the_stream() {
         let samples: Vec<u8> = (0..64).map(|i| i * 3).collect();
         let stream = jpeg::encode(&samples, 8, 8, &jpeg::JpegOptions::new(90)).stream;
-        for at in 0..stream.len() {
-            check_coverage(&stream[..at]);
+        for i in 0..stream.len() {
+            check_coverage(&stream[..i]);
             for byte in [0, 0x7f, 0xda, 0xff] {
                 let mut stream = stream.clone();
-                stream[at] = byte;
+                stream[i] = byte;
                 check_coverage(&stream);
             }
         }

@@ -51,8 +51,8 @@ fn describe_acceptance(witnesses: &[Witness], indices: &[usize]) -> Diagnosis {
     Diagnosis::from_description(Category::Acceptance, witnesses, indices, text)
 }
 
-/// Describes the accepted malformed files if a misreading that claims more explains nothing else. Malformed files have no correct
-/// image, so these cases do not reveal how the decoder reads them.
+/// Describes accepted malformed files if a misreading that also affects other files explains nothing else. Malformed files have
+/// no correct image, so these cases do not reveal how the decoder reads them.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     indices: &[usize],

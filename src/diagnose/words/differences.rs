@@ -142,11 +142,11 @@ pub(in crate::diagnose) fn describe(
         streams.for_each(|step| *step = Phase::StoredValue);
     }
     let format = |w: usize| search.witnesses[w].case.format();
-    let mut known: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
-    follow_earlier_steps(search, set, &mut known);
+    let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
+    follow_earlier_steps(search, set, &mut step_of);
     let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
     for w in left {
-        by_step.entry(known[w]).or_default().push(*w);
+        by_step.entry(step_of[w]).or_default().push(*w);
     }
     // A correct or explained image of a file with a property contradicts it. A file without an image is no evidence.
     let is_known = |w: &usize| {
@@ -155,10 +155,10 @@ pub(in crate::diagnose) fn describe(
             && matches!(witness.observation.response, Response::Image { .. })
             && (!witness.failed || search.agreement(*w, set).explains())
     };
-    let seen: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
+    let known: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
     let mut diagnoses = Vec::new();
     for (step, mut indices) in by_step {
-        let mut parts = take_scopes(search, &seen, &mut indices, &[None]);
+        let mut parts = take_scopes(search, &known, &mut indices, &[None]);
         let mut by_clause: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
         for &w in &indices {
             let clause = step.common_clause().or(step.clause(format(w)));
@@ -167,7 +167,7 @@ pub(in crate::diagnose) fn describe(
         for mut indices in by_clause.into_values() {
             parts.extend(take_scopes(
                 search,
-                &seen,
+                &known,
                 &mut indices,
                 &Format::ALL.map(Some),
             ));
@@ -347,8 +347,8 @@ fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
         let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
         indices.iter().filter(has_view).count()
     };
-    let shown = ViewKind::ALL.iter().filter(|view| count(view) > 0);
-    let counts: Vec<String> = shown
+    let views = ViewKind::ALL.iter().filter(|view| count(view) > 0);
+    let counts: Vec<String> = views
         .map(|view| format!("{} in view {view}", count(view)))
         .collect();
     match counts.len() {
@@ -538,8 +538,8 @@ pub(in crate::diagnose) fn reduces_wrong_samples(
     if with == without {
         return false;
     }
-    if let Some(shown) = witness.wrong_image() {
-        let wrong = |answer: &Frame| Some(ImagePair::new(answer, shown)?.wrong_samples().len());
+    if let Some(received) = witness.wrong_image() {
+        let wrong = |answer: &Frame| Some(ImagePair::new(answer, received)?.wrong_samples().len());
         return matches!((wrong(with), wrong(without)), (Some(with), Some(without)) if is_most(without.saturating_sub(with), without));
     }
     // A decoder that reads out of bounds may crash on one file and output wrong values for another.
@@ -558,9 +558,9 @@ pub(in crate::diagnose) fn image_pair(
     set: &[MistakeId],
     w: usize,
 ) -> Option<ImagePair> {
-    let shown = search.witnesses[w].wrong_image()?;
+    let received = search.witnesses[w].wrong_image()?;
     match &*search.best_answer(w, set) {
-        Answer::Decoded(expected) => ImagePair::new(expected, shown),
+        Answer::Decoded(expected) => ImagePair::new(expected, received),
         _ => None,
     }
 }
@@ -612,12 +612,12 @@ fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String
         let (case, file) = (witness.case, &witness.built.file);
         let origins =
             origin::origin_of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
-        for (what, _, Range { start, end }) in origins {
+        for (name, _, Range { start, end }) in origins {
             let bytes = match end - start {
                 1 => format!("byte {start} (0x{start:x})"),
                 _ => format!("bytes {start}–{}", end - 1),
             };
-            let _ = write!(text, "; the expected value comes from {bytes}, {what}");
+            let _ = write!(text, "; the expected value comes from {bytes}, {name}");
         }
     }
     text

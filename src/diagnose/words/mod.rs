@@ -16,9 +16,9 @@ use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Describes the files of one format, or of all formats, in a scope: "every legal file with predicted planes", "12 of 14 legal files
-/// with predicted planes" if other files in the scope fail in another way, or "12 legal files with predicted planes" if other files
-/// were not judged.
+/// Describes the files of one format, or of all formats, in a scope: "every legal file with predicted planes", "12 of 14 legal
+/// files with predicted planes" if other files in the scope fail in another way, or "12 legal files with predicted planes" if
+/// other files were not judged.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
     let (count, others) = shared.count_legal(witnesses, format);
     let prefix = format.map_or(String::new(), |format| {

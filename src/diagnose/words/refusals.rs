@@ -106,7 +106,7 @@ pub(in crate::diagnose) struct WholeFormats {
 
 /// Returns the formats whose legal files all fail in the same way, grouped by failure mode.
 pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeFormats> {
-    let mut whole: Vec<WholeFormats> = Vec::new();
+    let mut groups: Vec<WholeFormats> = Vec::new();
     for format in Format::ALL {
         let of_format = |w: &usize| witnesses[*w].case.format() == format;
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
@@ -122,19 +122,19 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         };
         let same_mode = mode.select(witnesses, &all).into_iter();
         let indices = same_mode.filter(|&w| witnesses[w].failed);
-        match whole.iter_mut().find(|known| known.mode == mode) {
-            Some(known) => {
-                known.formats.push(format);
-                known.cases.extend(indices);
+        match groups.iter_mut().find(|group| group.mode == mode) {
+            Some(group) => {
+                group.formats.push(format);
+                group.cases.extend(indices);
             }
-            None => whole.push(WholeFormats {
+            None => groups.push(WholeFormats {
                 formats: vec![format],
                 cases: indices.collect(),
                 mode,
             }),
         }
     }
-    whole
+    groups
 }
 
 impl WholeFormats {

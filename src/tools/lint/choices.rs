@@ -1,6 +1,6 @@
 //! Effects of alternative readings of open questions on a file (rulings of kind *choice*).
 //!
-//! Every alternative reading is tried and differences are reported. Nothing is guessed from the content of the image.
+//! Every alternative reading is tried, and differences are reported. Nothing is guessed from the contents of the image.
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
@@ -16,7 +16,7 @@ use crate::tools::dissection::{Dissection, Role};
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
 
 /// Number of texels whose colors are computed at a time.
-const PIECE_TEXELS: usize = 4096;
+const CHUNK_TEXELS: usize = 4096;
 
 pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     let dissection = findings.dissection;
@@ -25,7 +25,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     for choice in CHOICES.iter() {
         let mut codes = codes::ALL.iter();
         let code = codes.find(|code| code.ruling.as_deref() == Some(choice.ruling));
-        let Some((code, place)) = code.zip(affected_role(dissection, choice.ruling)) else {
+        let Some((code, role)) = code.zip(affected_role(dissection, choice.ruling)) else {
             continue;
         };
         for (words, change) in &choice.readings[1..] {
@@ -33,25 +33,25 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
             change(&mut reading);
             if let Some(difference) = difference(dissection, ptm, streams, &reading) {
                 let found = format!("for a reader that assumes that {words}, {difference}");
-                findings.add(code.problem, place, found);
+                findings.add(code.problem, role, found);
                 break;
             }
         }
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers, so all readings agree.
+/// Returns the role of the numbers that the ruling is about, or `None` if the file has none, so that all readings agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
-    let any = |role: fn(usize) -> Role, is: fn(i64) -> bool| {
+    let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
         let mut planes = 0..dissection.compressed_planes();
-        planes.any(|plane| dissection.number(role(plane)).is_some_and(is))
+        planes.any(|plane| dissection.number(role(plane)).is_some_and(test))
     };
     let is_lum = dissection.part(Role::Matrix(0)).is_some();
     let is_jpeg_ls = dissection.format.and_then(Format::coding) == Some(Coding::JpegLs);
     let moves = any(Role::Transform, |transform| transform & 2 != 0);
     let is_predicted = is_jpeg_ls && any(Role::Reference, |reference| reference >= 0);
     let has_records = is_jpeg_ls && any(Role::SideSize, |size| size > 0);
-    let (place, is_there) = match ruling {
+    let (role, is_present) = match ruling {
         "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),
         "lum-range" => (Role::Matrix(12), is_lum),
         "jpeg-ls-offset" => (Role::Reference(0), is_predicted),
@@ -59,7 +59,7 @@ fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
         "motion-inversion" => (Role::Transform(0), moves),
         _ => (Role::MotionX(0), moves),
     };
-    is_there.then_some(place)
+    is_present.then_some(role)
 }
 
 /// Reports the spelling of the entry count of a lookup table, and the effect of a line feed after the table.
@@ -68,12 +68,12 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
     if dissection.part(Role::Count).is_none() {
         return;
     }
-    let spelled = match dissection.bytes(Role::CountWord) {
+    let spelling = match dissection.bytes(Role::CountWord) {
         Some(b"nentries") => "nentries, then the number",
         Some(_) => "the number, then N_LUT_ENTRIES",
-        None => "the number alone",
+        None => "only the number",
     };
-    findings.add(Problem::ChoiceLutCount, Role::Count, spelled);
+    findings.add(Problem::ChoiceLutCount, Role::Count, spelling);
     let with_newline = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let found = format!("for a reader that expects a line feed, {difference}");
@@ -107,9 +107,9 @@ fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
     let differ = if count == 1 { "differs" } else { "differ" };
-    let (all, place) = (differing.len(), describe_position(ptm.planes.size, first));
+    let (all, position) = (differing.len(), describe_position(ptm.planes.size, first));
     Some(format!(
-        "{count} of {all} texels {differ}, the first at {place}"
+        "{count} of {all} texels {differ}, the first at {position}"
     ))
 }
 
@@ -119,8 +119,8 @@ fn differing_planes(ptm: &Ptm, other: &Stored) -> Vec<bool> {
     let mut texels = ptm.planes.samples.chunks(channels);
     let mut differing = Vec::new();
     for piece in other.pieces() {
-        let theirs = piece.planes.samples.chunks(channels);
-        differing.extend(theirs.map(|theirs| texels.next() != Some(theirs)));
+        let others = piece.planes.samples.chunks(channels);
+        differing.extend(others.map(|other| texels.next() != Some(other)));
     }
     differing
 }
@@ -130,7 +130,7 @@ fn differing_planes(ptm: &Ptm, other: &Stored) -> Vec<bool> {
 fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
     let mut all = Vec::new();
-    for samples in ptm.planes.samples.chunks(PIECE_TEXELS * shape.channels()) {
+    for samples in ptm.planes.samples.chunks(CHUNK_TEXELS * shape.channels()) {
         let (width, height) = ((samples.len() / shape.channels()) as u32, 1);
         let (size, samples) = (Size { width, height }, samples.to_vec());
         let planes = Planes {
@@ -139,8 +139,8 @@ fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
             samples,
         };
         // The readings of LUM differ in the use of coefficients, not in the coefficients themselves.
-        let set = &ptm.header.scale_bias;
-        let finals = evaluate::compute_coefficients(set, &planes, &Reading::SPEC);
+        let scale_bias = &ptm.header.scale_bias;
+        let finals = evaluate::compute_coefficients(scale_bias, &planes, &Reading::SPEC);
         let mut differing = vec![false; size.texels()];
         for (lu, lv) in LIGHTS {
             let colors = |reading| evaluate::evaluate(&finals, lu, lv, reading).to_bytes();

@@ -12,7 +12,7 @@ use crate::kit::yaml::from_yaml;
 pub enum Severity {
     /// The file breaks a rule, or the reference cannot read it.
     Error,
-    /// Some readers refuse the file or show another image.
+    /// Some readers refuse the file or show a different image.
     Warning,
     /// The finding is for information only.
     Info,
@@ -122,7 +122,7 @@ pub struct Code {
     /// Permanent identifier, for example `PTM-E001`.
     #[serde(rename = "code", deserialize_with = "deserialize_static")]
     pub id: Text,
-    /// Problem that the code stands for.
+    /// Problem that the code identifies.
     #[serde(skip_serializing)]
     pub problem: Problem,
     /// Default severity.
@@ -139,7 +139,7 @@ pub struct Code {
     /// Ruling of kind *choice* that changes the image.
     #[serde(skip_serializing)]
     pub ruling: Option<String>,
-    /// Names of damages and ids of cases that provoke the code.
+    /// Names of damages and ids of cases that trigger the code.
     pub provoked_by: Vec<String>,
 }
 
@@ -163,13 +163,13 @@ impl Code {
         ALL.iter().find(|code| code.id == id)
     }
 
-    /// Returns true if the damage with this name or the case with this id provokes the code.
+    /// Returns true if the damage with this name or the case with this id triggers the code.
     #[must_use]
     pub fn is_provoked_by(&self, damage_or_case: &str) -> bool {
         self.provoked_by.iter().any(|name| name == damage_or_case)
     }
 
-    /// Returns the error code that a must-reject file with this damage, or the must-reject case with this id, provokes.
+    /// Returns the error code that a must-reject file with this damage, or the must-reject case with this id, triggers.
     #[must_use]
     pub fn for_rejected_file(damage_or_case: &str) -> Option<&'static Code> {
         let mut errors = ALL.iter().filter(|code| code.severity == Severity::Error);

@@ -38,7 +38,7 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         first.or_else(|| lint.reason.clone()).unwrap_or_default(),
     ];
     let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
-        Some(shown) => [shown.shows.name().to_owned(), shown.how.clone()],
+        Some(result) => [result.shows.name().to_owned(), result.how.clone()],
         None => [String::new(), String::new()],
     });
     join_cells(file_columns.into_iter().chain(reader_columns))
@@ -53,8 +53,8 @@ fn join_cells(texts: impl Iterator<Item = String>) -> String {
 fn quote_cell(text: &str) -> String {
     const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
     // Most cells need no quotes.
-    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
-    if text.bytes().all(plain) && !text.starts_with('-') {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
+    if text.bytes().all(is_plain) && !text.starts_with('-') {
         return text.to_owned();
     }
     let is_formula = text.trim_start().starts_with(FORMULAS);

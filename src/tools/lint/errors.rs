@@ -25,7 +25,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true if it does.
+/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true if they do.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
@@ -41,7 +41,7 @@ fn diagnose_size(findings: &mut Findings) -> bool {
 }
 
 fn classify(dissection: &Dissection, error: &Error) -> Problem {
-    if let Some(code) = classify_white_space(dissection, error) {
+    if let Some(code) = classify_whitespace(dissection, error) {
         return code;
     }
     match (error.clause(), error.kind()) {
@@ -63,7 +63,7 @@ fn classify(dissection: &Dissection, error: &Error) -> Problem {
     }
 }
 
-/// Classifies an unexpected token by the token and the clause that expects another one.
+/// Classifies an unexpected token by its text and by the clause that expects a different one.
 fn classify_token(clause: &str, token: &[u8]) -> Problem {
     match clause {
         "2.2/1" => Problem::UnknownFormat,
@@ -84,20 +84,20 @@ fn classify_token(clause: &str, token: &[u8]) -> Problem {
 }
 
 /// Classifies whitespace that the specification does not allow (ruling `header-blanks`).
-fn classify_white_space(dissection: &Dissection, error: &Error) -> Option<Problem> {
+fn classify_whitespace(dissection: &Dissection, error: &Error) -> Option<Problem> {
     if !matches!(error.kind(), Kind::Expected { .. }) {
         return None;
     }
-    let there = &dissection.file[error.offset().min(dissection.file.len())..];
+    let rest = &dissection.file[error.offset().min(dissection.file.len())..];
     let word = token(dissection.file, error.offset());
     let is_readable = |byte: &u8| byte.is_ascii_graphic() || b"\r\t".contains(byte);
-    // Treat the first line as a version only if nothing but its line end is wrong.
-    let known = error.clause() != "2.1/1" || there.starts_with(b"PTM_1.2\r");
-    let readable = known && word.iter().all(is_readable);
-    match (there.first(), error.clause()) {
-        _ if readable && word.contains(&b'\r') => Some(Problem::CarriageReturn),
-        _ if readable && word.contains(&b'\t') => Some(Problem::Tab),
-        // A line end between numbers means that a number is missing.
+    // Treat the first line as a version only if no more than its line ending is wrong.
+    let is_ptm = error.clause() != "2.1/1" || rest.starts_with(b"PTM_1.2\r");
+    let is_text_line = is_ptm && word.iter().all(is_readable);
+    match (rest.first(), error.clause()) {
+        _ if is_text_line && word.contains(&b'\r') => Some(Problem::CarriageReturn),
+        _ if is_text_line && word.contains(&b'\t') => Some(Problem::Tab),
+        // A line feed between numbers means that a number is missing.
         (_, "2.4/5" | "2.9/2") => None,
         (Some(b' ' | b'\n'), _) => Some(Problem::Layout),
         _ => None,
@@ -106,9 +106,9 @@ fn classify_white_space(dissection: &Dissection, error: &Error) -> Option<Proble
 
 /// Returns the token at `offset`, up to a space or a line feed.
 fn token(file: &[u8], offset: usize) -> &[u8] {
-    let there = &file[offset.min(file.len())..];
-    let end = there.iter().position(|byte| matches!(byte, b' ' | b'\n'));
-    &there[..end.unwrap_or(there.len())]
+    let rest = &file[offset.min(file.len())..];
+    let end = rest.iter().position(|byte| matches!(byte, b' ' | b'\n'));
+    &rest[..end.unwrap_or(rest.len())]
 }
 
 fn is_text(token: &[u8]) -> bool {

@@ -12,8 +12,8 @@ pub(super) fn diagnose(findings: &mut Findings) {
     let count = dissection.compressed_planes();
     let header = dissection.parts.iter().enumerate();
     let mut seen = HashSet::new();
-    for (place, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
-        for (problem, found) in gap_problems(part, count, dissection.gap_after(place)) {
+    for (i, part) in header.take_while(|(_, part)| !part.role.is_payload()) {
+        for (problem, found) in gap_problems(part, count, dissection.gap_after(i)) {
             if seen.insert(problem) {
                 findings.add_at(problem, part.range().end, found);
             }
@@ -23,28 +23,28 @@ pub(super) fn diagnose(findings: &mut Findings) {
 
 /// Returns the problems of the whitespace after a part of the header.
 fn gap_problems(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
-    let after = || format!("after the {}", part.name);
+    let place = || format!("after the {}", part.name);
     let mut problems = Vec::new();
     match (gap, part.role) {
-        (b" \n", Role::Version | Role::Format) => problems.push((Problem::SpaceAfterName, after())),
-        (b" \n", _) => problems.push((Problem::SpaceBeforeNewline, after())),
+        (b" \n", Role::Version | Role::Format) => problems.push((Problem::SpaceAfterName, place())),
+        (b" \n", _) => problems.push((Problem::SpaceBeforeNewline, place())),
         _ if gap.len() > 1 && gap.iter().all(|&byte| byte == b' ') => {
-            let found = format!("{} spaces {}", gap.len(), after());
+            let found = format!("{} spaces {}", gap.len(), place());
             problems.push((Problem::WideGap, found));
         }
         _ => {}
     }
-    let ends = gap.contains(&b'\n');
-    let one_line = !ends && !gap.is_empty();
-    let ending = || match one_line {
-        true => format!("no line ends {}", after()),
-        false => format!("a line ends {}", after()),
+    let has_newline = gap.contains(&b'\n');
+    let one_line = !has_newline && !gap.is_empty();
+    let newline = || match one_line {
+        true => format!("no line feed {}", place()),
+        false => format!("a line feed {}", place()),
     };
     match part.role {
         Role::Width if one_line => problems.push((Problem::SizeOnOneLine, String::new())),
         Role::Scale(5) if one_line => problems.push((Problem::ScaleBiasOnOneLine, String::new())),
-        Role::Matrix(0..15) if ends => problems.push((Problem::MatrixLayout, ending())),
-        Role::Parameter if one_line => problems.push((Problem::ListLayout, ending())),
+        Role::Matrix(0..15) if has_newline => problems.push((Problem::MatrixLayout, newline())),
+        Role::Parameter if one_line => problems.push((Problem::ListLayout, newline())),
         Role::Transform(plane)
         | Role::MotionX(plane)
         | Role::MotionY(plane)
@@ -54,7 +54,7 @@ fn gap_problems(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, Str
         | Role::SideSize(plane)
             if (plane + 1 == planes) == one_line =>
         {
-            problems.push((Problem::ListLayout, ending()));
+            problems.push((Problem::ListLayout, newline()));
         }
         _ => {}
     }

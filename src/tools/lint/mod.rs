@@ -108,34 +108,34 @@ impl Lint {
 
     fn sort_and_count(&mut self) {
         self.findings
-            .sort_by_key(|one| (one.severity, one.offset, one.code));
+            .sort_by_key(|finding| (finding.severity, finding.offset, finding.code));
         let count = |severity| {
-            let of_it = self.findings.iter();
-            of_it.filter(|one| one.severity == severity).count()
+            let findings = self.findings.iter();
+            findings.filter(|f| f.severity == severity).count()
         };
         self.errors = count(Severity::Error);
         self.warnings = count(Severity::Warning);
         self.infos = count(Severity::Info);
     }
 
-    /// Formats the findings of severity `least` and above as colored text for a terminal.
+    /// Formats the findings of severity `minimum` and above as colored text for a terminal.
     #[must_use]
-    pub fn to_text(&self, least: Severity) -> String {
+    pub fn to_text(&self, minimum: Severity) -> String {
         let mut out = String::new();
-        let shown = |finding: &&Diagnostic| finding.severity <= least;
-        for finding in self.findings.iter().filter(shown) {
+        let is_shown = |finding: &&Diagnostic| finding.severity <= minimum;
+        for finding in self.findings.iter().filter(is_shown) {
             let style = match finding.severity {
                 Severity::Error => AnsiColor::Red.on_default().bold(),
                 Severity::Warning => AnsiColor::Yellow.on_default().bold(),
                 Severity::Info => Style::new().bold(),
             };
-            let place = format!("{}: byte {}", self.file, finding.offset);
+            let position = format!("{}: byte {}", self.file, finding.offset);
             let code = format!("{} {}", finding.severity.name(), finding.code);
             let says = format!("({}): {}", finding.clause, finding.says);
-            let _ = writeln!(out, "{place}: {style}{code}{style:#} {says}");
-            for (word, text) in [("found", finding.found.as_str()), ("fix", finding.fix)] {
+            let _ = writeln!(out, "{position}: {style}{code}{style:#} {says}");
+            for (label, text) in [("found", finding.found.as_str()), ("fix", finding.fix)] {
                 if !text.is_empty() {
-                    let _ = writeln!(out, "    {word}: {text}");
+                    let _ = writeln!(out, "    {label}: {text}");
                 }
             }
         }
@@ -145,16 +145,16 @@ impl Lint {
     /// Describes the status and the numbers of errors, warnings and infos.
     #[must_use]
     pub fn summary(&self) -> String {
-        let counted = |count: usize, word: &str| {
-            format!("{count} {word}{}", if count == 1 { "" } else { "s" })
+        let count = |count: usize, noun: &str| {
+            format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
         };
         let counts = [
-            counted(self.errors, "error"),
-            counted(self.warnings, "warning"),
-            counted(self.infos, "info"),
+            count(self.errors, "error"),
+            count(self.warnings, "warning"),
+            count(self.infos, "info"),
         ];
-        let said = self.reason.clone().unwrap_or_else(|| counts.join(", "));
-        format!("{}: {}: {said}\n", self.file, self.status.words())
+        let details = self.reason.clone().unwrap_or_else(|| counts.join(", "));
+        format!("{}: {}: {details}\n", self.file, self.status.words())
     }
 
     /// Formats the predicted results of readers, one per line.
@@ -163,10 +163,10 @@ impl Lint {
         let mut out = String::new();
         for reader in &self.readers {
             let _ = write!(out, "    in {}: {}", reader.reader, reader.shows.name());
-            let more = [("", Some(&reader.how)), ("fix: ", reader.fix.as_ref())];
-            for (word, text) in more {
+            let details = [("", Some(&reader.how)), ("fix: ", reader.fix.as_ref())];
+            for (label, text) in details {
                 if let Some(text) = text.filter(|text| !text.is_empty()) {
-                    let _ = write!(out, "; {word}{text}");
+                    let _ = write!(out, "; {label}{text}");
                 }
             }
             out.push('\n');

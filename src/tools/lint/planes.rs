@@ -59,8 +59,8 @@ pub(super) fn diagnose_errors(findings: &mut Findings) {
                 StreamFault::Unsupported => Problem::StreamKind,
                 StreamFault::Malformed => stream_problem(coding, stream, size),
             };
-            let at = dissection.start(Role::Stream(plane)) + error.offset;
-            findings.add_at(problem, at, format!("plane {plane}: {}", error.what));
+            let offset = dissection.start(Role::Stream(plane)) + error.offset;
+            findings.add_at(problem, offset, format!("plane {plane}: {}", error.what));
         }
         let start = dissection.start(Role::Side(plane));
         if let Some(block) = dissection.bytes(Role::Side(plane))
@@ -114,20 +114,20 @@ fn check_ranks(findings: &mut Findings, count: usize) {
 fn check_unused_transforms(findings: &mut Findings, count: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.number(role).unwrap_or_default();
-    let idle = |plane: &usize| {
+    let has_no_effect = |plane: &usize| {
         let transform = number(Role::Transform(*plane));
         let intra = number(Role::Reference(*plane)) < 0;
         let vector = (number(Role::MotionX(*plane)), number(Role::MotionY(*plane)));
         (intra && transform != 0) || (vector != (0, 0) && (intra || transform & 2 == 0))
     };
-    let planes: Vec<usize> = (0..count).filter(idle).collect();
+    let planes: Vec<usize> = (0..count).filter(has_no_effect).collect();
     if let Some(&first) = planes.first() {
         let found = format!("planes {}", join_texts(&planes, ", "));
         findings.add(Problem::PredictionUnused, Role::Transform(first), found);
     }
 }
 
-/// Reports parts of a stream that an encoder of planes would not write (ruling `plane-odd`).
+/// Reports parts of a stream that an encoder of planes would normally not write (ruling `plane-odd`).
 fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let role = Role::Stream(plane);
     let stream = findings.dissection.bytes(role).unwrap_or_default();
@@ -137,15 +137,15 @@ fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
         if let Some(problem) = segment_problem(coding, segment) {
-            let says = match segment.says.as_str() {
+            let details = match segment.says.as_str() {
                 "" => String::new(),
-                says => format!(" ({says})"),
+                details => format!(" ({details})"),
             };
-            let found = format!("plane {plane}: {}{says}", segment.kind.label().0);
+            let found = format!("plane {plane}: {}{details}", segment.kind.label().0);
             findings.add_at(problem, start + segment.range.start, found);
         }
     }
-    // A JPEG-LS stream whose NEAR differs from the compression parameter.
+    // Report a JPEG-LS stream whose NEAR differs from the compression parameter.
     let is_jpeg_ls = frame(&parts).is_some_and(|(code, ..)| code == 0xf7);
     let near = near(&parts).filter(|_| is_jpeg_ls);
     if let (Some(near), Some(parameter)) = (near, findings.dissection.number(Role::Parameter))
@@ -157,9 +157,9 @@ fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
 }
 
 fn segment_problem(coding: Coding, segment: &Segment) -> Option<Problem> {
-    let jfif = coding == Coding::Jpeg && segment.kind == SegmentKind::Marker(0xe0);
+    let is_jfif = coding == Coding::Jpeg && segment.kind == SegmentKind::Marker(0xe0);
     match (segment.kind, segment.bytes) {
-        (SegmentKind::Marker(0xe0..=0xef | 0xfe), _) if !jfif => Some(Problem::StreamExtras),
+        (SegmentKind::Marker(0xe0..=0xef | 0xfe), _) if !is_jfif => Some(Problem::StreamExtras),
         (SegmentKind::Fill, _) => Some(Problem::StreamExtras),
         (SegmentKind::Marker(0xdd), _) => Some(Problem::Restarts),
         (SegmentKind::Trailing, _) => Some(Problem::StreamTrailing),
@@ -175,7 +175,7 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     let block = findings.dissection.bytes(role).unwrap_or_default();
     let records = parse_records(block, 0, usize::MAX).unwrap_or_default();
     let numbered = records.iter().enumerate();
-    let mut positions: Vec<(u32, usize)> = numbered.map(|(i, &(at, _))| (at, i)).collect();
+    let mut positions: Vec<(u32, usize)> = numbered.map(|(i, &(p, _))| (p, i)).collect();
     positions.sort_unstable();
     let pairs = positions.windows(2).filter(|pair| pair[0].0 == pair[1].0);
     if let Some(&[(_, first), (position, second)]) = pairs.min_by_key(|pair| pair[1].1) {
@@ -188,8 +188,8 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
 
 /// Reports texels of predicted JPEG planes that are so close to 0 or 255 that another inverse DCT may wrap them around.
 ///
-/// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, which all decoders
-/// decode equally. Texels that a record corrects are exact.
+/// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, for which all decoders
+/// agree. Texels that a record corrects are exact.
 fn check_wraparound(findings: &mut Findings, streams: &Streams) {
     let dissection = findings.dissection;
     let (Ok(ptm), Some(size)) = (&dissection.outcome, dissection.size) else {
@@ -203,26 +203,26 @@ fn check_wraparound(findings: &mut Findings, streams: &Streams) {
     let mut max_deviation = vec![0u8; channels];
     for (plane, residuals) in streams.residuals() {
         let width = size.width as usize;
-        let first_of_block = |at: usize| residuals[at / width / 8 * 8 * width + at % width / 8 * 8];
-        let exact = (0..residuals.len()).all(|at| residuals[at] == first_of_block(at));
+        let first_of_block = |i: usize| residuals[i / width / 8 * 8 * width + i % width / 8 * 8];
+        let is_exact = (0..residuals.len()).all(|i| residuals[i] == first_of_block(i));
         let reference = reference(plane);
         max_deviation[plane] =
-            u8::from(!exact) + reference.map_or(0, |reference| max_deviation[reference]);
+            u8::from(!is_exact) + reference.map_or(0, |reference| max_deviation[reference]);
         if reference.is_none() || max_deviation[plane] == 0 {
             continue;
         }
-        let most = max_deviation[plane];
+        let limit = max_deviation[plane];
         let samples = ptm.planes.samples.iter().skip(plane).step_by(channels);
-        let near = |&sample: &u8| sample < most || 255 - sample < most;
-        let mut texels: Vec<bool> = samples.map(near).collect();
+        let is_near_limit = |&sample: &u8| sample < limit || 255 - sample < limit;
+        let mut texels: Vec<bool> = samples.map(is_near_limit).collect();
         let side = dissection.bytes(Role::Side(plane)).unwrap_or_default();
         for (position, _) in parse_records(side, 0, size.texels()).unwrap_or_default() {
             texels[texel_index(size, position)] = false;
         }
-        if let Some(first) = texels.iter().position(|&near| near) {
-            let count = texels.iter().filter(|&&near| near).count();
-            let place = describe_position(size, first);
-            let found = format!("{count} texels within {most} of 0 or 255, the first at {place}");
+        if let Some(first) = texels.iter().position(|&flag| flag) {
+            let count = texels.iter().filter(|&&flag| flag).count();
+            let texel = describe_position(size, first);
+            let found = format!("{count} texels within {limit} of 0 or 255, the first at {texel}");
             let found = format!("plane {plane}: {found}");
             findings.add(Problem::OtherTransform, Role::Stream(plane), found);
         }
@@ -240,7 +240,7 @@ fn merge_by_code(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
         }
     }
     for (diagnostic, others) in kept.iter_mut().filter(|(_, others)| *others > 0) {
-        diagnostic.found = format!("{}; and {others} more places", diagnostic.found);
+        diagnostic.found = format!("{}; and {others} more", diagnostic.found);
     }
     kept.into_iter().map(|(diagnostic, _)| diagnostic).collect()
 }

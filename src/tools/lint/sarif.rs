@@ -1,5 +1,5 @@
-//! SARIF 2.1.0 output, which code hosts and editors import. The document is written in pieces, so that a collection of any
-//! size needs little memory: [`head`], then [`results`] for each file, then [`tail`].
+//! SARIF 2.1.0 output, which code hosts and editors import. The document is written in parts, so that collections of any
+//! size require little memory: [`head`], then [`results`] for each file, then [`tail`].
 
 use std::path::Path;
 
@@ -42,12 +42,12 @@ pub fn head() -> String {
 #[must_use]
 pub fn results(path: &Path, lint: &Lint, failed: bool) -> Vec<String> {
     // SARIF requires the level `none` for results that are not failures.
-    let (kind, level_of_unread) = match failed {
+    let (kind, unread_level) = match failed {
         true => ("fail", "error"),
         false => ("open", "none"),
     };
     let artifact = json!({ "uri": as_uri(path.as_os_str()) });
-    let of_finding = |finding: &super::diagnostic::Diagnostic| {
+    let finding_result = |finding: &super::diagnostic::Diagnostic| {
         json!({
             "ruleId": finding.code,
             "ruleIndex": ALL.iter().position(|code| code.id == finding.code),
@@ -62,12 +62,12 @@ pub fn results(path: &Path, lint: &Lint, failed: bool) -> Vec<String> {
     let unread = lint.reason.iter().map(|why| {
         json!({
             "kind": kind,
-            "level": level_of_unread,
+            "level": unread_level,
             "message": { "text": format!("not judged: {why}") },
             "locations": [{ "physicalLocation": { "artifactLocation": artifact } }],
         })
     });
-    let results = lint.findings.iter().map(of_finding).chain(unread);
+    let results = lint.findings.iter().map(finding_result).chain(unread);
     results.map(|result| result.to_string()).collect()
 }
 

@@ -24,15 +24,15 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Merges two settings. Values of `more` take precedence.
+    /// Merges two settings. The values in `other` take precedence.
     #[must_use]
-    pub fn merge(mut self, more: Settings) -> Settings {
-        self.allow.extend(more.allow);
-        self.only.extend(more.only);
-        self.severity.extend(more.severity);
+    pub fn merge(mut self, other: Settings) -> Settings {
+        self.allow.extend(other.allow);
+        self.only.extend(other.only);
+        self.severity.extend(other.severity);
         Settings {
-            max: more.max.or(self.max),
-            deny_warnings: self.deny_warnings || more.deny_warnings,
+            max: other.max.or(self.max),
+            deny_warnings: self.deny_warnings || other.deny_warnings,
             ..self
         }
     }
@@ -45,14 +45,14 @@ impl Settings {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
         let unknown = codes.find(|code| Code::by_id(code).is_none());
-        let says = "`ptm-conform lint --codes` lists all codes";
-        unknown.map_or(Ok(()), |code| Err(format!("unknown code {code:?}; {says}")))
+        let hint = "`ptm-conform lint --codes` lists all codes";
+        unknown.map_or(Ok(()), |code| Err(format!("unknown code {code:?}; {hint}")))
     }
 
     /// Removes findings that should not be reported and applies the severities.
     #[must_use]
     pub fn apply(&self, mut lint: Lint) -> Lint {
-        let contains = |codes: &[String], code: &str| codes.iter().any(|one| one == code);
+        let contains = |codes: &[String], code: &str| codes.iter().any(|other| other == code);
         lint.findings.retain(|finding| {
             !contains(&self.allow, finding.code)
                 && (self.only.is_empty() || contains(&self.only, finding.code))

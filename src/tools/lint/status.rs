@@ -14,11 +14,11 @@ pub const MAGIC: &[u8] = b"PTM_";
 pub enum Status {
     /// The reference can read the file.
     Sound,
-    /// The file does not begin like a PTM.
+    /// The file does not begin with [`MAGIC`].
     NotAPtm,
-    /// The file begins like a PTM but violates a rule of the format.
+    /// The file begins with [`MAGIC`] but violates a rule of the format.
     Damaged,
-    /// The file was not read, is a PTM of another version, or exceeds what the reference supports.
+    /// The file was not read, is a PTM of another version, or is not supported by the reference.
     #[default]
     NotJudged,
 }

@@ -6,7 +6,7 @@ use crate::tools::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {
     (0..6).for_each(|i| check_scale_and_bias(findings, i));
-    // The first unusual element of the last row of the color matrix.
+    // Report the first unusual element in the last row of the color matrix.
     for (element, usual) in [(3, 0.0), (7, 0.0), (11, 0.0), (15, 1.0)] {
         let role = Role::Matrix(element);
         let text = findings.dissection.text(role).unwrap_or_default();
@@ -17,7 +17,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
         }
     }
     check_table(findings);
-    // Bytes after the last value (ruling `trailing`).
+    // Report bytes after the last value (ruling `trailing`).
     let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
     if findings.dissection.outcome.is_ok() && end < length {
         findings.add_at(Problem::Trailing, end, format!("{} bytes", length - end));

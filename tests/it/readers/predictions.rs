@@ -7,7 +7,7 @@ use crate::recordings::{digest, recorded};
 use crate::table::rows;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
-use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, profiles, profiles_of};
+use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, parse_profiles, profiles};
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::compare::Expected;
 use ptm_conform::tools::convert_for::convert_for;
@@ -44,7 +44,7 @@ reads: [RGB]↵  limits: [{ limit: none, evidence: code }] | none
 reads: [RGB]↵  likes: all | likes",
     ) {
         let yaml = format!("- name: x\n  reader: x/y\n  evidence: code\n  {more}\n");
-        let error = profiles_of(&yaml).expect_err("it is refused");
+        let error = parse_profiles(&yaml).expect_err("it is refused");
         assert!(error.contains(&why), "{error}");
     }
 }
@@ -225,7 +225,7 @@ fn wrong_images_are_described() {
         let yaml = format!(
             "- name: x\n  reader: x\n  reads: [RGB, LRGB]\n  evidence: code\n  misreadings: [{{ slug: {profile}, evidence: code }}]\n"
         );
-        let profile = profiles_of(&yaml).expect("a profile").remove(0);
+        let profile = parse_profiles(&yaml).expect("a profile").remove(0);
         OpenedFile::new(&case.build(TableSpelling::default()).file)
             .predict(&profile)
             .how
