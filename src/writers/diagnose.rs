@@ -1,8 +1,8 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file has the
-//! values that such a reader gets from the right file. A correctly written file contradicts the mistake if such a reader would
-//! misread the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
+//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file contains
+//! the values that this reader gets from the reference's file. A correct file contradicts the mistake if this reader misreads
+//! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -20,19 +20,19 @@ use crate::suite::cases::Suite;
 use crate::writers::fault::WriterFault;
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
-use crate::writers::seen::{MisreadFile, explains, is_right_under};
+use crate::writers::seen::{MisreadFile, explains, is_right_only_with};
 use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 
-/// Maximum size in bytes of a file that is searched.
+/// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format that are searched first, smallest first. A mistake must explain one of them.
+/// Number of wrong files per format in the screen, smallest first. Mistakes that explain none of them are not tried further.
 const SCREENED_FILES: usize = 3;
 
-/// Number of unexplained files for which pairs of mistakes are tried, smallest first.
+/// Number of unexplained files for which pairs of mistakes are tried. The smallest files come first.
 const PAIR_SEARCHED_FILES: usize = 4;
 
-/// Cause of a writer's failures.
+/// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
 /// Request and the file that was written for it.
@@ -43,7 +43,7 @@ struct Exhibit {
     file: Vec<u8>,
 }
 
-/// Exhibits that are small enough to be searched, by case index.
+/// Exhibits that are small enough to search, by case index.
 type Exhibits = BTreeMap<usize, Exhibit>;
 
 /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
@@ -57,10 +57,12 @@ pub fn diagnose(
     if failing.is_empty() {
         return Vec::new();
     }
-    let exhibit = |place: usize| exhibit(suite, run, place);
+    let exhibit = |index: usize| exhibit(suite, run, index);
     let exhibits = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
     let exhibits = exhibits.into_iter().enumerate();
-    let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
+    let exhibits: Exhibits = exhibits
+        .filter_map(|(i, exhibit)| Some((i, exhibit?)))
+        .collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
     let single = single_mistakes(&exhibits, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
@@ -83,11 +85,11 @@ pub fn diagnose(
 fn exhibit(
     suite: &Suite<FileCase<Recipe>>,
     run: &Run<FileCase<Recipe>>,
-    place: usize,
+    index: usize,
 ) -> Option<Exhibit> {
-    let request = suite.cases[place].request();
+    let request = suite.cases[index].request();
     let right = write_requested_file(&request).ok()?;
-    let wrong = wrong_file(run.observations[place].as_ref());
+    let wrong = wrong_file(run.observations[index].as_ref());
     let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
     let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
     is_small.then_some(Exhibit {
@@ -97,7 +99,7 @@ fn exhibit(
     })
 }
 
-/// Returns the smallest files of failing requests, at most [`SCREENED_FILES`] per format.
+/// Returns the exhibits of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
 fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
     let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
     smallest.sort_by_key(|exhibit| exhibit.right.len());
@@ -121,16 +123,16 @@ fn single_mistakes(
     let screen = smallest_exhibits(exhibits, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |one: &Exhibit| explains(&one.request, &one.right, &one.file, mistake.at);
-        // If a reader with this mistake misreads the right file, a writer with the mistake would have written another file.
+        let explains = |e: &Exhibit| explains(&e.request, &e.right, &e.file, mistake.at);
+        // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
         let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
             !MisreadFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
         };
         if !screen.iter().any(|exhibit| explains(exhibit)) {
             return None;
         }
-        let explains = |place: usize| exhibits.get(&place).is_some_and(explains);
-        let contradicts = |place: usize| exhibits.get(&place).is_some_and(contradicts);
+        let explains = |index: usize| exhibits.get(&index).is_some_and(explains);
+        let contradicts = |index: usize| exhibits.get(&index).is_some_and(contradicts);
         CoverCandidate::new(mistake, failing, explains, passing, contradicts)
     };
     let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
@@ -145,7 +147,7 @@ fn mistake_pairs(
 ) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
     let explains = |Exhibit { request, file, .. }: &Exhibit, pair: [&Miswriting; 2]| {
-        is_right_under(request, file, &pair.map(|mistake| mistake.at))
+        is_right_only_with(request, file, &pair.map(|mistake| mistake.at))
     };
     let pair = |exhibit: &Exhibit| {
         let with_first = |i: usize| {
@@ -159,7 +161,7 @@ fn mistake_pairs(
         let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
         let (first, second) = found.into_iter().flatten().next()?;
         let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
-        let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
+        let explains = |index: usize| exhibits.get(&index).is_some_and(is_explained);
         CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
     let smallest = smallest_exhibits(exhibits, failing).into_iter();
@@ -169,26 +171,26 @@ fn mistake_pairs(
         .collect()
 }
 
-/// Describes the failures that no mistake of the catalog explains, grouped by the clause of the first difference.
+/// Describes the failures that no mistake in the catalog explains, grouped by the clause of the first difference.
 pub(super) fn describe_differences<V: RequestValues>(
     suite: &Suite<FileCase<V>>,
     run: &Run<FileCase<V>>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
-    for &place in failing {
-        if let Some((_, fault)) = wrong_file(run.observations[place].as_ref()) {
+    for &index in failing {
+        if let Some((_, fault)) = wrong_file(run.observations[index].as_ref()) {
             let group = groups.entry(&fault.clause).or_default();
-            group.push((place, fault));
+            group.push((index, fault));
         }
     }
     let mut diagnoses: Vec<WriterDiagnosis> = groups
         .into_iter()
         .map(|(clause, faults)| {
-            let (place, fault) = faults[0];
-            let example = format!("for example {}: {fault}", suite.cases[place].id);
+            let (index, fault) = faults[0];
+            let example = format!("for example {}: {fault}", suite.cases[index].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);
-            Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
+            Diagnosis::new(cause, faults.iter().map(|&(index, _)| index).collect())
         })
         .collect();
     diagnoses.sort_by_key(|diagnosis| Reverse(diagnosis.explains.len()));
@@ -216,19 +218,17 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
         "1.0/1" => "fits the images worse than the best map",
-        "2.2/1" => "writes another format than requested",
+        "2.2/1" => "writes a different format than requested",
         "2.3/1" => "writes a different size than requested",
-        "2.4/3" => "writes other scales than requested",
-        "2.4/4" => "writes other biases than requested",
-        "2.6/2" => "writes another matrix than requested",
-        "2.9.1/1" => {
-            "loses more than the compression parameter allows, or writes another parameter"
-        }
+        "2.4/3" => "writes different scales than requested",
+        "2.4/4" => "writes different biases than requested",
+        "2.6/2" => "writes a different matrix than requested",
+        "2.9.1/1" => "exceeds the loss that the parameter allows, or writes a different parameter",
         "2.9.8/4" => {
             "writes no side information for texels that wrap around because of lossy compression"
         }
         "2.9.8/8" => "writes wrong values into side information",
-        _ => "writes other values than requested",
+        _ => "writes different values than requested",
     };
     let fix = match clause {
         "refused" => "check the byte that the example names",
@@ -236,8 +236,8 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
         "2.4/3" => "write all digits of the six scales, in the order of the coefficients",
-        "2.4/4" => "write the six biases unchanged, whatever their sign and size",
-        "2.6/2" => "write the sixteen numbers in the order of the request, with all their digits",
+        "2.4/4" => "write the six biases unchanged, including their signs",
+        "2.6/2" => "write all digits of the sixteen numbers, in the order of the request",
         "2.9.1/1" => {
             "predict from the planes that a decoder has, with the parameter of the request"
         }
