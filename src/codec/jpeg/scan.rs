@@ -82,7 +82,7 @@ fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usi
     Ok(stream.at)
 }
 
-/// Copies the part of a block that is visible the image. (x, y) is the position of the top left sample.
+/// Copies the part of a block that is inside the image. (x, y) is the position of the top-left sample.
 fn copy_block(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
     let visible = (width - x).min(8);
     let rows = samples.chunks_exact_mut(width).skip(y);
