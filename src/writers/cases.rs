@@ -76,7 +76,7 @@ impl RequestRecord {
         let mut recipe = self.make.recipe(words)?;
         if recipe.format.has_table() {
             // Use every entry in the planes if there are enough texels.
-            recipe.indices = Indices::These((0..recipe.entries).collect());
+            recipe.indices = Indices::List((0..recipe.entries).collect());
         }
         recipe.compression.residuals = Residuals::Natural;
         let id = words.id(&self.id);
