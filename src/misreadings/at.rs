@@ -16,7 +16,7 @@ pub(super) type Steps = fn(slug: &str) -> Option<At>;
 
 /// The step that a mistake changes, and the function that replaces it.
 #[derive(Clone, Copy, Debug)]
-#[allow(missing_docs)] // a decision is documented at the function that `Reading::SPEC` names
+#[allow(missing_docs)] // each decision is documented at its function in `Reading::SPEC`
 pub enum At {
     /// Changes the bytes of the file.
     Bytes(fn(&Anatomy) -> EditedFile),
@@ -24,7 +24,7 @@ pub enum At {
     Planes(fn(&mut Ptm)),
     /// Edits formulas.
     Edits(&'static [Edit]),
-    // Decisions of `Reading`, with the same types. 1.0
+    // 1.0 (all variants from here are decisions of `Reading`, with the same types)
     Light(fn(f64, f64) -> (f64, f64)),
     Polynomial(fn(&[f64], f64, f64) -> f64),
     // 2.4
@@ -123,7 +123,7 @@ impl At {
         if let At::Edits(edits) = self {
             return edits.iter().any(|edit| edit.formula.may_refuse());
         }
-        let makes_values = matches!(
+        let only_changes_values = matches!(
             self,
             At::StoredRow(_)
                 | At::Predictor(_)
@@ -133,15 +133,15 @@ impl At {
                 | At::SideInformation(_)
                 | At::Correct(_)
         );
-        self.stage() <= Stage::Decoding && !makes_values
+        self.stage() <= Stage::Decoding && !only_changes_values
     }
 
-    /// Returns true if both mistakes change the same thing: the bytes, the decoded map, one decision or one formula.
+    /// Returns true if both mistakes change the same step: the bytes, the decoded map, a decision or a formula.
     #[must_use]
     pub fn changes_same_step(&self, other: &At) -> bool {
         let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
         match is_edited {
-            // Two mistakes that edit different formulas change different things.
+            // Two mistakes that edit different formulas change different steps.
             true => !self.formulas().is_empty() && self.formulas() == other.formulas(),
             false => discriminant(self) == discriminant(other),
         }

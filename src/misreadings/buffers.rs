@@ -112,7 +112,7 @@ fn replace_start(file: &Anatomy, known: &[u8], start: &[u8]) -> EditedFile {
     }
 }
 
-/// Limits these lines of the header to `count` words, if the size, the scales and the biases are on the usual lines.
+/// Limits these header lines to `count` words each, if the size, the scales and the biases are on their default lines.
 fn limit_words(file: &Anatomy, lines: std::ops::Range<usize>, count: usize) -> EditedFile {
     let mut parts = file.file.splitn(7, |&byte| byte == b'\n');
     let head: Vec<&[u8]> = parts.by_ref().take(6).collect();

@@ -73,7 +73,7 @@ pub(super) const STEPS: Steps = |slug| {
             decode_edited(plane, |code, segment| {
                 if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
                     for entry in table.chunks_exact_mut(2) {
-                        // A divisor of 0 becomes 1.
+                        // A step of 0 becomes 1.
                         entry[0] = 0;
                         entry[1] = entry[1].max(1);
                     }
@@ -85,9 +85,9 @@ pub(super) const STEPS: Steps = |slug| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
-                    // Entry k in the file is used for frequency k, although the file is in zigzag order.
+                    // Entry k of the table is used for frequency k in row order, although the table is in zigzag order.
                     let stored = table.to_vec();
-                    table.copy_from_slice(&zigzag().map(|place| stored[place]));
+                    table.copy_from_slice(&zigzag().map(|position| stored[position]));
                 }
             })
         }),
@@ -118,8 +118,7 @@ pub(super) const STEPS: Steps = |slug| {
         // JPEG-LS parameters
         "near-ignored" => At::Stream(|plane| {
             decode_edited(plane, |code, segment| {
-                let of = (code, segment, plane.coding);
-                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
+                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = (code, segment, plane.coding) {
                     *near = 0;
                 }
             })
@@ -158,12 +157,12 @@ pub(super) const STEPS: Steps = |slug| {
             }
             let size = own;
             let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
-            let mut placed = vec![0; plane.size.texels()];
-            let rows = placed.chunks_exact_mut(plane.size.width as usize);
+            let mut resized = vec![0; plane.size.texels()];
+            let rows = resized.chunks_exact_mut(plane.size.width as usize);
             for (to, from) in rows.zip(samples.chunks_exact((own.width as usize).max(1))) {
                 to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
             }
-            Ok(placed)
+            Ok(resized)
         }),
         "empty-stream-is-a-blank-plane" => At::Stream(|plane| match plane.bytes.is_empty() {
             true => Ok(vec![0; plane.size.texels()]),
@@ -184,22 +183,22 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Decodes all planes. A plane without a segment with this marker reuses the segment of the previous plane.
+/// Decodes all planes. A stream without a segment with this marker reuses the segment of the previous stream.
 fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
     let mut payload = Vec::new();
     let mut plan = coded.plan.clone();
-    let mut known: Vec<u8> = Vec::new();
+    let mut previous: Vec<u8> = Vec::new();
     for extent in &mut plan.extents {
         let mut stream = coded.payload[extent.stream.clone()].to_vec();
-        // The marker and the length have four bytes.
+        // The marker and the length occupy four bytes.
         let own = segment_ranges(&stream)
             .into_iter()
             .find(|&(code, _)| code == marker)
             .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
         match own {
-            Some(own) => known = own,
+            Some(own) => previous = own,
             None if stream.len() > 2 => {
-                stream.splice(2..2, known.iter().copied());
+                stream.splice(2..2, previous.iter().copied());
             }
             None => {}
         }
@@ -210,12 +209,12 @@ fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Resu
         extent.stream = start..middle;
         extent.side = middle..payload.len();
     }
-    let kept = Coded {
+    let modified = Coded {
         plan: &plan,
         payload: &payload,
         ..*coded
     };
-    planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
+    planes::reconstruct(&modified, planes::residuals(&modified, reading)?, reading)
 }
 
 /// Decodes a plane and changes its samples if it is a JPEG stream.
@@ -253,7 +252,7 @@ fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
     planes::decode_stream(plane)
 }
 
-/// Returns the marker segments of a stream up to the scan: code and contents.
+/// Returns the codes and contents of the marker segments of a stream, up to the scan header.
 fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     segment_ranges(bytes)
         .into_iter()
@@ -303,11 +302,11 @@ fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples
 /// Returns the zigzag permutation of the positions in a block.
 fn zigzag() -> [usize; 64] {
     let mut order: Vec<usize> = (0..64).collect();
-    // Visits the diagonals in order, even ones upward and odd ones downward.
-    order.sort_by_key(|&place| {
-        let (row, column) = (place / 8, place % 8);
+    // Visit the diagonals in order, even ones upward and odd ones downward.
+    order.sort_by_key(|&position| {
+        let (row, column) = (position / 8, position % 8);
         let diagonal = row + column;
         (diagonal, if diagonal % 2 == 0 { column } else { row })
     });
-    order.try_into().expect("64 places")
+    order.try_into().expect("there are 64 positions")
 }

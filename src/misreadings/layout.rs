@@ -72,8 +72,8 @@ pub(super) const STEPS: Steps = |slug| {
             let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
             let stride = size.height as usize * channels;
             if size.height > size.width {
-                let place = |i: usize| (i / row * stride + i % row) % samples.len();
-                ptm.planes.samples = (0..samples.len()).map(|i| samples[place(i)]).collect();
+                let source = |i: usize| (i / row * stride + i % row) % samples.len();
+                ptm.planes.samples = (0..samples.len()).map(|i| samples[source(i)]).collect();
             }
         }),
         "height-before-width" => At::Bytes(|file| {
@@ -98,8 +98,8 @@ pub(super) const STEPS: Steps = |slug| {
             let second = first + ptm.header.size.texels() * 6 + 1;
             let mut bytes = file.file.to_vec();
             for separator in [second, first] {
-                let stands = separator == first || ptm.header.format == Format::Rgb;
-                if stands && separator < bytes.len() {
+                let exists = separator == first || ptm.header.format == Format::Rgb;
+                if exists && separator < bytes.len() {
                     bytes.remove(separator);
                 }
             }
@@ -148,9 +148,9 @@ pub(super) fn stored_row_if_top_down(codings: &[Coding], header: &Header, row: u
 /// Flips some channels vertically.
 pub(super) fn flip_rows(ptm: &mut Ptm, channels: Range<usize>) {
     let (row, texel) = row_and_channels(ptm);
-    let upright = ptm.planes.samples.clone();
+    let original = ptm.planes.samples.clone();
     let rows = ptm.planes.samples.chunks_exact_mut(row);
-    for (to, from) in rows.zip(upright.rchunks_exact(row)) {
+    for (to, from) in rows.zip(original.rchunks_exact(row)) {
         let texels = to.chunks_exact_mut(texel).zip(from.chunks_exact(texel));
         texels.for_each(|(to, from)| to[channels.clone()].copy_from_slice(&from[channels.clone()]));
     }

@@ -77,7 +77,7 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Maximum number of table entries that a mistake allocates, which is far more than two-byte indices can address.
+/// Maximum number of table entries that a mistake allocates. It far exceeds the number that two-byte indices can address.
 const MAX_ENTRIES: usize = 1 << 20;
 
 /// Returns the number of table entries and their size in bytes, if the file has a table.
@@ -97,13 +97,13 @@ fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     EditedFile::File(bytes)
 }
 
-/// Changes the number of table entries that are read, unless it becomes 0.
-fn resize_table(file: &Anatomy, resized: fn(usize) -> usize) -> EditedFile {
-    let size = table_size(file).filter(|&(count, _)| resized(count) > 0);
+/// Reads a table with a different number of entries, unless that number is 0.
+fn resize_table(file: &Anatomy, new_count: fn(usize) -> usize) -> EditedFile {
+    let size = table_size(file).filter(|&(count, _)| new_count(count) > 0);
     let Some((count, size)) = size else {
         return file.unchanged();
     };
-    let Some((table, rest)) = file.payload().split_at_checked(resized(count) * size) else {
+    let Some((table, rest)) = file.payload().split_at_checked(new_count(count) * size) else {
         return EditedFile::Refused;
     };
     let mut table = table.to_vec();

@@ -30,10 +30,10 @@ pub(super) const STEPS: Steps = |slug| {
             crate::decode::color_matrix::column_major_rows(m).map(|row| row.map(f64::trunc))
         }),
         "matrix-transposed-but-translation" => At::LumMatrix(|m| {
-            [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|at| m.0[at]))
+            [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|i| m.0[i]))
         }),
         "matrix-ignored" => At::LumMatrix(|_| {
-            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|at| f64::from(u8::from(row == at))))
+            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|i| f64::from(u8::from(row == i))))
         }),
         "matrix-of-jfif" => At::LumMatrix(|_| {
             [

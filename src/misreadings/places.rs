@@ -18,8 +18,8 @@ pub(super) const STEPS: Steps = |slug| {
             change_plan(lists, |_, plan| {
                 // The first stream, with its sizes, belongs to the plane that is decoded first.
                 let before = plan.extents.clone();
-                for (place, &i) in plan.sequence.iter().enumerate() {
-                    plan.extents[i] = before[place].clone();
+                for (position, &i) in plan.sequence.iter().enumerate() {
+                    plan.extents[i] = before[position].clone();
                 }
             })
         }),

@@ -2,7 +2,7 @@
 
 #![allow(
     clippy::cast_possible_wrap,
-    reason = "planes are 18 at most, and texels fewer than a limit allows"
+    reason = "there are at most 18 planes, and the number of texels is limited"
 )]
 
 use super::at::{At, Steps};
@@ -88,8 +88,8 @@ pub(super) const STEPS: Steps = |slug| {
         }),
         "reference-past-the-last-is-intra" => At::Plan(|lists| {
             let planes = lists.references.len() as i64;
-            let is_plane = |value: i64| if value < planes { value } else { -1 };
-            compressed::make_plan(&with_references(lists, is_plane))
+            let plane_or_none = |value: i64| if value < planes { value } else { -1 };
+            compressed::make_plan(&with_references(lists, plane_or_none))
         }),
         "intra-planes-less-128" => At::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
@@ -103,7 +103,7 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Returns the lists with other references.
+/// Returns the lists with changed references.
 fn with_references(lists: &RawLists, change: impl Fn(i64) -> i64) -> RawLists {
     let mut lists = lists.clone();
     for reference in &mut lists.references {
@@ -120,7 +120,7 @@ fn change_references_unchecked(lists: &RawLists, change: impl Fn(i64) -> i64) ->
 }
 
 /// Returns the plan of a decoder that ignores ranks and decodes planes in index order. References that are not
-/// decoded yet are all zeros.
+/// decoded yet contain zeros.
 fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
     let mut plan = compressed::make_plan(&with_references(lists, |_| -1))?;
     for (step, reference) in plan.steps.iter_mut().zip(&lists.references) {
@@ -137,7 +137,7 @@ fn order_as_planes(lists: &RawLists) -> Result<Vec<usize>> {
     numbers.map(|number| plane_index(lists, number)).collect()
 }
 
-/// Returns the index of a plane if it is in range.
+/// Converts a number to the index of a plane, or returns an error if there is no plane with this index.
 fn plane_index(lists: &RawLists, number: &Number) -> Result<usize> {
     match usize::try_from(number.value) {
         Ok(plane) if plane < lists.planes => Ok(plane),

@@ -67,11 +67,11 @@ pub(super) const STEPS: Steps = |slug| {
             At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1))
         }
         "side-position-past-the-end-ignored" => At::Records(|block, _, texels| {
-            let (whole, rest) = block.as_chunks::<5>();
+            let (records, rest) = block.as_chunks::<5>();
             // A partial record is still refused.
             rule::parse_records(rest, 0, texels)?;
             Ok(records_inside(
-                whole.iter().map(|&record| big_endian(record)),
+                records.iter().map(|&record| big_endian(record)),
                 texels,
             ))
         }),
@@ -102,17 +102,17 @@ pub(super) const STEPS: Steps = |slug| {
         }),
         "side-cursor-by-one" => At::Records(|block, at, texels| {
             rule::parse_records(block, at, texels)?;
-            let seen = block
+            let records = block
                 .windows(5)
                 .map(|bytes| bytes.try_into().expect("five bytes"));
-            Ok(records_inside(seen.map(big_endian), texels))
+            Ok(records_inside(records.map(big_endian), texels))
         }),
         "side-records-of-four-bytes" => At::Records(|block, _, texels| {
-            let (whole, _) = block.as_chunks::<4>();
-            let seen = whole
+            let (records, _) = block.as_chunks::<4>();
+            let records = records
                 .iter()
                 .map(|&[p2, p1, p0, value]| big_endian([0, p2, p1, p0, value]));
-            Ok(records_inside(seen, texels))
+            Ok(records_inside(records, texels))
         }),
         "side-partial-record-ignored" => At::Records(|block, at, texels| {
             rule::parse_records(&block[..block.len() / 5 * 5], at, texels)
@@ -126,19 +126,19 @@ pub(super) const STEPS: Steps = |slug| {
             }
         }),
         "side-first-of-two-wins" => At::Correct(|plane, records| {
-            let turned: Vec<_> = records.iter().rev().copied().collect();
-            rule::overwrite_samples(plane, &turned);
+            let reversed: Vec<_> = records.iter().rev().copied().collect();
+            rule::overwrite_samples(plane, &reversed);
         }),
         _ => return None,
     })
 };
 
-/// Parses a record.
+/// Parses a record with a big-endian position.
 fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
     (u32::from_be_bytes([p3, p2, p1, p0]), value)
 }
 
-/// Returns the side information of a plane, or nothing if it is skipped.
+/// Returns the side information of a plane, or an empty block if it is skipped.
 fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]
@@ -156,17 +156,17 @@ fn reconstruct_uncorrected(
     reconstruct_partly_corrected(coded, residuals, reading, |_, _| false)
 }
 
-/// Reconstructs all planes, and corrects those for which `corrected` is true.
+/// Reconstructs all planes, and corrects those for which `is_corrected` returns true.
 fn reconstruct_partly_corrected(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
-    corrected: fn(&Coded, usize) -> bool,
+    is_corrected: fn(&Coded, usize) -> bool,
 ) -> Result<Vec<Vec<u8>>> {
     let mut done = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &done, reading);
-        if corrected(coded, i) {
+        if is_corrected(coded, i) {
             coded.correct(i, &mut plane, reading)?;
         }
         done[i] = plane;

@@ -2,7 +2,7 @@
 //!
 //! This catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
 //! caught, and every pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules),
-//! usually by modifying the correct one.
+//! usually by modifying the result of the correct one.
 
 use std::sync::LazyLock;
 
@@ -111,14 +111,14 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "back-attributes-on-the-front" => |r| r.uses_back = |surface| surface.facet_distinguish,
         "limit-ignored" => |r| r.within_limit = |active, _| active.to_vec(),
         "last-maps-kept" => |r| {
-            r.within_limit = |active, most| active[active.len().saturating_sub(most)..].to_vec();
+            r.within_limit = |active, limit| active[active.len().saturating_sub(limit)..].to_vec();
         },
         "repeats-dropped" => |r| {
             r.within_limit =
-                |active, most| with_change((SPEC.within_limit)(active, most), Vec::dedup);
+                |active, limit| with_change((SPEC.within_limit)(active, limit), Vec::dedup);
         },
         "limit-off-by-one" => |r| {
-            r.within_limit = |active, most| (SPEC.within_limit)(active, most.saturating_add(1));
+            r.within_limit = |active, limit| (SPEC.within_limit)(active, limit.saturating_add(1));
         },
         "empty-list-is-untextured" => |r| r.empty_list = || Selection::Untextured,
         "empty-list-is-entry-one" => |r| r.empty_list = || Selection::Entries(vec![1]),
@@ -130,30 +130,30 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         // ---------------------------------------------------------------- parameterization
         "world-is-modelling" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let mut seen = point.clone();
-                seen.wc.position = point.mc.position.or(point.wc.position);
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                let mut changed = point.clone();
+                changed.wc.position = point.mc.position.or(point.wc.position);
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "modelling-is-world" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let mut seen = point.clone();
-                seen.mc.position = point.wc.position.or(point.mc.position);
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                let mut changed = point.clone();
+                changed.mc.position = point.wc.position.or(point.mc.position);
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "normal-is-not-transformed" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen =
+                let changed =
                     with_change(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "normal-in-world-always" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen =
+                let changed =
                     with_change(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "geometric-normal-always" => |r| r.normal = |place| place.geometric_normal.or(place.normal),
@@ -289,8 +289,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         },
         "orientation-without-translation" => |r| r.orient = |matrix, t| (SPEC.turn)(matrix, t),
         "orientation-of-two-coordinates" => |r| {
-            r.orient =
-                |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
+            r.orient = |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |out| out[2] = t[2]);
         },
         "orientation-after-sampling-range" => |r| {
             r.orient = |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor()));
@@ -747,9 +746,9 @@ fn blend_with(x: &Terms, color: Color) -> Shade {
     )
 }
 
-/// Covers `share` of the primitive with `color`, like a decal (R-CMP-37).
-fn cover_with(x: &Terms, color: Color, share: Color) -> Shade {
-    with_color(x.input, mix(x.input.color, color, share))
+/// Covers the primitive with `color` in the proportions `weights`, like a decal (R-CMP-37).
+fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
+    with_color(x.input, mix(x.input.color, color, weights))
 }
 
 /// Returns the maps with a different rendering control.

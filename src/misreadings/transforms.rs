@@ -116,22 +116,22 @@ pub(super) fn unexpected_number(number: &Number) -> Error {
         "2.9/1",
         number.at,
         Kind::Expected {
-            what: "another number",
+            what: "a different number",
             found: number.value.to_string(),
         },
     )
 }
 
-/// Reconstructs all planes. `make` converts residuals to a plane, which is then corrected.
+/// Reconstructs all planes. `predict` converts the residuals of a plane to its samples, which are then corrected.
 pub(super) fn reconstruct_with(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
-    make: impl Fn(usize, &mut [u8], &[Vec<u8>], &[Step]),
+    predict: impl Fn(usize, &mut [u8], &[Vec<u8>], &[Step]),
 ) -> Result<Vec<Vec<u8>>> {
     let mut done = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
-        make(i, &mut plane, &done, &coded.plan.steps);
+        predict(i, &mut plane, &done, &coded.plan.steps);
         coded.correct(i, &mut plane, reading)?;
         done[i] = plane;
     }
