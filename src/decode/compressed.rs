@@ -79,7 +79,7 @@ impl<'a> Streams<'a> {
         let mut streams = Streams {
             header: *header,
             coding,
-            payload: planes::take_payload(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes
+            payload: planes::take_payload(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: all planes
             #[cfg(feature = "harness")]
             lists,
             plan,

@@ -37,7 +37,7 @@ fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let end = input.at() + digits.count();
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
-        // The token consists of digits, and its value does not fit in a `u32`. The comparison with `offset` excludes empty tokens.
+        // The token consists of digits, and its value does not fit in a `u32`. The comparison of offsets excludes empty tokens.
         Err(error) if input.at() == end && error.offset() < end => Err(too_large),
         read => read,
     }

@@ -90,7 +90,7 @@ impl Draft {
             self.set("", "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
-            // The order is column-major. The last row is 0 0 0 1: there is no translation, because its position is an open question.
+            // In column-major order. The last row is 0 0 0 1: no translation, because its position is an open question.
             let mut matrix = Vec::new();
             for _ in 0..3 {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
@@ -364,8 +364,8 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Generates a size: usually small, sometimes long, around 256, or with over 65,535 texels. Widths over 65,500 are avoided because
-/// libjpeg does not support them, and decoders based on it are correct.
+/// Generates a size: usually small, sometimes long, around 256, or with over 65,535 texels. No width exceeds 65,500, the limit of
+/// libjpeg, because decoders based on it are correct.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,

@@ -1,6 +1,6 @@
 //! §2.8 Lookup Table Indices
 //!
-//! One-byte indices for up to 256 entries, or two-byte indices, low byte first (2.8.1/2–3), then the colors of `PTM_LUT` (2.8.1/4).
+//! One-byte indices for up to 256 entries, or two-byte indices, low byte first (2.8.1/2–3). The colors of `PTM_LUT` follow.
 
 use super::model::Model;
 use super::output::Output;

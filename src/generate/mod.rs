@@ -1,8 +1,8 @@
 //! Values → bytes: the mirror image of [`mod@crate::decode`], with the same sections under the same names.
 //!
 //! This module never uses `decode`: two independent implementations of one text can disagree, but one implementation used
-//! twice cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe gives the
-//! same bytes everywhere.
+//! twice cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe
+//! gives the same bytes everywhere.
 
 mod output;
 

@@ -145,7 +145,7 @@ impl Model {
         self.table.len() / self.format.entry_size()
     }
 
-    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, and the byte itself for other channels.
+    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, and the byte for other channels.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         self.final_values(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])

@@ -4,8 +4,8 @@
 //! and every pair distinguished), and proves that each clause is tested.
 //!
 //! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The
-//! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`At`]) and the function. Every function is
-//! *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
+//! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`At`]) and the function.
+//! Every function is *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
 
 mod misreading;
 

@@ -231,23 +231,23 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "normal-as-reflection" => |r| r.reflect = |_, n| n,
         "sight-towards-the-eye" => |r| r.sight = |eye, position| (SPEC.sight)(position, eye),
         "eye-in-world" => |r| {
-            r.vrc_place = |p| match p.wc.normal {
+            r.vrc_vertex = |p| match p.wc.normal {
                 Some(_) => p.wc.clone(),
                 None => p.vrc.clone(),
             };
         },
         "eye-in-vrc" => |r| {
-            r.wc_place = |p| match p.vrc.normal {
+            r.wc_vertex = |p| match p.vrc.normal {
                 Some(_) => p.vrc.clone(),
                 None => p.wc.clone(),
             };
         },
-        "reflection-matrix-ignored" => |r| r.turn = |_, s| s,
+        "reflection-matrix-ignored" => |r| r.rotate = |_, s| s,
         "reflection-matrix-transposed" => |r| {
-            r.turn = |m, s| [0, 1, 2].map(|c| dot([m[0][c], m[1][c], m[2][c]], s));
+            r.rotate = |m, s| [0, 1, 2].map(|c| dot([m[0][c], m[1][c], m[2][c]], s));
         },
         "reflection-matrix-moves" => |r| {
-            r.turn = |matrix, s| [0, 1, 2].map(|row| (SPEC.turn)(matrix, s)[row] + matrix[row][3]);
+            r.rotate = |m, s| [0, 1, 2].map(|row| (SPEC.rotate)(m, s)[row] + m[row][3]);
         },
         "reflection-matrix-for-all-methods" => |r| {
             r.parameterize = |entry, point, n, rules| {
@@ -255,7 +255,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
                 let t = (SPEC.parameterize)(entry, point, n, rules)?;
                 Ok(match entry.parameterization {
                     ReflectionSphereVRC | ReflectionSphereWC => t,
-                    _ => (SPEC.turn)(&entry.reflection_matrix, t),
+                    _ => (SPEC.rotate)(&entry.reflection_matrix, t),
                 })
             };
         },
@@ -287,7 +287,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
                 (SPEC.orient)(&transposed, t)
             };
         },
-        "orientation-without-translation" => |r| r.orient = |matrix, t| (SPEC.turn)(matrix, t),
+        "orientation-without-translation" => |r| r.orient = |matrix, t| (SPEC.rotate)(matrix, t),
         "orientation-of-two-coordinates" => |r| {
             r.orient = |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |out| out[2] = t[2]);
         },
@@ -530,12 +530,12 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "minification-always" => |r| r.method = |entry, _| entry.min_sample,
         "methods-exchanged" => |r| r.method = |entry, magnify| (SPEC.method)(entry, !magnify),
         "texels-column-first" => |r| {
-            r.place = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
+            r.offset = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
         },
         "first-row-at-the-top" => |r| {
-            r.place = |size, at| (SPEC.place)(size, [at[0], size[1] - 1 - at[1], at[2]]);
+            r.offset = |size, at| (SPEC.offset)(size, [at[0], size[1] - 1 - at[1], at[2]]);
         },
-        "slices-ignored" => |r| r.place = |size, at| (SPEC.place)(size, [at[0], at[1], 0]),
+        "slices-ignored" => |r| r.offset = |size, at| (SPEC.offset)(size, [at[0], at[1], 0]),
         "coordinates-in-texels" => |r| {
             r.closest = |edge, t, size, rules| (SPEC.closest)(edge, t / size as f64, size, rules);
         },

@@ -43,7 +43,7 @@ enum Criterion {
     Photographs(fn(&mut ImageSet)),
     /// The map is near the best fit under lights with these directions.
     Lights(fn(&Photograph) -> [f64; 2]),
-    /// The map is right if its coefficients are read in this order and computed from raw value, scale and bias with this function.
+    /// The map is right if its coefficients are read in this order and computed with this function of raw value, scale and bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// The numbers of the map satisfy this predicate.
     Map(fn(&WrongMap) -> bool),
