@@ -93,7 +93,7 @@ enum DamageChange {
 type Splice = (Spot, Vec<u8>);
 
 /// Number of bytes that an edit removes, and the bytes that it inserts.
-type Edit = (usize, Vec<u8>);
+type ByteEdit = (usize, Vec<u8>);
 
 impl Damage {
     /// Returns the edited file.
@@ -120,7 +120,10 @@ impl Damage {
 
     /// Returns the edits that insert bytes.
     fn insertions(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
-        let edits: [(&BTreeMap<DamagePlace, String>, fn(&[u8], Vec<u8>) -> Edit); 5] = [
+        let edits: [(
+            &BTreeMap<DamagePlace, String>,
+            fn(&[u8], Vec<u8>) -> ByteEdit,
+        ); 5] = [
             (&self.replace, |old, new| (old.len(), new)),
             (&self.insert, |_, new| (0, new)),
             (&self.overwrite, |_, new| (new.len(), new)),

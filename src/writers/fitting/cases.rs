@@ -15,7 +15,7 @@ use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
-use crate::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
+use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
 
@@ -132,13 +132,10 @@ impl RequestValues for ImageSource {
         _: usize,
     ) -> Vec<Diagnosis<&'static Misreading>> {
         let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
-        let wrong_file_of = |index: usize| wrong_file(run.observations[index].as_ref());
+        let wrong_map = |index: usize| wrong_file(run.observations[index].as_ref());
         let mut evidence: BTreeMap<usize, WrongMap> = BTreeMap::new();
         for &index in &failing {
-            let (case, file) = (
-                &suite.cases[index],
-                wrong_file_of(index).map(|(file, _)| file),
-            );
+            let (case, file) = (&suite.cases[index], wrong_map(index).map(|(file, _)| file));
             let map = |file| WrongMap::new(case.values.photographs(case.format), case.format, file);
             evidence.extend(file.and_then(map).map(|map| (index, map)));
         }
@@ -149,7 +146,7 @@ impl RequestValues for ImageSource {
         let mut diagnoses = Vec::new();
         for candidate in cover(candidates.collect(), &mut failing) {
             let (mistake, first) = (candidate.cause, candidate.explains[0]);
-            let fault = wrong_file_of(first).map_or("", |(_, fault)| &fault.says);
+            let fault = wrong_map(first).map_or("", |(_, fault)| &fault.says);
             let example = format!("for example {}: {fault}", suite.cases[first].id);
             let cause = describe(&mistake.clause, (&mistake.effect, &mistake.fix), example);
             diagnoses.push(Diagnosis::new(cause, candidate.explains));

@@ -14,7 +14,7 @@ use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
 use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 use crate::writers::judge::compare_map;
 

@@ -19,6 +19,6 @@ pub mod judge;
 )]
 mod mistakes;
 pub mod optimum;
-pub mod pictures;
+pub mod photographs;
 pub mod polynomials;
 pub mod sets;

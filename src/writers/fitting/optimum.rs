@@ -8,7 +8,7 @@
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};
 use crate::writers::fitting::algebra::{LeastSquares, eigen};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
 use crate::writers::request::new_map;
 

@@ -2,7 +2,7 @@
 
 use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 
 /// Final coefficients of red, green and blue for each texel, top row first. For LRGB, the coefficients of the product of
 /// luminance and color.
@@ -45,10 +45,8 @@ impl Polynomials {
     /// Returns the root-mean-square error for each photograph.
     #[must_use]
     pub fn errors(&self, set: &ImageSet) -> Vec<f64> {
-        let error = |photograph: &Photograph| {
-            let pairs = self
-                .evaluate(photograph.direction())
-                .zip(&photograph.pixels);
+        let error = |photo: &Photograph| {
+            let pairs = self.evaluate(photo.direction()).zip(&photo.pixels);
             root_mean_square(pairs.map(|(a, &pixel)| a - f64::from(pixel)))
         };
         set.photographs.iter().map(error).collect()

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::generate::{Model, Recipe};
 use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::request::new_map;
 

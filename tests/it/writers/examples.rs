@@ -21,7 +21,7 @@ fn python_writer_passes_for_its_formats() {
 #[test]
 fn template_calls_a_program_with_other_options() {
     let checked = check_writer("--format LRGB --cmd 'cp {planes} {out}'");
-    checked.ends(1, "the bytes there: \"\\x93NUMPY");
+    checked.ends(1, "the bytes there are \"\\x93NUMPY");
     check_writer("--cmd 'cp {planes} x'").ends(2, "{out}");
 }
 

@@ -123,19 +123,17 @@ fn read_photograph(
     folder: &Path,
     size: &mut Option<Size>,
 ) -> Result<Photograph, String> {
-    let syntax_error = || format!("expected a name and three numbers, found {line:?}");
+    let invalid = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
     let mut light = [0.0; 3];
     for number in light.iter_mut().rev() {
         let parsed = words.next().and_then(|word| word.parse().ok());
-        *number = parsed
-            .filter(|n: &f64| n.is_finite())
-            .ok_or_else(syntax_error)?;
+        *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(invalid)?;
     }
     if light == [0.0; 3] {
         return Err(format!("{line:?}: a light must have a direction"));
     }
-    let name = words.next().ok_or_else(syntax_error)?.trim();
+    let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(folder.join(name)).map_err(|error| with_name(&error))?;
     let image = image::load_from_memory(&bytes).map_err(|error| with_name(&error))?;
