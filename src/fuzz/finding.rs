@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use arbitrary::Unstructured;
 
 use super::draft::Draft;
-use super::draws::random_bytes;
+use super::generator::random_bytes;
 use super::minimize::minimize;
 use crate::diagnose::equal_up_to_rounding;
 use crate::misreadings::{self, Misreading};

@@ -5,8 +5,8 @@
 //! fails in the same way. Equal seeds give equal files.
 
 pub mod draft;
-pub mod draws;
 pub mod finding;
+pub mod generator;
 pub mod minimize;
 pub mod properties;
 pub mod reduce;
@@ -28,8 +28,8 @@ use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, check};
 use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
-use draws::DraftGenerator;
 use finding::{Explanation, Finding, KnownDecoder, MAX_WITNESSES};
+use generator::DraftGenerator;
 
 /// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;

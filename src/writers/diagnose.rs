@@ -18,9 +18,9 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::writers::fault::WriterFault;
+use crate::writers::misread_file::{MisreadFile, explains, is_right_only_with};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
-use crate::writers::seen::{MisreadFile, explains, is_right_only_with};
 use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 
 /// Maximum size in bytes of the files that are searched for mistakes.
@@ -36,15 +36,15 @@ const PAIR_SEARCHED_FILES: usize = 4;
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
 /// Request and the file that was written for it.
-struct Exhibit {
+struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.
     right: Vec<u8>,
     file: Vec<u8>,
 }
 
-/// Exhibits that are small enough to search, by case index.
-type Exhibits = BTreeMap<usize, Exhibit>;
+/// Attempts that are small enough to search, by case index.
+type Attempts = BTreeMap<usize, Attempt>;
 
 /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 #[must_use]
@@ -57,17 +57,17 @@ pub fn diagnose(
     if failing.is_empty() {
         return Vec::new();
     }
-    let exhibit = |index: usize| exhibit(suite, run, index);
-    let exhibits = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
-    let exhibits = exhibits.into_iter().enumerate();
-    let exhibits: Exhibits = exhibits
-        .filter_map(|(i, exhibit)| Some((i, exhibit?)))
+    let attempt = |index: usize| attempt(suite, run, index);
+    let attempts = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &attempt);
+    let attempts = attempts.into_iter().enumerate();
+    let attempts: Attempts = attempts
+        .filter_map(|(i, attempt)| Some((i, attempt?)))
         .collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
-    let single = single_mistakes(&exhibits, &failing, &passing, threads);
+    let single = single_mistakes(&attempts, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
-    let pairs = mistake_pairs(&exhibits, &failing, threads);
+    let pairs = mistake_pairs(&attempts, &failing, threads);
     diagnoses.extend(cover(pairs, &mut failing).into_iter().map(|pair| {
         let (misreading, second) = pair.cause;
         let cause = Cause::Misreading {
@@ -81,31 +81,31 @@ pub fn diagnose(
     diagnoses
 }
 
-/// Returns the exhibit for a request, or `None` if the file is too large or missing.
-fn exhibit(
+/// Returns the attempt for a request, or `None` if the file is too large or missing.
+fn attempt(
     suite: &Suite<FileCase<Recipe>>,
     run: &Run<FileCase<Recipe>>,
     index: usize,
-) -> Option<Exhibit> {
+) -> Option<Attempt> {
     let request = suite.cases[index].request();
     let right = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[index].as_ref());
     let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
     let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
-    is_small.then_some(Exhibit {
+    is_small.then_some(Attempt {
         request,
         right,
         file,
     })
 }
 
-/// Returns the exhibits of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
-fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
-    let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
-    smallest.sort_by_key(|exhibit| exhibit.right.len());
+/// Returns the attempts of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
+fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a Attempt> {
+    let mut smallest: Vec<&Attempt> = failing.iter().filter_map(|i| attempts.get(i)).collect();
+    smallest.sort_by_key(|attempt| attempt.right.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
-    smallest.retain(|exhibit| {
-        let count = counts.entry(exhibit.request.format).or_default();
+    smallest.retain(|attempt| {
+        let count = counts.entry(attempt.request.format).or_default();
         *count += 1;
         *count <= SCREENED_FILES
     });
@@ -114,25 +114,25 @@ fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a E
 
 /// Returns single mistakes that explain failures and that no passing case contradicts.
 fn single_mistakes(
-    exhibits: &Exhibits,
+    attempts: &Attempts,
     failing: &[usize],
     passing: &[usize],
     threads: usize,
 ) -> Vec<CoverCandidate<&'static Miswriting>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let screen = smallest_exhibits(exhibits, failing);
+    let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |e: &Exhibit| explains(&e.request, &e.right, &e.file, mistake.at);
+        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.at);
         // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
-        let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
+        let contradicts = |Attempt { request, right, .. }: &Attempt| {
             !MisreadFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
         };
-        if !screen.iter().any(|exhibit| explains(exhibit)) {
+        if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
         }
-        let explains = |index: usize| exhibits.get(&index).is_some_and(explains);
-        let contradicts = |index: usize| exhibits.get(&index).is_some_and(contradicts);
+        let explains = |index: usize| attempts.get(&index).is_some_and(explains);
+        let contradicts = |index: usize| attempts.get(&index).is_some_and(contradicts);
         CoverCandidate::new(mistake, failing, explains, passing, contradicts)
     };
     let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
@@ -141,30 +141,30 @@ fn single_mistakes(
 
 /// Returns pairs of mistakes that explain the smallest failing files.
 fn mistake_pairs(
-    exhibits: &Exhibits,
+    attempts: &Attempts,
     failing: &[usize],
     threads: usize,
 ) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let explains = |Exhibit { request, file, .. }: &Exhibit, pair: [&Miswriting; 2]| {
+    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&Miswriting; 2]| {
         is_right_only_with(request, file, &pair.map(|mistake| mistake.at))
     };
-    let pair = |exhibit: &Exhibit| {
+    let pair = |attempt: &Attempt| {
         let with_first = |i: usize| {
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                can_combine(first.at, second.at) && explains(exhibit, [first, second])
+                can_combine(first.at, second.at) && explains(attempt, [first, second])
             });
             second.map(|second| (first, second))
         };
         let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
         let (first, second) = found.into_iter().flatten().next()?;
-        let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
-        let explains = |index: usize| exhibits.get(&index).is_some_and(is_explained);
+        let is_explained = |attempt: &Attempt| explains(attempt, [first, second]);
+        let explains = |index: usize| attempts.get(&index).is_some_and(is_explained);
         CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
-    let smallest = smallest_exhibits(exhibits, failing).into_iter();
+    let smallest = smallest_attempts(attempts, failing).into_iter();
     smallest
         .take(PAIR_SEARCHED_FILES)
         .filter_map(pair)

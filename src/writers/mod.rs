@@ -21,11 +21,11 @@ pub mod fault;
 pub mod fitting;
 pub mod judge;
 mod lossy;
+mod misread_file;
 #[cfg(unix)]
 pub mod probe;
 pub mod reference;
 pub mod request;
-mod seen;
 #[cfg(unix)]
 pub mod test_case;
-pub mod wrong;
+pub mod wrong_files;

@@ -10,8 +10,8 @@ use crate::suite::cases::Suite;
 use crate::writers::asking;
 use crate::writers::cases::WriterCase;
 use crate::writers::judge::judge;
+use crate::writers::misread_file::explains;
 use crate::writers::reference::write_requested_file;
-use crate::writers::seen::explains;
 use crate::writers::test_case::WrittenFile;
 
 /// Runs all steps of the checklist against `writer`.

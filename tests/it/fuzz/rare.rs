@@ -7,7 +7,7 @@ use arbitrary::Unstructured;
 use proptest::prelude::*;
 use ptm_conform::diagnose::can_affect_file;
 use ptm_conform::fuzz::draft::Draft;
-use ptm_conform::fuzz::draws::DraftGenerator;
+use ptm_conform::fuzz::generator::DraftGenerator;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::capabilities::Capabilities;

@@ -8,9 +8,9 @@
 
 use crate::misreadings::Misreading;
 use crate::ptm::Ptm;
+use crate::writers::misread_file::{MisreadFile, edit_bytes, explains};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
-use crate::writers::seen::{MisreadFile, edit_bytes, explains};
 
 /// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
 const MAX_REPAIRS: usize = 20;
