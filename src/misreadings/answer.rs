@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::at::At;
+use super::hook::Hook;
 use super::misreading::Misreading;
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
@@ -40,7 +40,7 @@ pub(crate) fn read(
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
-        if let At::Bytes(edit) = misreading.at {
+        if let Hook::Bytes(edit) = misreading.at {
             match edit(&Anatomy::new(&bytes, &reading)) {
                 EditedFile::Refused => return Err(None),
                 EditedFile::File(edited) => bytes = Cow::Owned(edited),
@@ -98,7 +98,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
         .iter()
         .rev()
         .filter_map(|misreading| match misreading.at {
-            At::Edits(edits) => Some(edits),
+            Hook::Edits(edits) => Some(edits),
             _ => None,
         });
     edits.flatten().collect()
@@ -109,7 +109,7 @@ pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = f
     misreadings
         .iter()
         .filter_map(|misreading| match misreading.at {
-            At::Planes(edit) => Some(edit),
+            Hook::Planes(edit) => Some(edit),
             _ => None,
         })
 }

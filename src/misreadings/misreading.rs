@@ -5,14 +5,14 @@ use std::fmt;
 
 use serde::Deserialize;
 
-use super::at::At;
+use super::hook::Hook;
 use crate::formula::Edit;
 use crate::kit::yaml;
 
 /// A mistake: a record of `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share
 /// the record type and have different steps.
 #[derive(Clone, Debug)]
-pub struct Misreading<A = At> {
+pub struct Misreading<A = Hook> {
     /// Permanent name.
     pub slug: &'static str,
     /// Clause that the decoder misreads.

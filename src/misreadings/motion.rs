@@ -7,7 +7,7 @@
 
 use std::borrow::Cow;
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::predict as rule;
 use crate::parts::Step;
 use crate::ptm::Size;
@@ -15,26 +15,26 @@ use crate::reading::Reading;
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
-        "motion-halves-toward-zero" => At::Predictor(|reference, step, size, reading| {
+        "motion-halves-toward-zero" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
                 let first = at + d / 2;
                 [first, first + (d & 1)]
             })
         }),
-        "motion-half-of-the-other-axis" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-other-axis" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
                 let first = at + (d >> 1);
                 let half = if axis.is_x { d } else { other };
                 [first, first + (half & 1)]
             })
         }),
-        "motion-half-of-the-edge" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-edge" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 [first, first + (d & 1)]
             })
         }),
-        "motion-half-begins-again" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-begins-again" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 let second = at + (d >> 1) + (d & 1);
@@ -42,7 +42,7 @@ pub(super) const STEPS: Steps = |slug| {
                 [first, if is_inside || second < 0 { second } else { 0 }]
             })
         }),
-        "motion-x-within-the-height" => At::Predictor(|reference, step, size, reading| {
+        "motion-x-within-the-height" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = at + (d >> 1);
                 let limit = if axis.is_x {
@@ -53,7 +53,7 @@ pub(super) const STEPS: Steps = |slug| {
                 [first, first + (d & 1)].map(|at| at.clamp(0, limit - 1))
             })
         }),
-        "motion-border-black" => At::Predictor(|reference, step, size, reading| {
+        "motion-border-black" => Hook::Predictor(|reference, step, size, reading| {
             let motion_border = black_border;
             let reading = Reading {
                 motion_border,

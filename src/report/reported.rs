@@ -6,7 +6,7 @@ use crate::diagnose::{self, Causes};
 use crate::kit::digest::sha256;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::texture::Change;
-use crate::misreadings::{self, At, Misreading};
+use crate::misreadings::{self, Hook, Misreading};
 use crate::report::document::FollowedReading;
 use crate::report::html::evidence;
 use crate::report::leniency::passing_case_ids;
@@ -85,7 +85,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 impl Reported for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
 
-    type MisreadingPoint = At;
+    type MisreadingPoint = Hook;
 
     fn suite() -> Result<Suite, String> {
         Suite::load()

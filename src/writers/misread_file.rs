@@ -6,7 +6,7 @@
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
 use crate::misreadings::{
-    Anatomy, At, EditedFile, Misreading, Stage, formula_edits, plane_edits, read,
+    Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
 };
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
@@ -84,7 +84,7 @@ fn requires_mistakes(
 /// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
     match mistake.at {
-        At::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
+        Hook::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
             EditedFile::File(bytes) => Some(bytes),
             EditedFile::Refused => None,
         },

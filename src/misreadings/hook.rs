@@ -12,12 +12,12 @@ use crate::reading::{
 };
 
 /// Steps by slug, in the order of `spec-cases/misreadings.yaml`. Returns `None` for the slugs of other sections.
-pub(super) type Steps = fn(slug: &str) -> Option<At>;
+pub(super) type Steps = fn(slug: &str) -> Option<Hook>;
 
 /// The step that a mistake changes, and the function that replaces it.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // each decision is documented at its function in `Reading::SPEC`
-pub enum At {
+pub enum Hook {
     /// Changes the bytes of the file.
     Bytes(fn(&Anatomy) -> EditedFile),
     /// Changes the decoded map.
@@ -58,39 +58,39 @@ pub enum At {
     Correct(fn(&mut [u8], &[Record])),
 }
 
-impl At {
+impl Hook {
     /// Applies the mistake to `reading` if it is a decision of [`Reading`].
     pub(crate) fn change(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
-            At::Bytes(_) | At::Planes(_) | At::Edits(_) => {}
-            At::Light(light) => other.light = light,
-            At::Polynomial(polynomial) => other.polynomial = polynomial,
-            At::FinalCoefficient(coefficient) => other.final_coefficient = coefficient,
-            At::Finals(finals) => other.finals = finals,
-            At::LumVector(y_first, cr_first) => {
+            Hook::Bytes(_) | Hook::Planes(_) | Hook::Edits(_) => {}
+            Hook::Light(light) => other.light = light,
+            Hook::Polynomial(polynomial) => other.polynomial = polynomial,
+            Hook::FinalCoefficient(coefficient) => other.final_coefficient = coefficient,
+            Hook::Finals(finals) => other.finals = finals,
+            Hook::LumVector(y_first, cr_first) => {
                 let [first, ..] = (reading.lum_vector)(1.0, 2.0, 3.0);
                 other.lum_vector = if first == 2.0 { cr_first } else { y_first };
             }
-            At::LumMatrix(matrix) => other.lum_matrix = matrix,
-            At::LumTranslation(translation) => other.lum_translation = translation,
-            At::Blocks(blocks) => other.blocks = blocks,
-            At::StoredRow(row) => other.stored_row = row,
-            At::Modulate(modulate) => other.modulate = modulate,
-            At::Clamp(clamp) => other.clamp = clamp,
-            At::Indices(indices) => other.indices = indices,
-            At::Index(index) => other.index = index,
-            At::Entry(entry) => other.entry = entry,
-            At::Plan(plan) => other.plan = plan,
-            At::Predictor(predictor) => other.predictor = predictor,
-            At::Invert(invert) => other.invert = invert,
-            At::MotionHalf(half) => other.motion_half = half,
-            At::Predict(predict) => (other.predict, other.predict_jpeg_ls) = (predict, predict),
-            At::Reconstruct(reconstruct) => other.reconstruct = reconstruct,
-            At::Stream(stream) => other.stream = stream,
-            At::SideInformation(side) => other.side_information = side,
-            At::Records(records) => other.records = records,
-            At::Correct(correct) => other.correct = correct,
+            Hook::LumMatrix(matrix) => other.lum_matrix = matrix,
+            Hook::LumTranslation(translation) => other.lum_translation = translation,
+            Hook::Blocks(blocks) => other.blocks = blocks,
+            Hook::StoredRow(row) => other.stored_row = row,
+            Hook::Modulate(modulate) => other.modulate = modulate,
+            Hook::Clamp(clamp) => other.clamp = clamp,
+            Hook::Indices(indices) => other.indices = indices,
+            Hook::Index(index) => other.index = index,
+            Hook::Entry(entry) => other.entry = entry,
+            Hook::Plan(plan) => other.plan = plan,
+            Hook::Predictor(predictor) => other.predictor = predictor,
+            Hook::Invert(invert) => other.invert = invert,
+            Hook::MotionHalf(half) => other.motion_half = half,
+            Hook::Predict(predict) => (other.predict, other.predict_jpeg_ls) = (predict, predict),
+            Hook::Reconstruct(reconstruct) => other.reconstruct = reconstruct,
+            Hook::Stream(stream) => other.stream = stream,
+            Hook::SideInformation(side) => other.side_information = side,
+            Hook::Records(records) => other.records = records,
+            Hook::Correct(correct) => other.correct = correct,
         }
         other
     }
@@ -99,20 +99,20 @@ impl At {
     #[must_use]
     pub fn stage(&self) -> Stage {
         match self {
-            At::Edits(edits) => {
+            Hook::Edits(edits) => {
                 let stages = edits.iter().map(|edit| edit.formula.stage());
                 stages.min().unwrap_or(Stage::Color)
             }
-            At::Bytes(_) => Stage::File,
-            At::Planes(_) => Stage::Planes,
-            At::FinalCoefficient(_) | At::Finals(_) => Stage::Coefficients,
-            At::Light(_)
-            | At::Polynomial(_)
-            | At::LumVector(..)
-            | At::LumMatrix(_)
-            | At::LumTranslation(_)
-            | At::Modulate(_)
-            | At::Clamp(_) => Stage::Color,
+            Hook::Bytes(_) => Stage::File,
+            Hook::Planes(_) => Stage::Planes,
+            Hook::FinalCoefficient(_) | Hook::Finals(_) => Stage::Coefficients,
+            Hook::Light(_)
+            | Hook::Polynomial(_)
+            | Hook::LumVector(..)
+            | Hook::LumMatrix(_)
+            | Hook::LumTranslation(_)
+            | Hook::Modulate(_)
+            | Hook::Clamp(_) => Stage::Color,
             _ => Stage::Decoding,
         }
     }
@@ -120,26 +120,26 @@ impl At {
     /// Returns true if the mistake may refuse a file. Other mistakes only change values.
     #[must_use]
     pub fn may_refuse(&self) -> bool {
-        if let At::Edits(edits) = self {
+        if let Hook::Edits(edits) = self {
             return edits.iter().any(|edit| edit.formula.may_refuse());
         }
         let only_changes_values = matches!(
             self,
-            At::StoredRow(_)
-                | At::Predictor(_)
-                | At::Invert(_)
-                | At::MotionHalf(_)
-                | At::Predict(_)
-                | At::SideInformation(_)
-                | At::Correct(_)
+            Hook::StoredRow(_)
+                | Hook::Predictor(_)
+                | Hook::Invert(_)
+                | Hook::MotionHalf(_)
+                | Hook::Predict(_)
+                | Hook::SideInformation(_)
+                | Hook::Correct(_)
         );
         self.stage() <= Stage::Decoding && !only_changes_values
     }
 
     /// Returns true if both mistakes change the same step: the bytes, the decoded map, a decision or a formula.
     #[must_use]
-    pub fn changes_same_step(&self, other: &At) -> bool {
-        let is_edited = matches!(self, At::Edits(_)) || matches!(other, At::Edits(_));
+    pub fn changes_same_step(&self, other: &Hook) -> bool {
+        let is_edited = matches!(self, Hook::Edits(_)) || matches!(other, Hook::Edits(_));
         match is_edited {
             // Two mistakes that edit different formulas change different steps.
             true => !self.formulas().is_empty() && self.formulas() == other.formulas(),
@@ -151,18 +151,18 @@ impl At {
     #[must_use]
     pub fn formulas(&self) -> Vec<Formula> {
         match self {
-            At::Edits(edits) => edits.iter().map(|edit| edit.formula).collect(),
-            At::Light(_) => vec![Formula::LightU, Formula::LightV],
-            At::Polynomial(_) => vec![Formula::Polynomial],
-            At::FinalCoefficient(_) => vec![Formula::FinalCoefficient],
-            At::LumMatrix(_) => vec![Formula::MatrixRow],
-            At::StoredRow(_) => vec![Formula::StoredRow],
-            At::Modulate(_) => vec![Formula::Color],
-            At::Clamp(_) => vec![Formula::Shown],
-            At::Index(_) => vec![Formula::Index],
-            At::Invert(_) => vec![Formula::Inversion],
-            At::MotionHalf(_) => vec![Formula::MeanOfTwo, Formula::MeanOfFour],
-            At::Predict(_) => vec![Formula::Plane],
+            Hook::Edits(edits) => edits.iter().map(|edit| edit.formula).collect(),
+            Hook::Light(_) => vec![Formula::LightU, Formula::LightV],
+            Hook::Polynomial(_) => vec![Formula::Polynomial],
+            Hook::FinalCoefficient(_) => vec![Formula::FinalCoefficient],
+            Hook::LumMatrix(_) => vec![Formula::MatrixRow],
+            Hook::StoredRow(_) => vec![Formula::StoredRow],
+            Hook::Modulate(_) => vec![Formula::Color],
+            Hook::Clamp(_) => vec![Formula::Shown],
+            Hook::Index(_) => vec![Formula::Index],
+            Hook::Invert(_) => vec![Formula::Inversion],
+            Hook::MotionHalf(_) => vec![Formula::MeanOfTwo, Formula::MeanOfFour],
+            Hook::Predict(_) => vec![Formula::Plane],
             _ => Vec::new(),
         }
     }
@@ -170,6 +170,6 @@ impl At {
     /// Returns true if the mistake changes a decision of [`Reading`]. A decoder makes each decision in only one way.
     #[must_use]
     pub const fn is_decision(&self) -> bool {
-        !matches!(self, At::Bytes(_) | At::Planes(_))
+        !matches!(self, Hook::Bytes(_) | Hook::Planes(_))
     }
 }
