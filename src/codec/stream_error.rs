@@ -18,7 +18,7 @@ pub struct StreamError {
     pub fault: StreamFault,
     /// Zero-based offset of the faulty byte in the stream, at most the length of the stream.
     pub offset: usize,
-    /// Description of the fault, without a capital or a period.
+    /// Description of the fault, in lowercase and without a period.
     pub what: String,
 }
 

@@ -9,7 +9,7 @@
 //! 01 02 03 04 05 06 72 67 62                 a0 … a5, R, G, B           texels            §2.7
 //! ```
 //!
-//! [`decode`] is the entry point. This module does no I/O, does not depend on file names, and knows no misreadings.
+//! [`decode`] is the entry point. This module does no I/O, does not depend on file names, and contains no misreadings.
 
 /// §2.1 Header String
 mod header_string;

@@ -134,7 +134,7 @@ impl Explanation {
         }
     }
 
-    /// Returns true if this explanation also explains another failure. Then removes the suspects that do not explain it.
+    /// Returns true if this explanation also explains another failure. If so, removes the suspects that do not.
     pub(super) fn explains_failure(
         &mut self,
         draft: &Draft,

@@ -1,4 +1,4 @@
-//! Step-by-step minimization of anything while it still fails in the same way.
+//! Step-by-step minimization of an input that makes a decoder fail.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

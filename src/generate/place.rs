@@ -50,7 +50,7 @@ enum StreamPart {
 enum Offset {
     Forward(usize),
     Back(usize),
-    /// Backward from the end by whole texels, or by whole rows, of the last block.
+    /// Backward from the end, by texels of the last block (`Texels`) or by rows of them (`Rows`).
     Texels(usize),
     Rows(usize),
     Half,

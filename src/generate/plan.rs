@@ -149,13 +149,13 @@ pub enum Structure {
     Star,
     /// A chain with steps of 5: plane 5k + 2 is predicted from plane 5k − 3, modulo the number of planes.
     Deep,
-    /// Two trees, each with half the planes. Plane k of a tree is predicted from its plane (k − 1) / 2.
+    /// Two trees, each with half the planes. Plane k of a tree is predicted from plane (k − 1) / 2 of the same tree.
     TwoTrees,
     /// Every third plane is intra, and the next two planes are predicted from it.
     SharedReference,
     /// Each plane is predicted from the next one. The last plane is intra.
     Upward,
-    /// All planes are predicted from the plane of rank 0, which is in the middle, so that the order differs from its inverse.
+    /// All planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its inverse.
     Rotated,
     /// The structure of the only real file, a clay tablet.
     Tablet,

@@ -1,7 +1,7 @@
 //! §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
 //!
-//! A plane may be predicted from another plane, its reference, which is decoded earlier. The reference is first inverted
-//! (clause 2.9.2/3), displaced by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
+//! A plane may be predicted from another plane, its reference, which is decoded earlier. The reference may first be
+//! inverted (clause 2.9.2/3), displaced by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
 //!
 //! Format notes
 //! - All coordinates are in the stored raster, where row 0 is the bottom row.

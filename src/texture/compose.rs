@@ -125,7 +125,7 @@ pub(crate) fn multiply(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 
-/// Interpolates from `a` to `b` with the weight of `b` per channel.
+/// Interpolates from `a` to `b`. `weight` is the weight of `b`, per channel.
 pub(crate) fn mix(a: Color, b: Color, weight: Color) -> Color {
     [0, 1, 2].map(|c| (1.0 - weight[c]) * a[c] + weight[c] * b[c])
 }

@@ -2,8 +2,8 @@
 //!
 //! Each map is applied to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
 //! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but texture
-//! per pixel, the split form is used: the light on the surface and the light on a white surface are computed first, and the maps
-//! are applied to them (R-CMP-20). All other cases use the direct form (R-CMP-21).
+//! per pixel, the split form is used: the light on the surface and the light on a white surface are computed first, and the
+//! maps are applied to both (R-CMP-20). All other cases use the direct form (R-CMP-21).
 //!
 //! Format notes
 //! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A stage

@@ -26,10 +26,10 @@ use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format in the screen, smallest first. Mistakes that explain none of them are not tried further.
+/// Number of wrong files per format for screening, smallest first. Mistakes that explain none of these files are skipped.
 const SCREENED_FILES: usize = 3;
 
-/// Number of unexplained files for which pairs of mistakes are tried. The smallest files come first.
+/// Number of unexplained files for which pairs of mistakes are tried, smallest first.
 const PAIR_SEARCHED_FILES: usize = 4;
 
 /// Diagnosed cause of a writer's failures.

@@ -118,7 +118,7 @@ fn bit_width(values: i32) -> u32 {
     (values - 1).ilog2() + 1
 }
 
-/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, scaled for other MAXVAL and NEAR (C.2.4.1.1.1).
+/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, and scaled values for other MAXVAL and NEAR (C.2.4.1.1.1).
 ///
 /// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {

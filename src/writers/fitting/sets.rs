@@ -24,7 +24,7 @@ pub struct SetPlan {
     size: (u32, u32),
     /// Number of lights.
     lights: usize,
-    /// True if all lights are to the right.
+    /// True if all lights are to the right of the object.
     is_one_sided: bool,
     /// Scale of `a5`, which determines the brightness.
     brightness: f64,
