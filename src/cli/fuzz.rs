@@ -105,7 +105,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     };
     let result = fuzz(&suite, &plan, &ask, &|progress| match progress {
         FuzzProgress::Executions(count) => bar.set_position(count as u64),
-        FuzzProgress::Found(find) => bar.suspend(|| args.write(find)),
+        FuzzProgress::Found(finding) => bar.suspend(|| args.write(finding)),
     });
     bar.finish_and_clear();
     check_trouble(&decoder)?;
@@ -124,12 +124,12 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
 
 impl FuzzArgs {
     /// Writes the files of a find and prints a description.
-    fn write(&self, find: &Finding) {
-        let written = match write(find, TableSpelling::default(), &self.out) {
+    fn write(&self, finding: &Finding) {
+        let written = match write(finding, TableSpelling::default(), &self.out) {
             Ok(name) => self.out.join(name).display().to_string(),
             Err(error) => format!("not written: {error}"),
         };
-        print(&format!("found: {}\n  {written}\n", because(find)));
+        print(&format!("found: {}\n  {written}\n", because(finding)));
     }
 }
 
@@ -139,8 +139,8 @@ fn summary(result: &FuzzResult, end: &str) -> String {
     let plural = if count == 1 { "" } else { "s" };
     let found = format!("{count} mistake{plural} found{end}");
     let mut text = format!("{files} files generated, {calls} calls, {found}\n");
-    for find in &result.findings {
-        let _ = writeln!(text, "  {:>6}  {}", find.count, find.cause.name());
+    for finding in &result.findings {
+        let _ = writeln!(text, "  {:>6}  {}", finding.count, finding.cause.name());
     }
     text
 }
