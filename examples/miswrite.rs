@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use ptm_conform::misreadings;
 use ptm_conform::writers::reference::{NotWritten, write_requested_file};
 use ptm_conform::writers::request::RequestHeader;
-use ptm_conform::writers::wrong::write_with_mistake;
+use ptm_conform::writers::wrong_files::write_with_mistake;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();

@@ -1,7 +1,7 @@
 //! Errors of the decoder: the fault, the violated clause, and the byte offset.
 //!
-//! A fault of the file ([`Class::Malformed`]), a feature that this decoder lacks ([`Class::Unsupported`]) and an
-//! exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
+//! A fault of the file ([`Class::Malformed`]), a feature that this decoder does not support ([`Class::Unsupported`]) and
+//! an exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
 
 use std::fmt;
 
@@ -27,11 +27,11 @@ pub enum Class {
 /// The fault, with details.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Something other than `what` was found.
+    /// The content differs from `what`.
     Expected {
         /// Description of the expected part.
         what: &'static str,
-        /// Start of what was found, escaped for printing.
+        /// Beginning of the actual content, escaped for printing.
         found: String,
     },
     /// The file ends before `what`.
@@ -39,7 +39,7 @@ pub enum Kind {
         /// Description of the expected part.
         what: &'static str,
     },
-    /// `what` needs more bytes than the file has left.
+    /// `what` needs more bytes than remain in the file.
     Short {
         /// Description of the part.
         what: &'static str,
@@ -225,7 +225,7 @@ impl fmt::Display for Kind {
                 remain,
             } => write!(f, "{what} need {}, {remain} remain", bytes(*needs)),
             Kind::IndexOutOfRange { index, entries } => {
-                write!(f, "index {index} into a table of {entries} entries")
+                write!(f, "index {index}, but the table has {entries} entries")
             }
             Kind::TooLarge { needs, limit } => {
                 write!(f, "the planes need {}, the limit is {limit}", bytes(*needs))
@@ -260,7 +260,7 @@ impl fmt::Display for Kind {
                 "a record for texel {position}, but the last texel is {}",
                 texels - 1
             ),
-            Kind::NotSupported { what } => write!(f, "{what} are not read"),
+            Kind::NotSupported { what } => write!(f, "{what} are not supported"),
         }
     }
 }

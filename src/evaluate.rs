@@ -3,7 +3,7 @@
 //! Format notes
 //! - A final coefficient is a real number. Nothing is rounded before the end (ruling `final-coefficient`).
 //! - All polynomials share one set of scales and biases. Colors, Cr and Cb are used unscaled.
-//! - Luminance times color is divided by 255 first and clamped afterwards (ruling `color`).
+//! - Luminance times color is divided by 255 and then clamped (ruling `color`).
 
 use crate::ptm::{ColorMatrix, Planes, ScaleBias, Shape, Size};
 use crate::reading::Reading;

@@ -152,25 +152,25 @@ impl<'a> Input<'a> {
         parts: impl Iterator<Item = (&'static str, &'static str, Range<usize>)>,
     ) -> Result<&'a [u8]> {
         let rest = self.peek_bytes(clause, name, count)?;
-        let from = self.at;
+        let start = self.at;
         self.fields.extend(parts.map(|(clause, name, range)| Field {
             clause,
             name,
-            range: from + range.start..from + range.end,
+            range: start + range.start..start + range.end,
         }));
         self.at += rest.len();
         Ok(rest)
     }
 
-    /// Returns the next `needs` bytes without consuming them, or an error if the file is too short. The number may
-    /// exceed the address space.
+    /// Returns the next `needs` bytes without consuming them, or an error if the file is too short. `needs` may exceed
+    /// the address space.
     fn peek_bytes(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
         let rest = self.rest();
         let remain = rest.len();
-        let there = usize::try_from(needs)
+        let bytes = usize::try_from(needs)
             .ok()
             .and_then(|count| rest.get(..count));
-        there.ok_or_else(|| {
+        bytes.ok_or_else(|| {
             let kind = Kind::Short {
                 what,
                 needs,
@@ -186,14 +186,14 @@ impl<'a> Input<'a> {
     }
 
     fn unexpected_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
-        // Quote at least one and at most 24 bytes of the line, to make it recognizable.
-        let there = &self.file[offset..];
-        let end = there
+        // Quote 1 to 24 bytes of the line, to make it recognizable.
+        let rest = &self.file[offset..];
+        let end = rest
             .iter()
             .skip(1)
             .position(|&byte| byte == b'\n')
-            .map_or(there.len(), |before| before + 1);
-        let kind = match &there[..end.min(24)] {
+            .map_or(rest.len(), |length| length + 1);
+        let kind = match &rest[..end.min(24)] {
             [] => Kind::Ended { what },
             found => Kind::Expected {
                 what,
@@ -209,18 +209,18 @@ impl<'a> Input<'a> {
     }
 
     fn skip_line_end(&mut self) -> bool {
-        let there = self.at_line_end();
-        if there {
+        let is_line_end = self.at_line_end();
+        if is_line_end {
             self.at += if self.rest()[0] == b'\n' { 1 } else { 2 };
         }
-        there
+        is_line_end
     }
 }
 
 /// Parses `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?` with a finite value.
 fn decimal(token: &[u8]) -> Option<f64> {
-    // For these characters, the standard library accepts exactly this grammar. The check excludes names: `inf`,
-    // `infinity`, `nan`.
+    // For these characters, the standard library accepts exactly this grammar. The check excludes `inf`, `infinity`
+    // and `nan`.
     let text = std::str::from_utf8(token).ok()?;
     if text
         .bytes()

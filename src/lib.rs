@@ -1,36 +1,36 @@
 //! Reference decoder, generator and conformance harness for Polynomial Texture Maps (PTM 1.2, HP Labs 2001).
 //!
 //! A PTM stores six coefficients of a polynomial for each texel, so that an image can be relit. Decoding takes a few
-//! steps. Each is a public function, and a point where two decoders can be compared:
+//! steps. Each step is a public function, after which the results of two decoders can be compared:
 //!
 //! ```text
-//! &[u8] ──decode──→ Header, Planes ──coefficients──→ Coefficients ──evaluate──→ Picture
-//!         2.1–2.9                    2.4's formula                   1.0
+//! &[u8] ──decode──→ Header, Planes ──coefficients──→ Coefficients ──evaluate──→ RelitImage
+//!         2.1–2.9                    formula of 2.4                  1.0
 //! ```
 //!
 //! ```
 //! let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1 1\n1 1 1 1 1 1 0 0 0 0 0 0\n\x00\x00\x00\x00\x00\x80\xff\x80\x00";
 //! let ptm = ptm_conform::decode(file)?;
-//! let picture = ptm.coefficients().evaluate(0.25, -0.5);
-//! assert_eq!(picture.to_bytes(), [128, 64, 0]);
+//! let image = ptm.coefficients().evaluate(0.25, -0.5);
+//! assert_eq!(image.to_bytes(), [128, 64, 0]);
 //! # Ok::<(), ptm_conform::Error>(())
 //! ```
 //!
 //! # Modules, in reading order
 //!
-//! - [`ptm`]: the types and the glossary. [`error`]: the fault, the violated clause, the byte offset.
+//! - [`ptm`]: the types and the glossary. [`error`]: the fault, the violated clause and the byte offset.
 //! - [`reading`]: the decisions that the text leaves to a decoder, each a replaceable function. `parts` and `input`
 //!   contain the arguments of these functions.
 //! - [`evaluate`]: planes → coefficients → color.
-//! - [`decode`](mod@decode): bytes → header → planes, with a file for each section of the text. `decode/spec.rs`
+//! - [`decode`](mod@decode): bytes → header → planes, with one file per section of the text. `decode/spec.rs`
 //!   defines the reading of the reference.
 //! - [`codec`]: JPEG and JPEG-LS, the standards that PTM uses for planes.
 //! - [`texture`]: results of the `PEXlib` texture mapping table for an image, such as a PTM under a light.
-//! - `generate` (feature `generate`): the mirror of `decode`, values → bytes, with recipes, spellings and damages.
-//! - `harness` (feature `harness`): cases → run → compare → judge → diagnose → report.
+//! - `generate` (feature `generate`): the mirror image of `decode`, values → bytes, with recipes, spellings and damages.
+//! - `suite`, `runner`, `session`, `diagnose`, `report` (feature `harness`): cases → run → judge → diagnose → report.
 //! - `readers` (feature `tools`): predicts the results of public decoders for a file.
 //! - `tools` (feature `tools`): inspects, checks, renders and converts files.
-//! - `writers` (feature `cli`): the counterpart of the suite for programs that write files.
+//! - `writers` (feature `cli`): the suite for programs that write files.
 //! - `site` (feature `cli`): the website, which explains the format clause by clause.
 //!
 //! The modules of the harness and of the program are hidden here. They are public only for the program and its tests,

@@ -1,4 +1,4 @@
-//! The program. Each command is implemented in a module of [`cli`].
+//! Entry point of the program. Each command is implemented in a module of [`cli`].
 
 mod cli;
 
@@ -39,7 +39,7 @@ enum Command {
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
     #[command(name = "minimize", alias = "minimise")]
-    Minimise(cli::minimise::MinimizeArgs),
+    Minimize(cli::minimise::MinimizeArgs),
     Inspect(cli::inspect::InspectArgs),
     Lint(cli::lint::LintArgs),
     Render(cli::render::RenderArgs),
@@ -85,7 +85,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Command::Fuzz(args) => cli::fuzz::run(&args),
         #[cfg(unix)]
-        Command::Minimise(args) => cli::minimise::run(&args),
+        Command::Minimize(args) => cli::minimise::run(&args),
         Command::Inspect(args) => cli::inspect::run(&args),
         Command::Lint(args) => cli::lint::run(&args),
         Command::Render(args) => cli::render::run(&args),

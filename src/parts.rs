@@ -1,6 +1,6 @@
-//! The parts of a file: arguments and results of the decisions of [`crate::reading::Reading`], section by section.
+//! The parts of a file: arguments and results of the functions of [`crate::reading::Reading`], section by section.
 //!
-//! The types of the result, mainly [`crate::ptm::Planes`], are in [`crate::ptm`].
+//! The types of decoded maps, mainly [`crate::ptm::Planes`], are in [`crate::ptm`].
 
 use std::ops::Range;
 
@@ -89,7 +89,7 @@ pub struct Plan {
     pub parameter: i64,
     /// Prediction step of each plane, indexed by plane.
     pub steps: Vec<Step>,
-    /// Plane indices in the order of decoding.
+    /// Plane indices in decoding order.
     pub sequence: Vec<usize>,
     /// Byte ranges of each plane, relative to the first byte after the lists, indexed by plane.
     pub extents: Vec<Extent>,

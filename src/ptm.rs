@@ -8,7 +8,7 @@
 //! - **entry**, **index**: a row of the lookup table (2.5), and its number (2.8).
 //! - **`lu`, `lv`**: the light direction, projected onto the plane of the texture (1.0).
 //!
-//! Everywhere in this library, rows count from the top and columns from the left. Files store the bottom row first.
+//! In this library, rows are counted from the top, and columns from the left. Files store the bottom row first.
 
 use std::fmt;
 use std::ops::Range;
@@ -20,7 +20,7 @@ use crate::error::{self, Error, Kind};
 /// One of the nine formats of §2.2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Format {
-    /// `PTM_FORMAT_RGB`: a polynomial for each of red, green and blue.
+    /// `PTM_FORMAT_RGB`: one polynomial each for red, green and blue.
     Rgb,
     /// `PTM_FORMAT_LUM`: a polynomial for Y, then Cr and Cb.
     Lum,
@@ -89,7 +89,7 @@ impl Format {
         self.definition().1
     }
 
-    /// Returns how the planes are stored.
+    /// Returns the storage of the planes.
     #[must_use]
     pub const fn storage(self) -> Storage {
         self.definition().2
@@ -108,7 +108,7 @@ impl Format {
     #[cfg(feature = "harness")]
     #[cfg_attr(
         not(unix),
-        allow(dead_code, reason = "its callers need Unix or the program")
+        allow(dead_code, reason = "called only on Unix or by the program")
     )]
     pub(crate) fn uncompressed(self) -> Format {
         let is_plain =
@@ -117,11 +117,11 @@ impl Format {
         plain.expect("every shape has a format with blocks")
     }
 
-    /// Returns the clause about the layout of the values.
+    /// Returns the clause that defines the layout of the values.
     #[cfg(feature = "harness")]
     #[cfg_attr(
         not(unix),
-        allow(dead_code, reason = "its callers need Unix or the program")
+        allow(dead_code, reason = "called only on Unix or by the program")
     )]
     pub(crate) const fn layout_clause(self) -> &'static str {
         match (self.storage(), self.shape()) {
@@ -190,9 +190,9 @@ impl FromStr for Format {
 /// Width and height in texels, both at least 1 (2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Size {
-    /// Number of texels in a row.
+    /// Width in texels.
     pub width: u32,
-    /// Number of rows.
+    /// Height in texels.
     pub height: u32,
 }
 
@@ -220,11 +220,11 @@ impl FromStr for Size {
 
     /// Parses `WIDTHxHEIGHT`. Both must be at least 1.
     fn from_str(text: &str) -> Result<Size, String> {
-        let wrong = || format!("expected a size such as 8x5, found {text:?}");
-        let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+        let syntax_error = || format!("expected a size such as 8x5, found {text:?}");
+        let (width, height) = text.split_once('x').ok_or_else(syntax_error)?;
         match (width.parse(), height.parse()) {
             (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok(Size { width, height }),
-            _ => Err(wrong()),
+            _ => Err(syntax_error()),
         }
     }
 }
@@ -232,15 +232,15 @@ impl FromStr for Size {
 /// The six scales and six biases of §2.4. Element i belongs to coefficient a*i* of every polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScaleBias {
-    /// Scales: finite real numbers, including zero and negative ones.
+    /// Scales: finite real numbers, possibly zero or negative.
     pub scale: [f64; 6],
-    /// Biases: integers of any sign.
+    /// Biases: integers, possibly negative.
     pub bias: [f64; 6],
 }
 
 /// The sixteen numbers of §2.6, as stored.
 ///
-/// Column-major: row and column correspond to element `4 * column + row`. Elements 12, 13 and 14 are the translation.
+/// The order is column-major: the value in `row` and `column` is element `4 * column + row`. Elements 12–14 are a translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColorMatrix(pub [f64; 16]);
 
@@ -251,7 +251,7 @@ pub struct Header {
     pub format: Format,
     /// Width and height (2.3).
     pub size: Size,
-    /// Scale and bias, which convert raw coefficients to final ones (2.4).
+    /// Scales and biases, which convert raw coefficients to final coefficients (2.4).
     pub scale_bias: ScaleBias,
 }
 
@@ -361,7 +361,7 @@ impl Limits {
     /// Checks that `needs` bytes are within the limit. `at` is the offset of the declaration, for errors.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
-        reason = "limits and headers are passed by reference whatever their size"
+        reason = "limits and headers are passed by reference regardless of their size"
     )]
     pub(crate) fn check(&self, needs: u64, at: usize) -> error::Result<()> {
         if needs > self.memory as u64 {

@@ -21,9 +21,9 @@ pub(crate) type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> R
 pub(crate) type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];
 pub(crate) type ReadRecords = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>;
 
-/// A way to read files: one function for each decision, in the order of the text.
+/// A way to interpret files: one function for each decision, in the order of the text.
 #[derive(Clone, Copy)]
-#[allow(missing_docs)] // each is documented at the function in SPEC
+#[allow(missing_docs)] // each field is documented at its function in SPEC
 pub struct Reading {
     // 1.0
     pub(crate) light: fn(lu: f64, lv: f64) -> (f64, f64),
@@ -56,7 +56,7 @@ pub struct Reading {
     pub(crate) motion_sign: fn(displacement: i64) -> i64,
     pub(crate) motion_vertical: fn(my: i64) -> i64,
     pub(crate) motion_half: fn(samples: [u8; 4]) -> u8,
-    /// Returns the sample at (x, y). Readings only differ outside the plane.
+    /// Returns the sample at (x, y). Readings differ only outside the plane.
     pub(crate) motion_border: fn(plane: &[u8], Size, x: i64, y: i64) -> u8,
     // 2.9.5
     pub(crate) predict: fn(residuals: &mut [u8], predictor: &[u8]),

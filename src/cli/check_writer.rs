@@ -17,7 +17,7 @@ use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::template::Template;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::writers::asking::{self, VALUES};
-use ptm_conform::writers::fitting::pictures::ImageSet;
+use ptm_conform::writers::fitting::photographs::ImageSet;
 use ptm_conform::writers::test_case::{FileCase, RequestValues, WriteView};
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.

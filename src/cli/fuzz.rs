@@ -12,7 +12,7 @@ use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandError, CommandResult};
 use super::{arguments::positive_seconds, calls::CallArgs};
-use ptm_conform::fuzz::find::Find;
+use ptm_conform::fuzz::finding::Finding;
 use ptm_conform::fuzz::write::{because, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::protocol::frame::ViewKind;
@@ -103,7 +103,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     };
     let result = fuzz(&suite, &plan, &ask, &|progress| match progress {
         FuzzProgress::Executions(count) => bar.set_position(count as u64),
-        FuzzProgress::Found(find) => bar.suspend(|| args.write(find)),
+        FuzzProgress::Found(finding) => bar.suspend(|| args.write(finding)),
     });
     bar.finish_and_clear();
     check_trouble(&decoder)?;
@@ -117,28 +117,28 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         None => "",
     };
     print(&summary(&result, end));
-    Ok(u8::from(!result.finds.is_empty()))
+    Ok(u8::from(!result.findings.is_empty()))
 }
 
 impl FuzzArgs {
     /// Writes the files of a find and prints a description.
-    fn write(&self, find: &Find) {
-        let written = match write(find, TableSpelling::default(), &self.out) {
+    fn write(&self, finding: &Finding) {
+        let written = match write(finding, TableSpelling::default(), &self.out) {
             Ok(name) => self.out.join(name).display().to_string(),
             Err(error) => format!("not written: {error}"),
         };
-        print(&format!("found: {}\n  {written}\n", because(find)));
+        print(&format!("found: {}\n  {written}\n", because(finding)));
     }
 }
 
 /// Summarizes the number of files, calls and finds.
 fn summary(result: &FuzzResult, end: &str) -> String {
-    let (files, calls, count) = (result.files, result.executions, result.finds.len());
+    let (files, calls, count) = (result.files, result.executions, result.findings.len());
     let plural = if count == 1 { "" } else { "s" };
     let found = format!("{count} mistake{plural} found{end}");
     let mut text = format!("{files} files generated, {calls} calls, {found}\n");
-    for find in &result.finds {
-        let _ = writeln!(text, "  {:>6}  {}", find.seen, find.cause.name());
+    for finding in &result.findings {
+        let _ = writeln!(text, "  {:>6}  {}", finding.count, finding.cause.name());
     }
     text
 }

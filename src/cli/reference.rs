@@ -8,7 +8,7 @@ use ptm_conform::error::Class;
 use ptm_conform::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
+use ptm_conform::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::reference::{self, NotWritten};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 

@@ -199,7 +199,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
         entry: given.entry(&Rules::SPEC),
         light: args.light,
         color: args.surface_color,
-        around: args.around,
+        margin: args.around,
     };
     let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("cannot draw these coordinates: {error}"))?;

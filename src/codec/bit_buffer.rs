@@ -1,7 +1,7 @@
 //! Buffered access to the bits of an entropy-coded segment.
 //!
 //! This is a faster version of [`Bits`]. A 64-bit window is filled with eight bytes at once if none of them is 0xFF.
-//! Decoding a Huffman code then takes one table lookup, and counting a prefix of zeros one instruction. Rare
+//! Decoding a Huffman code then takes one table lookup, and counting leading zeros takes one instruction. Rare
 //! operations (offsets, the end of the segment) are delegated to [`Bits`].
 //!
 //! ```text
@@ -65,7 +65,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
 }
 
 impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
-    /// Ensures that the window contains at least `count` bits (at most 57), unless the segment ends before.
+    /// Ensures that the window contains at least `count` bits (at most 57), unless the segment ends first.
     #[inline]
     pub fn require(&mut self, count: u32) {
         if self.count < count {
@@ -80,7 +80,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         self.window
     }
 
-    /// Skips `bits` bits, which must have been required before. Returns an error if the segment ends before.
+    /// Skips `bits` bits, which must have been passed to `require`. Returns an error if the segment ends before them.
     #[inline]
     pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {
@@ -91,9 +91,9 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         Ok(())
     }
 
-    /// Fills the window with at least 57 bits, unless the segment ends before.
+    /// Fills the window with at least 57 bits, unless the segment ends first.
     fn fill(&mut self) {
-        // After a 0xFF byte, the first of the eight bytes would be a stuffed one.
+        // After a 0xFF byte, the first of the eight bytes would contain stuffing.
         if let Some(&[before, ref eight @ ..]) = self.stream[self.at - 1..].first_chunk::<9>()
             && before != 0xFF
             && !contains_ff(*eight)
@@ -124,8 +124,8 @@ pub(super) fn leading_bits(window: u64, bits: u32) -> u32 {
     (window >> 1 >> (63 - bits)) as u32
 }
 
-/// Returns true if one of the bytes is 0xFF. Finds it as a zero byte of the complement: subtracting one from each
-/// byte borrows into the high bit of every zero byte (and possibly of bytes above it).
+/// Returns true if one of the bytes is 0xFF, which is a zero byte of the complement: subtracting one from each byte
+/// borrows into the high bit of every zero byte (and possibly of bytes above it).
 #[inline]
 fn contains_ff(eight: [u8; 8]) -> bool {
     let complement = !u64::from_be_bytes(eight);

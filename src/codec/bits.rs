@@ -14,10 +14,10 @@
 //! ```
 //!
 //! Format notes
-//! - The last byte is padded. T.81 requires ones (F.1.2.3), T.87 says nothing. No decoder checks the padding, and
-//!   neither does this one.
-//! - Less than one byte may be left over. If there is more, the decoder lost synchronization, or the encoder wrote
-//!   too many samples.
+//! - The last byte is padded. T.81 requires ones (F.1.2.3), and T.87 does not specify the padding. Decoders do not
+//!   check it, and neither does this one.
+//! - Less than one byte may be left after the last sample. If more is left, the decoder lost synchronization, or the
+//!   encoder wrote too many samples.
 
 use super::stream_error::{StreamError, StreamResult, malformed};
 
@@ -67,7 +67,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for Bits<'a, AFTER_FF> {
 impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     /// NEXTBIT (T.81 F.2.2.5): reads one bit.
     pub fn read_bit(&mut self) -> StreamResult<u32> {
-        // A loop, because the stuffed byte of T.81 has no data bits.
+        // This is a loop because the stuffed byte of T.81 has no data bits.
         while self.unread == 0 {
             self.unread = data_bits::<AFTER_FF>(self.stream, self.at)
                 .ok_or_else(|| truncated_error(self.at))?;
@@ -121,7 +121,7 @@ pub(super) use tests::transcript;
 mod tests {
     use super::{Bits, ReadBits, StreamResult};
 
-    /// Reads until an error or until `read` returns `None`, and then the end of the segment. Returns all results, which must
+    /// Reads until an error or until `read` returns `None`, and then finishes the segment. Returns all results, which must
     /// be equal for all implementations of [`ReadBits`].
     pub fn transcript<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>, T: std::fmt::Debug>(
         stream: &'a [u8],

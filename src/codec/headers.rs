@@ -1,23 +1,23 @@
 //! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
 //!
-//! The frame header contains the size of the image, the precision of its samples and its components. The scan header names the
+//! The frame header contains the size of the image, the precision of its samples and its components. The scan header lists the
 //! components in the entropy-coded data that follows. A plane has one component, so both headers have a fixed length here.
 //!
 //! ```text
 //! SOF  00 0B  08         00 08   00 10  01          01    11            00
-//!      length precision  height  width  components  name  factors 1x1   quantization table
+//!      length precision  height  width  components  id    factors 1x1   quantization table
 //! SOS  00 08  01          01    00                      00 3F 00
-//!      length components  name  Huffman or mapping tables  three parameters
+//!      length components  id    Huffman or mapping tables  three parameters
 //! ```
 //!
 //! Format notes
 //! - Height precedes width. A height of zero means "defined later, by DNL" (B.2.5).
 //! - Sampling factors are relative: they set the size of a component compared to the *other* components (A.1.1), and
-//!   a scan of one component has its blocks in plain raster order regardless of them (A.2.2). So all legal factors
-//!   are equivalent here.
-//! - The id of a component is any byte. It must be the same in both headers.
-//! - The three parameters of a scan depend on the standard. In T.81 they are the start and end of the spectrum and
-//!   the successive approximation, in T.87 NEAR, the interleave mode and the point transform.
+//!   a scan of one component has its blocks in plain raster order regardless of them (A.2.2). All legal factors are
+//!   therefore equivalent here.
+//! - The id of a component can be any byte. It must be the same in both headers.
+//! - The three parameters of a scan depend on the standard. In T.81, they are the start and end of the spectral
+//!   selection and the successive approximation. In T.87, they are NEAR, the interleave mode and the point transform.
 
 use super::markers::Cursor;
 use super::stream_error::{StreamResult, malformed, unsupported};
@@ -44,7 +44,7 @@ impl FrameHeader {
         expect_8_bits(&mut header, other_precisions)?;
         expect_size(&mut header, width, height)?;
         expect_one_component(&mut header)?;
-        let component = header.read_byte("the name of the component")?;
+        let component = header.read_byte("the component id")?;
         check_sampling_factors(&mut header)?;
         let quantization_table = header.read_byte("the quantization table of the component")?;
         header.expect_end()?;
@@ -65,7 +65,7 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
         )),
         bits => Err(malformed(
             at,
-            format!("samples of {bits} bits are not allowed here"),
+            format!("samples of {bits} bits are not allowed"),
         )),
     }
 }
@@ -97,13 +97,14 @@ fn expect_one_component(header: &mut Cursor) -> StreamResult<()> {
     }
 }
 
-/// Checks the horizontal and vertical sampling factor, four bits each (B.2.2). Legal factors have no effect.
+/// Checks the horizontal and vertical sampling factors, four bits each (B.2.2). Legal factors have no effect.
 fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     let at = header.at;
     let factors = header.read_byte("the sampling factors")?;
     let (horizontal, vertical) = (factors >> 4, factors & 15);
     if !(1..=4).contains(&horizontal) || !(1..=4).contains(&vertical) {
-        let what = format!("sampling factors {horizontal} x {vertical} are not within 1 to 4");
+        let what =
+            format!("sampling factors must be within 1 to 4, found {horizontal} x {vertical}");
         return Err(malformed(at, what));
     }
     Ok(())
@@ -122,18 +123,17 @@ impl ScanHeader {
         let mut header = stream.read_segment("the scan header")?;
         expect_one_component(&mut header)?;
         let at = header.at;
-        let component = header.read_byte("the name of the component")?;
+        let component = header.read_byte("the component id")?;
         if component != frame.component {
-            let only = frame.component;
-            let what =
-                format!("the scan is for component {component}, but the frame has only {only}");
+            let expected = frame.component;
+            let what = format!("expected a scan of component {expected}, found {component}");
             return Err(malformed(at, what));
         }
         let at = header.at;
         let tables = header.read_byte("the tables of the component")?;
         let mut parameters = [0; 3];
         for parameter in &mut parameters {
-            *parameter = header.read_byte("its parameters")?;
+            *parameter = header.read_byte("the parameters of the scan")?;
         }
         header.expect_end()?;
         Ok(ScanHeader {
@@ -146,25 +146,25 @@ impl ScanHeader {
 
 /// Allocates zeroed samples for a scan whose entropy-coded data starts at the cursor.
 ///
-/// A scan has at least `least_bits` bits, so that a short stream cannot declare a large image. Returns an error
-/// instead of aborting if memory is insufficient.
+/// A scan must have at least `min_bits` bits, so that a short stream cannot declare a large image. Returns an error
+/// instead of aborting if there is not enough memory.
 pub(super) fn allocate_samples(
     stream: &Cursor,
     width: u32,
     height: u32,
-    least_bits: u64,
+    min_bits: u64,
 ) -> StreamResult<Vec<u8>> {
     let remaining = stream.stream.len() - stream.at;
-    if (remaining as u64 * 8) < least_bits {
+    if (remaining as u64 * 8) < min_bits {
         let what =
             format!("{width} x {height} samples cannot be coded in the {remaining} bytes left");
         return Err(malformed(stream.at, what));
     }
-    // Both sides are at most 65,535. The frame header cannot represent larger ones.
+    // Both sides are at most 65,535, the maximum of the frame header.
     let count = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     let mut samples = Vec::new();
     if samples.try_reserve_exact(count).is_err() {
-        let what = format!("no memory for {width} x {height} samples");
+        let what = format!("not enough memory for {width} x {height} samples");
         return Err(unsupported(stream.at, what));
     }
     samples.resize(count, 0);

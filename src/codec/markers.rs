@@ -9,16 +9,16 @@
 //! ```text
 //! FF D8                                      SOI, start of image
 //! FF F7  00 0B  08  00 01 00 04 01 01 11 00  SOF55, frame header: 11 bytes, 8 bits, 1 row of 4
-//! FF DA  00 08  01  01 00 00 00 00           SOS, scan header: 8 bytes, of one component
+//! FF DA  00 08  01  01 00 00 00 00           SOS, scan header: 8 bytes, one component
 //! F0                                         entropy-coded data
 //! FF D9                                      EOI, end of image
 //! ```
 //!
 //! Format notes
-//! - A length includes its own two bytes, but not the marker (B.1.1.4): 00 0B covers eleven bytes, and the shortest
-//!   segment, 00 02, is empty.
-//! - Numbers of two bytes are stored high byte first (B.1.1.1).
-//! - Any number of bytes 0xFF may precede a marker (B.1.1.2), but not the first one.
+//! - A length includes its own two bytes, but not the marker (B.1.1.4): 00 0B covers eleven bytes. A segment with the
+//!   minimum length 00 02 is empty.
+//! - Two-byte numbers are big-endian (B.1.1.1).
+//! - Any number of 0xFF bytes may precede each marker except the first (B.1.1.2).
 //! - Bytes after EOI are ignored.
 
 use std::fmt;
@@ -36,7 +36,7 @@ pub(super) const APP0: u8 = 0xE0;
 const APP15: u8 = 0xEF;
 const COM: u8 = 0xFE;
 
-/// A marker code, and the offset of its 0xFF.
+/// A marker code, and the offset of its 0xFF byte.
 #[derive(Clone, Copy)]
 pub(crate) struct Marker {
     pub code: u8,
@@ -51,7 +51,7 @@ impl fmt::Display for Marker {
 
 /// A read position in a stream or in one of its marker segments.
 ///
-/// A segment is the same stream with an earlier end, so that all offsets have the same origin.
+/// A segment is the same stream with an earlier end, so all offsets have the same origin.
 pub(crate) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
-    /// Reads a big-endian number of two bytes. `what` names it in the error.
+    /// Reads a two-byte big-endian number. `what` names it in the error.
     pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
         let bytes = [self.read_byte(what)?, self.read_byte(what)?];
         Ok(u16::from_be_bytes(bytes))
@@ -121,7 +121,7 @@ impl<'a> Cursor<'a> {
         while code == 0xFF {
             code = self.read_byte("the code of a marker")?;
         }
-        // Of several 0xFF bytes, the last one belongs to the marker.
+        // The last of several 0xFF bytes belongs to the marker.
         let at = self.at - 2;
         Ok(Marker { code, at })
     }
@@ -149,7 +149,7 @@ impl<'a> Cursor<'a> {
         let start = self.at;
         let length = self.read_u16("the length of a segment")?;
         if length < 2 {
-            let what = format!("{name} has length {length}, which does not cover itself");
+            let what = format!("{name} has length {length}, which is less than 2");
             return Err(malformed(start, what));
         }
         let end = start + usize::from(length);

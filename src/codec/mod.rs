@@ -9,8 +9,8 @@
 //! ```
 //!
 //! T.87 adopted the syntax of T.81: markers, the frame header, the scan header and, except for one number, the
-//! stuffing of the entropy-coded bits. The modules in this folder serve both standards. `jpeg` and `jpeg_ls` contain
-//! the differences: the coding of samples.
+//! stuffing of the entropy-coded bits. The modules in this folder serve both standards. `jpeg` and `jpeg_ls` implement
+//! the difference: the coding of samples.
 //!
 //! # Plain and fast
 //!
@@ -24,7 +24,7 @@
     clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     clippy::cast_lossless,
-    reason = "both standards count in a few bits, and every narrowing stands after a bound"
+    reason = "both standards use small numbers, and every narrowing cast follows a range check"
 )]
 
 mod stream_error;
@@ -70,7 +70,7 @@ impl Coding {
     /// Decodes a stream with one component of the given size.
     ///
     /// # Errors
-    /// Returns the reason and the offset if the stream is malformed, unsupported or of another size.
+    /// Returns the reason and the offset if the stream is malformed, unsupported or of a different size.
     pub fn decode(self, stream: &[u8], width: u32, height: u32) -> Result<Vec<u8>, StreamError> {
         match self {
             Coding::Jpeg => jpeg::decode(stream, width, height),

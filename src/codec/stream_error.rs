@@ -1,24 +1,24 @@
-//! Errors of the codecs, with the offset of the byte.
+//! Errors of the codecs, with byte offsets.
 
 use std::fmt;
 
 /// The kind of an error in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum StreamFault {
-    /// The stream violates its standard, or its properties are not those that were requested.
+    /// The stream violates its standard, or its properties differ from the requested ones.
     Malformed,
     /// The stream may be legal, but uses a feature that this decoder does not support.
     Unsupported,
 }
 
-/// The reason why a stream was not decoded, with its offset.
+/// The reason why a stream was not decoded, with the offset of the fault.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamError {
     /// The kind of fault.
     pub fault: StreamFault,
     /// Zero-based offset of the faulty byte in the stream, at most the length of the stream.
     pub offset: usize,
-    /// Description of the fault, as part of a sentence.
+    /// Description of the fault, in lowercase and without a period.
     pub what: String,
 }
 

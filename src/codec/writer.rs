@@ -1,7 +1,7 @@
-//! T.81 B.1.1 (T.87 C.1): writing of markers, marker segments and entropy-coded bits
+//! T.81 B.1.1 (T.87 C.1): writing markers, marker segments and entropy-coded bits
 //!
-//! This is the mirror of `markers`, `headers` and `bits`, for both encoders. If the standards allow several
-//! representations, it uses one: no fill bytes, component id 1, and the table indices of the encoder.
+//! This is the mirror image of `markers`, `headers` and `bits`, for both encoders. If the standards allow several
+//! representations, it always uses the same one: no fill bytes, component id 1, and the table indices of the encoder.
 //!
 //! Worked example: eight ones and 1010 0001, then the end, in both standards.
 //!
@@ -64,7 +64,7 @@ impl Writer {
         self.write_segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
-    /// Finishes the stream with bytes that were encoded before.
+    /// Finishes the stream with already encoded bytes.
     pub fn finish_with(mut self, data: &[u8]) -> Vec<u8> {
         self.stream.extend(data);
         self.stream
@@ -125,11 +125,11 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
 pub(super) fn check_size(samples: &[u8], width: u32, height: u32) {
     assert!(
         (1..=0xFFFF).contains(&width) && (1..=0xFFFF).contains(&height),
-        "no stream has {width} x {height} samples"
+        "a stream cannot have {width} x {height} samples"
     );
     assert_eq!(
         samples.len(),
         width as usize * height as usize,
-        "samples of an image of {width} x {height}"
+        "expected {width} x {height} samples"
     );
 }

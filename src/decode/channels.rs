@@ -7,9 +7,9 @@
 //! RGB            0…5  6…11  12…17          three blocks
 //! LUM            0…7                       one block
 //! LRGB           0…5  6…8                  two blocks
-//! PTM_LUT        0…5  6…8                  indices into a table of six, a block
+//! PTM_LUT        0…5  6…8                  indices into a table of six, one block
 //! PTM_C_LUT      0…8                       indices into a table of nine
-//! JPEG_RGB …     0  1  2  3  …  17         a plane each
+//! JPEG_RGB …     0  1  2  3  …  17         one plane each
 //! ```
 
 use std::borrow::Cow;
@@ -30,18 +30,18 @@ pub(super) struct Channels<'a> {
 pub(super) enum ValueLayout<'a> {
     /// Plain bytes.
     Bytes(Cow<'a, [u8]>),
-    /// Table entries. Every index has been checked.
+    /// Table entries. Every index is valid.
     Entries(IndexBlock<'a>, LookupTable<'a>),
 }
 
 impl Channels<'_> {
-    /// Returns the values of the texel with stored index `at`.
-    pub fn texel_values(&self, at: usize, reading: &Reading) -> &[u8] {
+    /// Returns the values of the texel with stored index `i`.
+    pub fn texel_values(&self, i: usize, reading: &Reading) -> &[u8] {
         match &self.values {
-            ValueLayout::Bytes(bytes) => &bytes[at * self.block.channels..][..self.block.channels],
+            ValueLayout::Bytes(bytes) => &bytes[i * self.block.channels..][..self.block.channels],
             ValueLayout::Entries(indices, table) => {
                 let entry =
-                    table_entry(indices, table, at, reading).expect("every index was checked");
+                    table_entry(indices, table, i, reading).expect("every index was checked");
                 &table.bytes[entry * table.entry_size..][..table.entry_size]
             }
         }
@@ -49,14 +49,14 @@ impl Channels<'_> {
 
     /// Copies the values of the stored texels in `run` into `texels`, which has `size` samples per texel.
     pub fn copy_to(&self, run: Range<usize>, texels: &mut [u8], size: usize, reading: &Reading) {
-        for (at, texel) in run.zip(texels.chunks_exact_mut(size)) {
-            let values = self.texel_values(at, reading);
+        for (i, texel) in run.zip(texels.chunks_exact_mut(size)) {
+            let values = self.texel_values(i, reading);
             texel[self.block.channel..][..values.len()].copy_from_slice(values);
         }
     }
 
-    /// Returns the number of bytes that this part occupies in addition to the file.
-    pub fn held_bytes(&self) -> usize {
+    /// Returns the number of bytes of memory that this part needs in addition to the file.
+    pub fn owned_bytes(&self) -> usize {
         match &self.values {
             ValueLayout::Bytes(Cow::Owned(bytes)) => bytes.len(),
             _ => 0,
@@ -64,13 +64,13 @@ impl Channels<'_> {
     }
 }
 
-/// Returns the index of the table entry for the stored texel `at`, or `None` if there is no such entry.
+/// Returns the index of the table entry for a stored texel, or `None` if the index is out of range.
 pub(super) fn table_entry(
     indices: &IndexBlock,
     table: &LookupTable,
-    at: usize,
+    texel: usize,
     reading: &Reading,
 ) -> Option<usize> {
-    let index = (reading.index)(&indices.bytes[at * indices.width..][..indices.width]);
+    let index = (reading.index)(&indices.bytes[texel * indices.width..][..indices.width]);
     (reading.entry)(index, table.entries).filter(|&entry| entry < table.entries)
 }

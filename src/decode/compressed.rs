@@ -1,7 +1,7 @@
 //! §2.9 Compressed Data: the parameter and the lists (§2.9.1 – 2.9.7)
 //!
-//! After the biases come, in ASCII and in this order (clause 2.9/1): the compression parameter, the transforms, the
-//! motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their
+//! The biases are followed by ASCII numbers in this order (clause 2.9/1): the compression parameter, the transforms,
+//! the motion vectors (all x, then all y), the order, the references, the sizes of the streams and the sizes of their
 //! side information. A list has one number per plane, 18 or 9 (clause 2.9/3). The planes follow (§2.9.8).
 //!
 //! ```text
@@ -17,7 +17,7 @@
 //!
 //! Format notes
 //! - The text does not specify line ends. The only real file has one line per list and two for the motion vectors.
-//!   Any other split into lines is accepted as well (clause 2.9/2, ruling `list-layout`).
+//!   Any other line breaks are accepted as well (clause 2.9/2, ruling `list-layout`).
 //! - A number in the order list is a *rank*. Its index in the list is the index of the plane, not of the step (ruling
 //!   `order`). Equal ranks, gaps between ranks and a missing rank 0 are accepted if every reference has a lower rank
 //!   (clause 2.9.4/3, ruling `ranks`).
@@ -32,7 +32,7 @@ use std::ops::Range;
 
 use super::channels::Channels;
 use super::planes;
-// Both versions return the same residuals. The parallel one is faster.
+// Both versions return the same residuals. The parallel version is faster.
 #[cfg(not(feature = "parallel"))]
 use super::planes::residuals;
 #[cfg(feature = "parallel")]
@@ -63,7 +63,7 @@ impl<'a> Streams<'a> {
     /// Reads everything from the parameter to the last stream.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
-        reason = "limits and headers are passed by reference whatever their size"
+        reason = "limits and headers are passed by reference regardless of their size"
     )]
     pub(crate) fn read(
         header: &Header,
@@ -74,23 +74,23 @@ impl<'a> Streams<'a> {
     ) -> Result<Streams<'a>> {
         // Clause 2.9/3: one number per plane, 18 or 9.
         let lists = read_lists(header.format.channels(), input)?; //            §2.9.1 – 2.9.7
-        let plan = (reading.plan)(&lists)?; //                                  what they say to do
+        let plan = (reading.plan)(&lists)?; //                                  the steps that they describe
         let at = input.at();
         let mut streams = Streams {
             header: *header,
             coding,
-            payload: planes::take_payload(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: the bytes of all planes,
+            payload: planes::take_payload(header, &plan, declared_bytes(&lists), input, limits)?, // §2.9.8: all planes
             #[cfg(feature = "harness")]
             lists,
             plan,
             at,
             residuals: Vec::new(),
         };
-        streams.residuals = residuals(&streams.coded(), reading)?; //           what their streams hold
+        streams.residuals = residuals(&streams.coded(), reading)?; //           the decoded streams
         Ok(streams)
     }
 
-    /// Returns the view of the file that the decisions of a reading work on.
+    /// Returns the parts of the file that the functions of a reading take as input.
     pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
             coding: self.coding,
@@ -121,7 +121,7 @@ impl<'a> Streams<'a> {
 
 #[expect(
     clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference whatever their size"
+    reason = "limits and headers are passed by reference regardless of their size"
 )]
 pub(super) fn read(
     header: &Header,
@@ -131,7 +131,7 @@ pub(super) fn read(
     limits: &Limits,
 ) -> Result<Vec<Channels<'static>>> {
     let mut streams = Streams::read(header, coding, input, reading, limits)?;
-    // Turn residuals into planes in place, so that there is only one copy.
+    // Residuals become planes in place, so that there is only one copy.
     let residuals = std::mem::take(&mut streams.residuals);
     streams.channels(residuals, reading)
 }
@@ -140,12 +140,12 @@ pub(super) fn read(
 fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
     let parameter = read_number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
-        let following = |_| {
+        let next = |_| {
             // list-layout: a gap or a line end after any number.
             input.gap_or_line_end("2.9/2")?;
             read_number(input, clause, name)
         };
-        (0..count).map(following).collect()
+        (0..count).map(next).collect()
     };
     let lists = RawLists {
         planes,
@@ -161,7 +161,7 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
-/// Reads one number of a list. Keeps its offset, because some errors are detected later, by comparison with other lists.
+/// Reads one number of a list. Keeps its offset, because some errors are detected later, when the lists are compared.
 fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
@@ -218,18 +218,18 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
 /// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
 fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
-    let named = lists.references[plane];
-    // -1 means "intra coded" (clause 2.9.5/2). Smaller numbers name no plane either (ruling `ranks`).
-    let Ok(reference) = usize::try_from(named.value) else {
+    let number = lists.references[plane];
+    // −1 means "intra coded" (clause 2.9.5/2). Smaller numbers do not refer to a plane either (ruling `ranks`).
+    let Ok(reference) = usize::try_from(number.value) else {
         return Ok(None);
     };
     if reference >= planes {
         let kind = Kind::NotAPlane {
             plane,
-            reference: named.value,
+            reference: number.value,
             planes,
         };
-        return Err(Error::new("2.9.5/3", named.at, kind));
+        return Err(Error::new("2.9.5/3", number.at, kind));
     }
     let (rank, reference_rank) = (lists.order[plane].value, lists.order[reference].value);
     if reference_rank >= rank {
@@ -239,12 +239,12 @@ fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
             reference,
             reference_rank,
         };
-        return Err(Error::new("2.9.4/2", named.at, kind));
+        return Err(Error::new("2.9.4/2", number.at, kind));
     }
     Ok(Some(reference))
 }
 
-/// Returns the total size of all planes and their side information. The sum may exceed the address space of this machine.
+/// Returns the total size of all planes and their side information, which may exceed the address space.
 fn declared_bytes(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());
@@ -254,10 +254,10 @@ fn declared_bytes(lists: &RawLists) -> u64 {
 /// Returns the byte ranges of each plane: in plane order, each stream followed by its side information (clauses
 /// 2.9.8/1, 2.9.8/4).
 fn plane_extents(lists: &RawLists) -> Result<Vec<Extent>> {
-    // The sum saturates on overflow. No file is that long.
+    // Saturate on overflow, because no file is that long.
     let mut end = 0;
     let mut next = |number: &Number, clause, what| -> Result<Range<usize>> {
-        let wrong = |_| {
+        let invalid_size = |_| {
             Error::new(
                 clause,
                 number.at,
@@ -267,15 +267,16 @@ fn plane_extents(lists: &RawLists) -> Result<Vec<Extent>> {
                 },
             )
         };
-        let size = u64::try_from(number.value).map_err(wrong)?;
+        let size = u64::try_from(number.value).map_err(invalid_size)?;
         let start = end;
         end = usize::saturating_add(start, usize::try_from(size).unwrap_or(usize::MAX));
         Ok(start..end)
     };
-    let one = |(size, side): (&Number, &Number)| {
+    let extent = |(size, side): (&Number, &Number)| {
         let stream = next(size, "2.9.6/2", "a compressed size of at least 0")?;
         let side = next(side, "2.9.7/3", "a side information size of at least 0")?;
         Ok(Extent { stream, side })
     };
-    lists.sizes.iter().zip(&lists.side_sizes).map(one).collect()
+    let sizes = lists.sizes.iter().zip(&lists.side_sizes);
+    sizes.map(extent).collect()
 }

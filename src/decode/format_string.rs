@@ -1,6 +1,6 @@
 //! §2.2 Format String
 //!
-//! The second line is one of nine names (clause 2.2/1). It determines what follows the biases, and the number of
+//! The second line is one of nine names (clause 2.2/1). It determines the content after the biases and the number of
 //! values per texel:
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //!
 //! Format notes
 //! - Several names share prefixes and suffixes (`…_RGB`, `…_LRGB`, `…_JPEG_RGB`), so compare the whole token.
-//! - Names are upper case only. Any other spelling is invalid.
+//! - Names are uppercase. Any other spelling is invalid.
 
 use crate::error::Result;
 use crate::input::Input;
@@ -28,7 +28,6 @@ pub(super) fn read(input: &mut Input) -> Result<Format> {
         .into_iter()
         .find(|format| format.name().as_bytes() == name)
         .ok_or(unknown)?;
-    // For most formats the payload is still five lines away, but this line ends like all others.
     input.line_end("2.0/2")?;
     Ok(format)
 }

@@ -10,11 +10,11 @@
 //! Format notes
 //! - HP's programs write two lines. The text's first form is one line. Both are accepted.
 //! - A size without texels is rejected (ruling `dimensions`).
-//! - A token that is not a decimal number violates clause 2.3/1. A number below 1 or beyond 32 bits violates clause
+//! - A token that is not a decimal number violates clause 2.3/1. A number below 1 or above 2³² − 1 violates clause
 //!   2.3/3.
-//! - No file needs a number beyond 32 bits. A decoder that lets it wrap around reads 4294967297 as 1.
-//! - Both numbers may be as large as 2³² − 1, and their product may exceed any memory. Do not allocate memory for
-//!   texels here: compare the size first with the rest of the file, then with the limits of the caller.
+//! - No file needs a number above 2³² − 1. A decoder that lets it wrap around reads 4294967297 as 1.
+//! - Both numbers may be as large as 2³² − 1, and their product may exceed the available memory. Do not allocate
+//!   memory for texels here: compare the size first with the rest of the file, then with the limits of the caller.
 
 use crate::error::Result;
 use crate::input::Input;
@@ -37,7 +37,7 @@ fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let end = input.at() + digits.count();
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
-        // A token of digits only was read to its end, and its value does not fit in a `u32`. An empty token starts at its end.
+        // The token consists of digits, and its value does not fit in a `u32`. The comparison of offsets excludes empty tokens.
         Err(error) if input.at() == end && error.offset() < end => Err(too_large),
         read => read,
     }

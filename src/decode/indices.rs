@@ -1,7 +1,7 @@
 //! §2.8 Lookup Table Indices
 //!
-//! An index for every texel, of one byte if the table has at most 256 entries (clauses 2.8.1/2, 2.8.2/2), otherwise
-//! of two bytes, low byte first (clauses 2.8.1/3, 2.8.2/3). Rows are stored from bottom to top. In `PTM_LUT`, R, G, B
+//! One index per texel: one byte if the table has at most 256 entries (clauses 2.8.1/2, 2.8.2/2), or two bytes, low
+//! byte first, if it has more (clauses 2.8.1/3, 2.8.2/3). Rows are stored from bottom to top. In `PTM_LUT`, R, G, B
 //! of every texel follow (2.8.1/4).
 //!
 //! ```text
@@ -14,7 +14,7 @@
 //! - An index equal to the number of entries is already out of range (ruling `lut-range`).
 //! - 257 is the smallest count with two-byte indices, and the smallest whose last index reveals the byte order.
 //! - The colors of `PTM_LUT` follow the indices of *all* texels. They are not interleaved (clause 2.8.1/4).
-//! - Check every index before decoding the first texel, so that a file is either rejected or decoded completely.
+//! - Check every index before decoding the first texel, so that a file is either rejected or completely decoded.
 
 use super::channels::{Channels, ValueLayout, table_entry};
 use super::texels;
@@ -35,7 +35,7 @@ pub(super) fn read<'a>(
     let indices = (reading.indices)(&table, header.size, input)?;
     let colors = texels::read(header, input, reading)?;
     check_indices(&indices, &table, start, reading)?;
-    let looked_up = Channels {
+    let coefficients = Channels {
         block: Block {
             channel: 0,
             channels: table.entry_size,
@@ -43,10 +43,10 @@ pub(super) fn read<'a>(
         },
         values: ValueLayout::Entries(indices, table),
     };
-    Ok(std::iter::once(looked_up).chain(colors).collect())
+    Ok(std::iter::once(coefficients).chain(colors).collect())
 }
 
-/// Checks that each index names an entry (clause 2.8/1). `start` is the offset of the first index, for errors.
+/// Checks that each index refers to an entry (clause 2.8/1). `start` is the offset of the first index, for errors.
 fn check_indices(
     indices: &IndexBlock,
     table: &LookupTable,
@@ -54,19 +54,19 @@ fn check_indices(
     reading: &Reading,
 ) -> Result<()> {
     let stored = indices.bytes.chunks_exact(indices.width);
-    for (at, index) in stored.enumerate() {
-        if table_entry(indices, table, at, reading).is_none() {
+    for (texel, index) in stored.enumerate() {
+        if table_entry(indices, table, texel, reading).is_none() {
             let kind = Kind::IndexOutOfRange {
                 index: (reading.index)(index),
                 entries: table.entries,
             };
-            return Err(Error::new("2.8/1", start + at * indices.width, kind));
+            return Err(Error::new("2.8/1", start + texel * indices.width, kind));
         }
     }
     Ok(())
 }
 
-/// Reads one-byte indices for at most 256 entries (clauses 2.8.1/2, 2.8.2/2), otherwise two-byte indices (clauses
+/// Reads one-byte indices for at most 256 entries (clauses 2.8.1/2, 2.8.2/2), or two-byte indices for more (clauses
 /// 2.8.1/3, 2.8.2/3).
 pub(crate) fn read_indices<'a>(
     table: &LookupTable,

@@ -13,10 +13,10 @@
 //! Format notes
 //! - The text shows the count as two words and does not specify which of them is literal. `256 N_LUT_ENTRIES`, `256`
 //!   and `nentries 256` are unambiguous, so all three are accepted (ruling `lut-count`).
-//! - Nothing separates the table from the indices (ruling `lut-newline`).
+//! - The indices directly follow the table (ruling `lut-newline`).
 //! - The table is not padded to 256 entries.
 //! - A count of 0 is accepted, and then every index is out of range (ruling `lut-range`). A count above 65,536 is
-//!   accepted as well, although two bytes cannot name the last entries (ruling `lut-huge`).
+//!   accepted as well, although two bytes cannot index the last entries (ruling `lut-huge`).
 
 use crate::error::{Error, Kind, Result};
 use crate::input::Input;

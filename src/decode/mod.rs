@@ -9,7 +9,7 @@
 //! 01 02 03 04 05 06 72 67 62                 a0 … a5, R, G, B           texels            §2.7
 //! ```
 //!
-//! [`decode`] is the entry point. Nothing here does I/O, depends on a file name, or knows about mistakes.
+//! [`decode`] is the entry point. This module does no I/O, does not depend on file names, and contains no misreadings.
 
 /// §2.1 Header String
 mod header_string;
@@ -46,14 +46,14 @@ pub(crate) mod planes;
 
 /// Reuse of decoded streams under several readings
 #[cfg(feature = "tools")]
-mod again;
+mod reuse;
 
 /// Parallel decoding of the streams of 2.9.8
 #[cfg(feature = "parallel")]
 mod threads;
 
 /// Fast displacement of a plane (2.9.3)
-mod inside;
+mod displace;
 
 /// Some channels of every texel: the common representation of the parts of 2.7, 2.8 and 2.9.8
 mod channels;
@@ -93,7 +93,7 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Decodes `file` with another reading of the open points, or with other limits.
+/// Decodes `file` with a different reading of the open points, or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -106,7 +106,7 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 }
 
 /// Parses `file` like [`decode`], but leaves the values where they are stored, so that large maps can be processed in
-/// pieces. A file that [`decode`] rejects is rejected here as well, before the first piece.
+/// pieces. A file that [`decode`] rejects is also rejected here, before the first piece.
 ///
 /// ```
 /// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n2\n1 1 1 1 1 1\n0 0 0 0 0 0\nbottomupper.botTOP";
@@ -122,7 +122,7 @@ pub fn open(file: &[u8]) -> Result<Stored<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Parses `file` like [`open`], with another reading of the open points or with other limits.
+/// Parses `file` like [`open`], with a different reading of the open points or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -144,7 +144,7 @@ pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     examine_as(file, &Reading::SPEC)
 }
 
-/// Returns the fields of `file` with another reading of the open points, and the result of [`decode_as`].
+/// Returns the fields of `file` with a different reading of the open points, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {
@@ -195,7 +195,7 @@ pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
 /// Reads the values (2.5–2.9). Bytes after the last value are ignored (ruling `trailing`).
 #[expect(
     clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference whatever their size"
+    reason = "limits and headers are passed by reference regardless of their size"
 )]
 fn read_values<'a>(
     header: &Header,

@@ -14,14 +14,14 @@
 //! 128 = 183. If a lossy codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
-//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, in intra planes as well,
+//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes,
 //!   before any other plane is predicted from this one (clause 2.9.8/7).
-//! - A position is an index of texels in stored order. The first stored row is the bottom row of the image (clause
+//! - A position is the index of a texel in stored order. The first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
 //! - A stream defines its own tables, sampling factors and NEAR. The file only requires its size, one component and 8
 //!   bits (ruling `plane-stream`).
 //! - A stream is self-contained: its tables and parameters do not apply to other planes.
-//! - Records are applied regardless of the parameter, in lossless files as well (ruling `side-lossless`). If two
+//! - Records are applied regardless of the parameter, even in lossless files (ruling `side-lossless`). If two
 //!   records have the same position, the last one wins (ruling `side-twice`).
 
 use std::borrow::Cow;
@@ -35,11 +35,11 @@ use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
 use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
-/// Takes the payload of a compressed file. Fails if it is incomplete (clause 2.9.8/2, ruling `payload-end`) or its
-/// planes are too large. `declared_size` is its size, used if the plan overflowed.
+/// Reads the payload of a compressed file. Returns an error if it is incomplete (clause 2.9.8/2, ruling `payload-end`)
+/// or its planes are too large. `declared_size` is the size of the payload, which is used if the plan overflowed.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference whatever their size"
+    reason = "limits and headers are passed by reference regardless of their size"
 )]
 pub(super) fn take_payload<'a>(
     header: &Header,
@@ -68,8 +68,8 @@ pub(super) fn take_payload<'a>(
 
 /// Decodes the streams in the order in which the planes are decoded (clause 2.9.8/3).
 pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
-    let one = |&plane: &usize| (reading.stream)(&coded.stream(plane));
-    coded.plan.sequence.iter().map(one).collect()
+    let decode = |&plane: &usize| (reading.stream)(&coded.stream(plane));
+    coded.plan.sequence.iter().map(decode).collect()
 }
 
 /// Predicts and corrects the planes one by one, lowest rank first (clause 2.9.4/2). Returns all planes as they are
@@ -83,7 +83,7 @@ pub(crate) fn reconstruct(
     let mut planes = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &planes, reading);
-        // Correct the plane before another one is predicted from it (clause 2.9.8/7).
+        // Correct the plane before another plane is predicted from it (clause 2.9.8/7).
         coded.correct(i, &mut plane, reading)?;
         planes[i] = plane;
     }
@@ -92,7 +92,7 @@ pub(crate) fn reconstruct(
 
 /// Converts each plane to a part with one channel.
 pub(super) fn planes_to_channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>> {
-    let one = |(channel, plane)| Channels {
+    let to_channel = |(channel, plane)| Channels {
         block: Block {
             channel,
             channels: 1,
@@ -100,7 +100,7 @@ pub(super) fn planes_to_channels(planes: Vec<Vec<u8>>) -> Vec<Channels<'static>>
         },
         values: ValueLayout::Bytes(Cow::Owned(plane)),
     };
-    planes.into_iter().enumerate().map(one).collect()
+    planes.into_iter().enumerate().map(to_channel).collect()
 }
 
 impl<'a> Coded<'a> {
@@ -116,7 +116,7 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// Returns planes filled with zeros, one for each plane of the file.
+    /// Returns one plane of zeros for each plane of the file.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
         let blank = |_| vec![0; self.size.texels()];
         self.plan.steps.iter().map(blank).collect()
@@ -169,7 +169,7 @@ pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] 
     &coded.payload[coded.plan.extents[plane].side.clone()]
 }
 
-/// Returns the side information of a plane, or nothing for lossless JPEG-LS (alternative for ruling `side-lossless`).
+/// Returns the side information of a plane, or an empty block for lossless JPEG-LS (alternative for ruling `side-lossless`).
 pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if coded.coding == Coding::JpegLs && coded.plan.parameter == 0 {
         &[]
@@ -183,7 +183,7 @@ pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> 
 /// `at` is the offset of the block in the file, for errors.
 pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
     // P3, P2, P1, P0, V, without separators.
-    let (whole, rest) = block.as_chunks::<5>();
+    let (records, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {
         // side-malformed
         return Err(Error::new(
@@ -192,7 +192,7 @@ pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Ve
             Kind::PartialRecord { bytes: block.len() },
         ));
     }
-    let one = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
+    let parse = |(i, &[p3, p2, p1, p0, value]): (usize, &[u8; 5])| {
         let position = u32::from_be_bytes([p3, p2, p1, p0]);
         // side-malformed: positions are zero-based, so the number of texels is already out of range.
         if position as usize >= texels {
@@ -204,11 +204,11 @@ pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Ve
         }
         Ok((position, value))
     };
-    whole.iter().enumerate().map(one).collect()
+    records.iter().enumerate().map(parse).collect()
 }
 
-/// Overwrites decoded values with those of records (clause 2.9.8/8). On duplicate positions, the last record wins
-/// (ruling `side-twice`).
+/// Overwrites decoded values with the values of records (clause 2.9.8/8). If records have the same position, the last
+/// one wins (ruling `side-twice`).
 pub(crate) fn overwrite_samples(plane: &mut [u8], records: &[Record]) {
     for &(position, value) in records {
         plane[position as usize] = value;

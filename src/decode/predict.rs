@@ -5,7 +5,7 @@
 //! 2.9.2/4) according to the transform of the plane.
 //!
 //! ```text
-//! reference   10 21 30     inverted   245 234 225     and moved by (1, 0)   240 230 225
+//! reference   10 21 30     inverted   245 234 225     displaced by (1, 0)   240 230 225
 //! residual    128 0 100    plane = residual + predictor − 128               240 102 197
 //! ```
 //!
@@ -14,14 +14,14 @@
 //!   all known decoders agree.
 //! - No public file displaces a reference. Displacement involves five choices (rulings `motion-…`). Here, the
 //!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom
-//!   row of the image. Halves are rounded up, and the edge of the plane is replicated outside.
+//!   row of the image. Halves are rounded up, and samples outside the plane replicate its edge.
 //! - The list has a vector for every plane, but the vector applies only if the transform has bit 2.
 //! - Both transforms apply to a copy of the reference, not to the residual or the result. The reference, which is
 //!   also a plane of the file, does not change.
 
 use std::borrow::Cow;
 
-use super::inside;
+use super::displace;
 use crate::parts::Step;
 use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
@@ -107,9 +107,9 @@ pub(crate) fn displace_plane(
 ) -> Vec<u8> {
     let mx = (reading.motion_sign)(mx);
     let my = (reading.motion_sign)((reading.motion_vertical)(my));
-    // `inside` is a faster version of a loop over all rows and columns.
-    inside::displace_rows(plane, size, (mx, my), reading.motion_half, |x, y| {
-        // Coordinates are doubled, so that half texels are integers. A vector may point far outside any plane.
+    // `displace_rows` is a faster version of a loop over all rows and columns.
+    displace::displace_rows(plane, size, (mx, my), reading.motion_half, |x, y| {
+        // Coordinates are doubled so that half texels are integers. A vector may point far outside the plane.
         let (x2, y2) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));
         half_texel_sample(plane, size, x2, y2, reading)
     })
@@ -117,7 +117,7 @@ pub(crate) fn displace_plane(
 
 /// Returns the sample at a position in half texels: a single texel, or the mean of two or four (clause 2.9.3/5).
 fn half_texel_sample(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Reading) -> u8 {
-    // A half position lies between a texel and the next one, also for negative coordinates: −1/2 is between −1 and 0.
+    // A half position is between a texel and the next one, even for negative coordinates: −1/2 is between −1 and 0.
     let (left, first) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, second) = (left + x2.rem_euclid(2), first + y2.rem_euclid(2));
     // If a coordinate is an integer, two or all of the four samples are the same texel.
@@ -216,13 +216,13 @@ mod tests {
 
     #[test]
     fn motion_readings_give_different_planes() {
-        for (place, (alternative, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
+        for (i, (alternative, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
             let (height, reading) = (4 / width, reading(alternative));
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
             assert_eq!(
                 displace_plane(&plane, size, (mx, my), &reading),
                 expected,
-                "{place}"
+                "{i}"
             );
             for far in [i64::MIN, -1_000_001, 1_000_001, i64::MAX] {
                 assert_eq!(displace_plane(&plane, size, (far, far), &reading).len(), 4);

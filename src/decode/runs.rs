@@ -1,14 +1,14 @@
 //! Fast version of [`Channels::copy_to`] with a separate loop for each common number of channels
 //!
-//! A copy of six bytes takes two moves if the compiler knows the length, and a function call otherwise. A test
-//! compares the results.
+//! Copying six bytes takes two moves if the compiler knows the length, and a function call if it does not. A test
+//! compares the two versions.
 
 use std::ops::Range;
 
 use super::channels::{Channels, ValueLayout, table_entry};
 use crate::reading::Reading;
 
-/// Does the same as [`Channels::copy_to`].
+/// Returns the same result as [`Channels::copy_to`].
 pub(super) fn copy_run(
     channels: &Channels,
     run: Range<usize>,
@@ -30,7 +30,7 @@ pub(super) fn copy_run(
         }
         ValueLayout::Entries(indices, table) => {
             let entries =
-                run.map(|at| table_entry(indices, table, at, reading).expect("all were checked"));
+                run.map(|i| table_entry(indices, table, i, reading).expect("a valid index"));
             if count == 6 {
                 let table = table.bytes.as_chunks::<6>().0;
                 copy_values(entries.map(|entry| &table[entry]), channel, texels, size);

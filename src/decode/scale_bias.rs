@@ -42,7 +42,7 @@ pub(super) fn read(input: &mut Input) -> Result<ScaleBias> {
 
 /// Reads six numbers with `read`, separated by spaces (clause 2.4/5).
 fn read_six(input: &mut Input, read: fn(&mut Input) -> Result<f64>) -> Result<[f64; 6]> {
-    // Only spaces separate the scales from each other, and the biases. A line end is allowed only between scales and biases.
+    // A line end is allowed only between the scales and the biases.
     let mut values = [read(input)?, 0.0, 0.0, 0.0, 0.0, 0.0];
     for value in &mut values[1..] {
         input.gap("2.4/5")?;

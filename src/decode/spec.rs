@@ -1,4 +1,4 @@
-//! The reading of the reference, and alternative readings of the open points, which are equally correct.
+//! The reading of the reference, and equally correct alternative readings of the open points.
 //!
 //! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause.
 
@@ -26,13 +26,13 @@ impl Coefficients {
 impl Reading {
     /// The reading of the reference: the text, with the rulings of `spec-cases/rulings.yaml` where the text is silent.
     pub const SPEC: Reading = Reading {
-        // §1.0: the light, unchanged, and the polynomial in it
+        // §1.0: the light, unchanged, and the polynomial
         light: evaluate::light,
         polynomial: evaluate::polynomial,
         // §2.4: (raw − bias) · scale, for coefficients only
         final_coefficient: evaluate::final_coefficient,
         finals: evaluate::final_values,
-        // §2.5: the spelling of the count; nothing follows the table
+        // §2.5: the spellings of the count, and no separator after the table
         entry_count: lookup_table::read_entry_count,
         after_table: lookup_table::read_no_separator,
         // §2.6: M · (Y, Cr, Cb, 1)
@@ -50,7 +50,7 @@ impl Reading {
         entry: indices::valid_entry,
         // §2.9.1 – 2.9.7: valid lists, and the plan that they describe
         plan: compressed::make_plan,
-        // §2.9.2, §2.9.3: the predictor, a transformed reference
+        // §2.9.2, §2.9.3: the predictor, which is the transformed reference
         predictor: predict::invert_then_displace,
         invert: predict::invert,
         motion_sign: predict::texel_to_predictor,
@@ -60,7 +60,7 @@ impl Reading {
         // §2.9.5: residual + predictor − 128, in the planes of both codecs
         predict: predict::predict,
         predict_jpeg_ls: predict::predict,
-        // §2.9.8: streams, the order of prediction and correction, and what a record is
+        // §2.9.8: streams, the order of prediction and correction, and records
         stream: planes::decode_stream,
         reconstruct: planes::reconstruct,
         side_information: planes::side_information,
@@ -75,7 +75,7 @@ impl Reading {
         self
     }
 
-    /// Replaces one decision by another correct reading of an open point.
+    /// Replaces one decision with another correct reading of an open point.
     pub const fn set(&mut self, alternative: Alternative) {
         match alternative {
             Alternative::NewlineAfterTable => {

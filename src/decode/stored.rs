@@ -45,10 +45,10 @@ impl Stored<'_> {
     pub fn planes(&self, limits: &Limits) -> Result<Planes> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
-        // The memory that the parts occupy in addition to the file (the planes of a compressed file) is in use at the same time.
-        let held: usize = self.parts.iter().map(Channels::held_bytes).sum();
-        let needs = self.header.size.bytes(channels);
-        limits.check(needs.saturating_add(held as u64), self.at)?;
+        // The planes of a compressed file stay in memory in addition to the file and the assembled texels.
+        let owned: usize = self.parts.iter().map(Channels::owned_bytes).sum();
+        let assembled = self.header.size.bytes(channels);
+        limits.check(assembled.saturating_add(owned as u64), self.at)?;
         let mut samples = vec![0; self.header.size.texels() * channels];
         let rows = samples.chunks_exact_mut(width as usize * channels);
         for (row, texels) in (0..height).zip(rows) {
@@ -98,7 +98,7 @@ impl Stored<'_> {
         let start = (self.reading.stored_row)(&self.header, row as usize) * width;
         let run = start + columns.start as usize..start + columns.end as usize;
         for part in &self.parts {
-            // A faster version of [`Channels::copy_to`].
+            // This is a faster version of [`Channels::copy_to`].
             runs::copy_run(
                 part,
                 run.clone(),

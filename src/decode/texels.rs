@@ -3,21 +3,21 @@
 //! One byte per value, without separators (clauses 2.7/1–2), in one to three *blocks*. Within a block, values are
 //! stored texel by texel, and rows from bottom to top.
 //!
-//! - `RGB` (§2.7.1): blocks for red, green and blue, with a0…a5 of every texel in each.
+//! - `RGB` (§2.7.1): blocks for red, green and blue, each with a0…a5 of every texel.
 //! - `LUM` (§2.7.2): one block with a0…a5, Cr, Cb of every texel.
 //! - `LRGB` (§2.7.3): a block with a0…a5, then a block with R, G, B.
 //!
 //! ```text
 //! LRGB, one column, two rows:
 //! 01 02 03 04 05 06     0B 0C 0D 0E 0F 10     a0 … a5 of the lower texel, of the upper texel
-//! FF 00 00              00 00 FF              its color: red; blue
+//! FF 00 00              00 00 FF              their colors: red, blue
 //! ```
 //!
 //! Format notes
 //! - The first byte of the first block directly follows the line feed of the last header line, regardless of its
 //!   value.
-//! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaved the
-//!   nine bytes of a texel, and decoders derived from 1.1 decoders still do.
+//! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaves the
+//!   nine bytes of a texel, and some decoders derived from 1.1 decoders still expect that.
 //! - The six coefficients of a texel are adjacent in every uncompressed format. Only §2.9 has planes.
 //! - This module defines the order of stored rows for all formats. [`super::stored`] flips the rows.
 
@@ -60,15 +60,15 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
 #[cfg(feature = "harness")]
 #[cfg_attr(
     not(unix),
-    allow(dead_code, reason = "its callers need Unix or the program")
+    allow(dead_code, reason = "called only on Unix or by the program")
 )]
 pub(crate) fn block_containing(format: Format, channel: usize) -> Option<(usize, &'static Block)> {
-    let has = |block: &Block| (block.channel..block.channel + block.channels).contains(&channel);
-    (blocks(format).iter().enumerate()).find(|(_, block)| has(block))
+    let contains = |b: &Block| (b.channel..b.channel + b.channels).contains(&channel);
+    (blocks(format).iter().enumerate()).find(|(_, block)| contains(block))
 }
 
 /// Returns the index of the stored row for `row`, counted from the top. The bottom row is stored first (clauses
-/// 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4), in compressed planes as well (clause 2.9.8/9, ruling `rows`).
+/// 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4), also in compressed planes (clause 2.9.8/9, ruling `rows`).
 pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
     header.size.height as usize - 1 - row
 }
@@ -79,7 +79,7 @@ pub(super) fn read<'a>(
     input: &mut Input<'a>,
     reading: &Reading,
 ) -> Result<Vec<Channels<'a>>> {
-    let one = |&block: &Block| {
+    let read = |&block: &Block| {
         let bytes = header.size.bytes(block.channels);
         let bytes = input.take("2.7/1", "the texels", bytes);
         let bytes = bytes.map_err(|error| error.with_clause("2.7/3"))?;
@@ -88,5 +88,5 @@ pub(super) fn read<'a>(
             values: ValueLayout::Bytes(Cow::Borrowed(bytes)),
         })
     };
-    (reading.blocks)(header.format).iter().map(one).collect()
+    (reading.blocks)(header.format).iter().map(read).collect()
 }

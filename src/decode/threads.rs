@@ -1,8 +1,8 @@
 //! Parallel decoding of the streams of 2.9.8
 //!
 //! Streams are independent, so they are decoded in parallel. Prediction and correction depend on other planes and
-//! follow later. The result equals that of [`planes::residuals`]. If several streams are invalid, the error is that
-//! of the first one in the order of decoding.
+//! follow later. The result equals the result of [`planes::residuals`]. If several streams are invalid, the error is
+//! that of the first one in decoding order.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,10 +11,10 @@ use crate::error::Result;
 use crate::parts::Coded;
 use crate::reading::Reading;
 
-/// Minimum number of texels in a plane for parallel decoding. Smaller planes are decoded faster than a thread starts.
+/// Minimum number of texels in a plane for parallel decoding. Smaller planes are decoded before a thread has started.
 const MIN_THREADED_TEXELS: usize = 1 << 16;
 
-/// Does the same as [`planes::residuals`].
+/// Returns the same result as [`planes::residuals`].
 pub(super) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     if coded.size.texels() < MIN_THREADED_TEXELS {
         return planes::residuals(coded, reading);
@@ -63,7 +63,7 @@ mod tests {
     use crate::parts::{Extent, Plan, PlaneStream};
     use crate::ptm::{Coding, Size};
 
-    /// Fake decoder: a stream is one byte, which becomes the plane. Rejects 255, and delays values below 8.
+    /// Fake decoder: the samples of a one-byte stream are the plane index and the byte. Rejects 255, and delays values below 8.
     fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
         if stream.bytes[0] < 8 {
             std::thread::sleep(std::time::Duration::from_micros(200));

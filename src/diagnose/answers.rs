@@ -6,7 +6,7 @@ use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
 use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, At, Misreading, Stage};
+use crate::misreadings::{self, Hook, Misreading, Stage};
 use crate::protocol::frame::{Answer, Samples, View};
 use crate::ptm::Ptm;
 use crate::session::observation::Response;
@@ -88,7 +88,7 @@ impl Witness<'_> {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
             match misreading.at {
-                At::Records(read) if POSITION_CLAUSES.contains(&misreading.clause) => Some(read),
+                Hook::Records(read) if POSITION_CLAUSES.contains(&misreading.clause) => Some(read),
                 _ => None,
             }
         });
@@ -123,7 +123,7 @@ impl Witness<'_> {
             View::Rgb(_) => Stage::Color,
         };
         let is_used = match misreading.at {
-            At::Edits(edits) => edits
+            Hook::Edits(edits) => edits
                 .iter()
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
             _ => can_affect_file(misreading, &self.built.file),

@@ -12,7 +12,7 @@ use super::words::differences;
 use super::words::formats_phrase;
 use super::words::refusals::{self, WholeFormats};
 use crate::formula::EditedForm;
-use crate::misreadings::{At, Misreading, Stage, Symptom};
+use crate::misreadings::{Hook, Misreading, Stage, Symptom};
 use crate::suite::cases::Expect;
 
 /// Failures listed under one mistake, and the other mistakes needed to explain them.
@@ -233,7 +233,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         scope => format!(", only in files {}", scope.describe()),
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.at) {
-        (None, At::Edits([edit])) => {
+        (None, Hook::Edits([edit])) => {
             let (value, stated) = (edit.formula.stated().computes, edit.stated_text());
             let computes = edit.edited_text();
             match edit.change {

@@ -5,10 +5,10 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::witness::Witness;
-use crate::misreadings::{At, Misreading};
+use crate::misreadings::{Hook, Misreading};
 
 /// A cause and the cases that it explains.
-pub struct Diagnosis<A: 'static = At> {
+pub struct Diagnosis<A: 'static = Hook> {
     /// The cause.
     pub cause: Cause<A>,
     /// Indices in the suite of the failing cases that the cause reproduces.
@@ -24,7 +24,7 @@ pub struct Diagnosis<A: 'static = At> {
 }
 
 /// The result of a search for causes.
-pub struct Causes<A: 'static = At> {
+pub struct Causes<A: 'static = Hook> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
     /// Messages of panics during the search. Each is a bug in this program and costs one cause.
@@ -47,7 +47,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
 }
 
 /// A cause of failures.
-pub enum Cause<A: 'static = At> {
+pub enum Cause<A: 'static = Hook> {
     /// A misreading in the catalog.
     Misreading {
         /// The misreading that explains the cases.

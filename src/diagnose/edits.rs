@@ -18,7 +18,7 @@ use super::tuning::{
 use super::witness::{Agreement, explains_a_view};
 use super::words::differences::wrong_channels;
 use crate::formula::{EditedForm, Expression, Formula, edits};
-use crate::misreadings::{At, Misreading};
+use crate::misreadings::{Hook, Misreading};
 use crate::protocol::frame::Answer;
 
 /// Misreadings for all edits of all formulas, the most likely edits first.
@@ -184,7 +184,7 @@ fn restrict(
 /// Returns the edit of a mistake that consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.at {
-        At::Edits([edit]) => Some(&edit.change),
+        Hook::Edits([edit]) => Some(&edit.change),
         _ => None,
     }
 }

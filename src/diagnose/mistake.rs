@@ -2,7 +2,7 @@
 
 use super::scope::FileScope;
 use crate::formula::Edit;
-use crate::misreadings::{At, Misreading, Symptom};
+use crate::misreadings::{Hook, Misreading, Symptom};
 use crate::protocol::frame::{Answer, Samples};
 
 /// A mistake, and the files and channels that it affects.
@@ -117,6 +117,6 @@ pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
         fix: "",
         shows: Symptom::Values,
         seen: Vec::new(),
-        at: At::Edits(std::slice::from_ref(edit)),
+        at: Hook::Edits(std::slice::from_ref(edit)),
     }
 }

@@ -23,7 +23,7 @@ use super::tuning::{
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
 use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, At, Misreading};
+use crate::misreadings::{self, Hook, Misreading};
 use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
@@ -439,7 +439,7 @@ impl<'a> Search<'a> {
     }
 
     fn edits_bytes(&self, id: MistakeId) -> bool {
-        matches!(self.mistakes[id].misreading.at, At::Bytes(_))
+        matches!(self.mistakes[id].misreading.at, Hook::Bytes(_))
     }
 
     /// Returns the mistakes with the ids in `set`.

@@ -9,7 +9,7 @@ use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::decode::{Alternative, decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, Anatomy, At, EditedFile, Misreading, Stage};
+use crate::misreadings::{self, Anatomy, EditedFile, Hook, Misreading, Stage};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
@@ -151,7 +151,7 @@ impl Witness<'_> {
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
         }
-        let At::Bytes(edit) = first.at else {
+        let Hook::Bytes(edit) = first.at else {
             return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         let anatomy = Anatomy {
@@ -404,7 +404,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
     let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
     let section = |name: &str| misreading.clause.starts_with(name);
-    if !has(b"PTM_FORMAT_") || matches!(misreading.at, At::Bytes(_)) {
+    if !has(b"PTM_FORMAT_") || matches!(misreading.at, Hook::Bytes(_)) {
         true
     } else if section("2.9") {
         has(b"RMAT_JPEG")

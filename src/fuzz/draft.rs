@@ -1,7 +1,7 @@
 //! Randomly generated files, described like cases.
 //!
-//! Files are generated not as bytes but as the `make` record of a case, so that a find is a complete case, and every
-//! simplification is one word less or a smaller word. A drawn file is legal or not by construction; nothing here depends on a
+//! Files are generated as the `make` record of a case instead of as bytes. A finding is therefore a complete case, and every
+//! simplification removes or simplifies one word. The expected result is known by construction and does not depend on a
 //! lenient ruling.
 
 use std::collections::BTreeMap;
@@ -17,11 +17,11 @@ use crate::suite::cases::{Case, Expect, Suite};
 pub struct Draft {
     /// The format.
     pub format: Format,
-    /// Number of texels in a row.
+    /// Width in texels.
     pub width: u32,
-    /// Number of rows.
+    /// Height in texels.
     pub height: u32,
-    /// Words of `make` and of its parts.
+    /// Values in `make` and in its parts.
     pub words: BTreeMap<DraftKey, String>,
     /// Views, in order of preference.
     pub views: Vec<String>,
@@ -75,7 +75,7 @@ impl Draft {
 
     #[expect(
         clippy::needless_pass_by_value,
-        reason = "numbers and texts are written in the call"
+        reason = "callers pass numbers and strings by value"
     )]
     fn set(&mut self, part: &'static str, key: &'static str, word: impl ToString) {
         self.words.insert((part, key), word.to_string());
@@ -90,7 +90,7 @@ impl Draft {
             self.set("", "bias", draw_list(6, u, draw_bias)?);
         }
         if self.format == Format::Lum && u.ratio(1, 2)? {
-            // Column-major. The last row is 0 0 0 1 without a translation, because the position of the translation is an open question.
+            // In column-major order. The last row is 0 0 0 1: no translation, because its position is an open question.
             let mut matrix = Vec::new();
             for _ in 0..3 {
                 matrix.push(draw_list(3, u, draw_factor)? + " 0");
@@ -109,7 +109,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Generates tables, indices, and the byte after the header.
+    /// Generates the table size, indices, and the byte after the header.
     fn draw_payload(&mut self, u: &mut Unstructured) -> Result<()> {
         if self.format.has_table() {
             let entries = match u.int_in_range(0..=19)? {
@@ -149,7 +149,7 @@ impl Draft {
         self.draw_forest(u)?;
         let moves = self.draw_transforms(u)?;
         let residuals = match u.int_in_range(0..=9)? {
-            // Planes whose samples depend on the inverse DCT are requested raw, and never displaced.
+            // Planes whose samples depend on the inverse DCT are requested only as raw values, and are never displaced.
             0..=2 if !(jpeg && moves) => "natural",
             3 => "wraps",
             4 => "framed",
@@ -161,7 +161,7 @@ impl Draft {
         self.draw_stream(jpeg, u)
     }
 
-    /// Generates references and ranks: a known structure or any forest.
+    /// Generates references and ranks: a named structure or a random forest.
     fn draw_forest(&mut self, u: &mut Unstructured) -> Result<()> {
         const STRUCTURES: &str =
             "intra chain star deep two-trees shared-reference upward rotated tablet";
@@ -205,8 +205,8 @@ impl Draft {
                 let length = u.int_in_range(1..=5)?;
                 let vectors = draw_list(length, u, |u| {
                     // Some vectors point outside the plane or exceed a byte.
-                    let most = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
-                    Ok(u.int_in_range(-most..=most)?.to_string())
+                    let limit = *u.choose(&[7, 7, 7, 7, 7, 7, 7, 7, 7, 80, 300])?;
+                    Ok(u.int_in_range(-limit..=limit)?.to_string())
                 })?;
                 self.set("compression", axis, vectors);
             }
@@ -233,9 +233,9 @@ impl Draft {
                 2 if self.texels() <= 64 => "all".to_owned(),
                 3 if self.texels() <= 400 => "border".to_owned(),
                 _ => {
-                    let most = self.texels() - 1;
+                    let last = self.texels() - 1;
                     draw_list(u.int_in_range(1..=3)?, u, |u| {
-                        Ok(u.int_in_range(0..=most)?.to_string())
+                        Ok(u.int_in_range(0..=last)?.to_string())
                     })?
                     .replace(' ', "+")
                 }
@@ -296,25 +296,25 @@ impl Draft {
     fn draw_views(&mut self, u: &mut Unstructured) -> Result<()> {
         let mut views = vec!["raw".to_owned()];
         let residuals = self.words.get(&("compression", "residuals"));
-        let rounds = residuals.is_some_and(|word| word == "natural")
+        let needs_exact_dct = residuals.is_some_and(|word| word == "natural")
             && self.format.coding() == Some(Coding::Jpeg);
-        if !rounds {
+        if !needs_exact_dct {
             let (lu, lv) = (u.int_in_range(-65..=65)?, u.int_in_range(-65..=65)?);
             let light = format!("rgb:{},{}", f64::from(lu) / 100.0, f64::from(lv) / 100.0);
             views.extend(["coef".to_owned(), light]);
-            let best = u.int_in_range(0..=2)?;
-            views.swap(0, best);
+            let preferred = u.int_in_range(0..=2)?;
+            views.swap(0, preferred);
         }
         self.views = views;
         Ok(())
     }
 
-    /// Returns the case. A damaged file has two cases: its twin `ID-whole`, and itself.
+    /// Returns the case of the file. A damaged file has two cases: the undamaged twin `ID-whole`, and the file itself.
     ///
     /// # Errors
     /// Returns the reason why the file cannot be written.
     pub fn cases(&self, id: &str) -> std::result::Result<Vec<Case>, String> {
-        let suite = Suite::from_files(&[(id, &self.to_yaml(id, "drawn at random"))])?;
+        let suite = Suite::from_files(&[(id, &self.to_yaml(id, "randomly generated"))])?;
         Ok(suite.cases)
     }
 
@@ -322,12 +322,12 @@ impl Draft {
     #[must_use]
     pub fn to_yaml(&self, id: &str, because: &str) -> String {
         let clause = section(self.format);
-        let whole = match self.damage {
+        let legal_id = match self.damage {
             Some(_) => format!("{id}-whole"),
             None => id.to_owned(),
         };
         let mut out = format!(
-            "- id: {whole}\n  clauses: [{clause}]\n  because: {because:?}\n  make:\n    format: {}\n    size: {}x{}\n",
+            "- id: {legal_id}\n  clauses: [{clause}]\n  because: {because:?}\n  make:\n    format: {}\n    size: {}x{}\n",
             self.format.short_name(),
             self.width,
             self.height
@@ -346,7 +346,7 @@ impl Draft {
         if let Some(damage) = self.damage {
             let _ = write!(
                 out,
-                "- id: {id}\n  clauses: [{clause}]\n  because: {because:?}\n  twin_of: {whole}\n  damage: {}\n  expect: {}\n",
+                "- id: {id}\n  clauses: [{clause}]\n  because: {because:?}\n  twin_of: {legal_id}\n  damage: {}\n  expect: {}\n",
                 damage.name,
                 damage.expect.name()
             );
@@ -364,8 +364,8 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Generates a size: usually small, sometimes long, around 256, or over 65,535 texels. Decoders based on libjpeg are correct, but it
-/// reads no plane wider than 65,500.
+/// Generates a size: usually small, sometimes long, around 256, or with over 65,535 texels. No width exceeds 65,500, the limit of
+/// libjpeg, because decoders based on it are correct.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,
@@ -379,7 +379,7 @@ fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     })
 }
 
-/// Generates a small scale with any sign and spelling.
+/// Generates a small scale in one of several spellings.
 fn draw_scale(u: &mut Unstructured) -> Result<String> {
     let hundredths = u.int_in_range(1..=240)?;
     Ok(match u.int_in_range(0..=9)? {
@@ -420,9 +420,9 @@ fn draw_factor(u: &mut Unstructured) -> Result<String> {
 fn draw_list(
     count: usize,
     u: &mut Unstructured,
-    mut one: impl FnMut(&mut Unstructured) -> Result<String>,
+    mut draw: impl FnMut(&mut Unstructured) -> Result<String>,
 ) -> Result<String> {
-    let words: Result<Vec<String>> = (0..count).map(|_| one(u)).collect();
+    let words: Result<Vec<String>> = (0..count).map(|_| draw(u)).collect();
     Ok(words?.join(" "))
 }
 

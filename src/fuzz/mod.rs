@@ -1,13 +1,13 @@
 //! Differential fuzzing of a decoder: random files of all formats are judged like cases, grouped by cause, and minimized.
 //!
 //! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances.
-//! Failures are grouped by the misreadings that explain them, not by their bytes, and the first of each group is minimized
-//! while it fails in the same way. Equal seeds give equal files.
+//! Failures are grouped by the misreadings that explain them. The first file of each group is minimized while it still
+//! fails in the same way. Equal seeds give equal files.
 
 pub mod draft;
-pub mod draws;
-pub mod find;
-pub mod minimise;
+pub mod finding;
+pub mod generator;
+pub mod minimize;
 pub mod properties;
 pub mod reduce;
 mod shrink;
@@ -28,8 +28,8 @@ use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, check};
 use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
-use draws::DraftGenerator;
-use find::{Explanation, Find, KnownDecoder, MAX_WITNESSES};
+use finding::{Explanation, Finding, KnownDecoder, MAX_WITNESSES};
+use generator::DraftGenerator;
 
 /// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;
@@ -39,7 +39,7 @@ const BATCH_SIZE: usize = 500;
 pub struct FuzzPlan {
     /// The seed.
     pub seed: u64,
-    /// Number of requests after which no further batch is started.
+    /// Number of requests after which no further batch starts.
     pub executions: usize,
     /// Number of parallel requests, at least 1.
     pub jobs: usize,
@@ -49,7 +49,7 @@ pub struct FuzzPlan {
     pub declared: Capabilities,
     /// Formats to generate; if empty, all formats.
     pub formats: Vec<Format>,
-    /// Set when the run is to end.
+    /// True if the run should stop.
     pub stop: Arc<AtomicBool>,
 }
 
@@ -61,7 +61,7 @@ pub struct FuzzResult {
     /// Number of generated files.
     pub files: usize,
     /// Mistakes, in the order in which they were found.
-    pub finds: Vec<Find>,
+    pub findings: Vec<Finding>,
     /// The reason why the program is not a decoder, if it is not.
     pub not_a_decoder: Option<String>,
     /// The reason why the run ended before its limit, if it did.
@@ -73,34 +73,34 @@ pub enum FuzzProgress<'a> {
     /// Number of requests so far.
     Executions(usize),
     /// A new mistake, already minimized.
-    Found(&'a Find),
+    Found(&'a Finding),
 }
 
-/// Fuzzes a decoder. Calls `tell` for every find as soon as it is minimized.
+/// Fuzzes a decoder. Calls `report` for every request, and for every finding as soon as it is minimized.
 pub fn fuzz(
     suite: &Suite,
     plan: &FuzzPlan,
     ask: &Ask,
-    tell: &(impl Fn(FuzzProgress) + Sync),
+    report: &(impl Fn(FuzzProgress) + Sync),
 ) -> FuzzResult {
-    let counted = AtomicUsize::new(0);
+    let requests = AtomicUsize::new(0);
     let ask = |request: &Request, worker: usize| {
-        let before = counted.fetch_add(1, Ordering::Relaxed);
-        tell(FuzzProgress::Executions(before + 1));
+        let previous = requests.fetch_add(1, Ordering::Relaxed);
+        report(FuzzProgress::Executions(previous + 1));
         ask(request, worker)
     };
     let opening_cases = opening_cases(suite);
-    let draws = DraftGenerator::new(suite);
-    let mut outcomes = FuzzResult::default();
+    let generator = DraftGenerator::new(suite);
+    let mut result = FuzzResult::default();
     let mut number = 0;
-    while counted.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
-        let batch = Batch::draw(plan, &opening_cases, &draws, number);
+    while requests.load(Ordering::Relaxed) < plan.executions && !plan.stop.load(Ordering::Relaxed) {
+        let batch = Batch::draw(plan, &opening_cases, &generator, number);
         number += 1;
-        outcomes.files += batch.drafts.len();
+        result.files += batch.drafts.len();
         let mut run = run(&batch.suite, plan, &ask);
-        let why = run.not_a_decoder.take();
-        if why.is_some() && number == 1 {
-            outcomes.not_a_decoder = why;
+        let reason = run.not_a_decoder.take();
+        if reason.is_some() && number == 1 {
+            result.not_a_decoder = reason;
             break;
         }
         let decoder = KnownDecoder {
@@ -109,14 +109,14 @@ pub fn fuzz(
             table: run.table,
             reading: dialect_reading(&run),
         };
-        batch.sort(&run, &decoder, &mut outcomes.finds, tell, plan);
+        batch.group_failures(&run, &decoder, &mut result.findings, report, plan);
         if run.ended_early.is_some() {
-            outcomes.ended_early = run.ended_early;
+            result.ended_early = run.ended_early;
             break;
         }
     }
-    outcomes.executions = counted.into_inner();
-    outcomes
+    result.executions = requests.into_inner();
+    result
 }
 
 fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
@@ -129,10 +129,10 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
 
-/// Returns the cases at the beginning of every batch: first files and the spellings of a table.
+/// Returns the cases at the beginning of every batch: the first files and the spellings of tables.
 fn opening_cases(suite: &Suite) -> Vec<Case> {
-    let opens = |case: &&Case| case.first || case.expect == Expect::Spelling;
-    suite.cases.iter().filter(opens).cloned().collect()
+    let is_opening = |case: &&Case| case.first || case.expect == Expect::Spelling;
+    suite.cases.iter().filter(is_opening).cloned().collect()
 }
 
 /// Files that are generated and judged together.
@@ -142,17 +142,17 @@ struct Batch {
 }
 
 impl Batch {
-    fn draw(plan: &FuzzPlan, opening_cases: &[Case], draws: &DraftGenerator, number: u64) -> Batch {
-        let mut cases = opening_cases.to_vec();
+    fn draw(plan: &FuzzPlan, opening: &[Case], generator: &DraftGenerator, number: u64) -> Batch {
+        let mut cases = opening.to_vec();
         let mut drafts = Vec::new();
-        for place in 0..BATCH_SIZE as u64 {
-            let draft = draws.file(plan.seed, number * BATCH_SIZE as u64 + place);
-            let wanted =
+        for index in 0..BATCH_SIZE as u64 {
+            let draft = generator.file(plan.seed, number * BATCH_SIZE as u64 + index);
+            let is_selected =
                 |draft: &Draft| plan.formats.is_empty() || plan.formats.contains(&draft.format);
-            let Some(draft) = draft.filter(wanted) else {
+            let Some(draft) = draft.filter(is_selected) else {
                 continue;
             };
-            // Drafts that cannot be written (for example, a damage without a place in the file) are skipped.
+            // Drafts that cannot be written (for example, a damage that does not apply to the file) are skipped.
             if let Ok(drawn) = draft.cases(&format!("draft-{}", drafts.len())) {
                 cases.extend(drawn);
                 drafts.push(draft);
@@ -162,39 +162,37 @@ impl Batch {
         Batch { suite, drafts }
     }
 
-    /// Adds every failure to the find with the same cause, or makes a new find.
-    fn sort(
+    /// Adds every failure to the finding with the same cause, or creates a new finding.
+    fn group_failures(
         &self,
         run: &Run,
         decoder: &KnownDecoder,
-        finds: &mut Vec<Find>,
-        tell: &impl Fn(FuzzProgress),
+        findings: &mut Vec<Finding>,
+        report: &impl Fn(FuzzProgress),
         plan: &FuzzPlan,
     ) {
-        let passed = self.with_outcome(run, Outcome::Pass);
-        let passed: Vec<&Draft> = passed.map(|(draft, _)| draft).collect();
-        // Wrong images first: their causes often explain wrong acceptances, too.
+        let passing = self.with_outcome(run, Outcome::Pass);
+        let passing: Vec<&Draft> = passing.map(|(draft, _)| draft).collect();
+        // Legal files come first: the causes of their failures often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
             .with_outcome(run, Outcome::Fail)
             .partition(|(draft, _)| draft.damage.is_some());
-        for (draft, place) in others.into_iter().chain(accepted) {
-            let Some(observation) = &run.observations[place] else {
+        for (draft, index) in others.into_iter().chain(accepted) {
+            let Some(observation) = &run.observations[index] else {
                 continue;
             };
-            let mut places = 0..finds.len();
-            let explains =
-                |&i: &usize| finds[i].cause.explains_failure(draft, observation, decoder);
-            if let Some(known) = places.find(explains) {
-                finds[known].seen += 1;
+            let explains = |f: &mut Finding| f.cause.explains_failure(draft, observation, decoder);
+            if let Some(i) = findings.iter_mut().position(explains) {
+                findings[i].count += 1;
                 continue;
             }
-            let cause = Explanation::find(draft, observation, &passed, decoder);
-            let mut find = Find::new(draft, cause, decoder, &plan.stop);
-            if let Explanation::Other(_) = find.cause {
-                find.diagnosis = self.diagnosis(run, &find.small, decoder, plan);
+            let cause = Explanation::find(draft, observation, &passing, decoder);
+            let mut finding = Finding::new(draft, cause, decoder, &plan.stop);
+            if let Explanation::Other(_) = finding.cause {
+                finding.diagnosis = self.diagnosis(run, &finding.small, decoder, plan);
             }
-            tell(FuzzProgress::Found(&find));
-            finds.push(find);
+            report(FuzzProgress::Found(&finding));
+            findings.push(finding);
         }
     }
 
@@ -207,10 +205,10 @@ impl Batch {
         plan: &FuzzPlan,
     ) -> Option<LikelyCause> {
         let mut cases = opening_cases(&self.suite);
-        let passed = self.with_outcome(run, Outcome::Pass);
-        let legal = passed.filter(|(draft, _)| draft.damage.is_none());
+        let passing = self.with_outcome(run, Outcome::Pass);
+        let legal = passing.filter(|(draft, _)| draft.damage.is_none());
         let legal = legal.take(MAX_WITNESSES);
-        cases.extend(legal.map(|(_, place)| self.suite.cases[place].clone()));
+        cases.extend(legal.map(|(_, index)| self.suite.cases[index].clone()));
         cases.extend(failing.cases("found").ok()?);
         let suite = Suite { cases };
         let run = self::run(&suite, plan, decoder.ask);
@@ -226,11 +224,11 @@ impl Batch {
         run: &'a Run,
         outcome: Outcome,
     ) -> impl Iterator<Item = (&'a Draft, usize)> {
-        let places = run.judgement.with_outcome(outcome);
-        places.filter_map(|place| {
-            let id = self.suite.cases[place].id.strip_prefix("draft-")?;
+        let indices = run.judgement.with_outcome(outcome);
+        indices.filter_map(|index| {
+            let id = self.suite.cases[index].id.strip_prefix("draft-")?;
             // The twin `-whole` of a damaged draft fails as a draft without damage.
-            Some((&self.drafts[id.parse::<usize>().ok()?], place))
+            Some((&self.drafts[id.parse::<usize>().ok()?], index))
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Properties that hold for every input, one function each, called by fuzz targets and proptest.
 //!
-//! Each takes untrusted bytes and panics if its property does not hold. Properties of structured input derive it from the
-//! bytes; if these are too few, the function returns without a test.
+//! Each function takes untrusted bytes and panics if its property does not hold. Functions that need structured input derive
+//! it from the bytes. If there are too few bytes, they return without a test.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -30,26 +30,26 @@ use crate::suite::dialect::{Choice, Dialect};
 
 /// Maximum number of texels of a generated file, so that a target runs thousands of files per second.
 const MAX_TEXELS: u32 = 3000;
-/// Limit on the bytes of planes of arbitrary files.
+/// Maximum size in bytes of the planes of an arbitrary file.
 const MAX_MEMORY: usize = 1 << 24;
 
-/// Checks that decoding any bytes, in any reading of open questions, ends in planes or in an error that names a clause and a
-/// byte of the file.
+/// Checks that decoding any bytes, with several readings of open questions, returns planes or an error with a section and
+/// an offset in the file.
 ///
 /// # Panics
-/// If it does not.
+/// Panics if the check fails.
 pub fn file(bytes: &[u8]) {
     let limits = Limits { memory: MAX_MEMORY };
-    // The first, the second and the third reading of every choice, or the last if there are fewer.
-    let [first, second, third] = [0, 1, 2].map(|place| {
-        let of = |choice: &Choice<Reading>| place.min(choice.readings.len() - 1);
-        CHOICES.apply(&Dialect(CHOICES.iter().map(of).collect()), Reading::SPEC)
+    // Use the first, second and third reading of every choice, or the last reading if there are fewer.
+    let [first, second, third] = [0, 1, 2].map(|n| {
+        let pick = |choice: &Choice<Reading>| n.min(choice.readings.len() - 1);
+        CHOICES.apply(&Dialect(CHOICES.iter().map(pick).collect()), Reading::SPEC)
     });
     let second = second.with_alternative(Alternative::NewlineAfterTable);
     for reading in [first, second, third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {
-                assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over its limit");
+                assert!(ptm.planes.samples.len() <= MAX_MEMORY, "over the limit");
                 let set = &ptm.header.scale_bias;
                 let coefficients = compute_coefficients(set, &ptm.planes, &reading);
                 let _ = evaluate(&coefficients, 0.5, -0.25, &reading).to_bytes();
@@ -71,7 +71,7 @@ pub fn file(bytes: &[u8]) {
 /// Checks that a generated file decodes to the painted values.
 ///
 /// # Panics
-/// If it does not.
+/// Panics if the check fails.
 pub fn recipe(bytes: &[u8]) {
     let Some((draft, case)) = draw(bytes) else {
         return;
@@ -79,7 +79,7 @@ pub fn recipe(bytes: &[u8]) {
     let built = case.build(TableSpelling::default());
     let yaml = draft.to_yaml("drawn", "");
     let ptm = decode(&built.file).unwrap_or_else(|error| panic!("{error}\n{yaml}"));
-    let expected = Expected::new(&built.values, &View::Raw).expect("it was painted");
+    let expected = Expected::new(&built.values, &View::Raw).expect("the values are known");
     let difference = expected.compare(&Frame::render(&ptm, &View::Raw));
     assert!(difference.is_none(), "{difference:?}\n{yaml}");
 }
@@ -87,12 +87,12 @@ pub fn recipe(bytes: &[u8]) {
 /// Checks that the planes do not depend on the spelling of the header.
 ///
 /// # Panics
-/// If they are not.
+/// Panics if the check fails.
 pub fn spelling(bytes: &[u8]) {
     let Some((_, case)) = draw(bytes) else {
         return;
     };
-    let mut recipe = case.recipe().expect("it was drawn").clone();
+    let mut recipe = case.recipe().expect("a draft has a recipe").clone();
     let model = Model::paint(&recipe);
     let drawn = planes(&recipe, &model);
     recipe.spelling.lists = Lists::OneLine;
@@ -104,14 +104,14 @@ pub fn spelling(bytes: &[u8]) {
 /// Checks that planes decode to the same values from plain texels and from lossless JPEG-LS with any prediction.
 ///
 /// # Panics
-/// If they are not.
+/// Panics if the check fails.
 pub fn re_encoding(bytes: &[u8]) {
     let Some((_, case)) = draw(bytes) else {
         return;
     };
-    let mut natural = case.recipe().expect("it was drawn").clone();
+    let mut natural = case.recipe().expect("a draft has a recipe").clone();
     let is_jpeg_ls = natural.format.coding() == Some(Coding::JpegLs);
-    // Corrections of lossless planes are equal to the painted values; those of lossy ones would differ.
+    // Corrections of lossless planes equal the painted values. Corrections of lossy planes would differ.
     if !is_jpeg_ls || natural.compression.parameter > 0 {
         return;
     }
@@ -123,23 +123,23 @@ pub fn re_encoding(bytes: &[u8]) {
     assert_eq!(plain.samples, natural.samples);
 }
 
-/// Checks that decoding any bytes as JPEG ends in the requested samples, or in an error inside the stream.
+/// Checks that decoding any bytes as JPEG returns the requested number of samples, or an error inside the stream.
 ///
 /// # Panics
-/// If they do not.
+/// Panics if the check fails.
 pub fn jpeg_stream(bytes: &[u8]) {
-    stream(bytes, jpeg::decode);
+    check_stream(bytes, jpeg::decode);
 }
 
-/// Checks that decoding any bytes as JPEG-LS ends in the requested samples, or in an error inside the stream.
+/// Checks that decoding any bytes as JPEG-LS returns the requested number of samples, or an error inside the stream.
 ///
 /// # Panics
-/// If they do not.
+/// Panics if the check fails.
 pub fn jpeg_ls_stream(bytes: &[u8]) {
-    stream(bytes, jpeg_ls::decode);
+    check_stream(bytes, jpeg_ls::decode);
 }
 
-fn stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
+fn check_stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
     let [width, height, stream @ ..] = bytes else {
         return;
     };
@@ -156,35 +156,35 @@ type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
 /// for comparison with another decoder.
 ///
 /// # Panics
-/// If it does not.
+/// Panics if the check fails.
 #[must_use]
 pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     let u = &mut Unstructured::new(bytes);
     let (width, height, options) = jpeg_options(u).ok()?;
     let samples = samples_from_bytes(width, height, u);
     let encoded = jpeg::encode(&samples, width, height, &options);
-    let decoded = jpeg::decode(&encoded.stream, width, height).expect("our own stream");
+    let decoded = jpeg::decode(&encoded.stream, width, height).expect("the stream is legal");
     assert_eq!(decoded, encoded.samples);
     Some((encoded.stream, width, height, decoded))
 }
 
-/// Returns true if samples of a JPEG stream equal those of another decoder within 18, the effect of another transform.
+/// Returns true if our samples of a JPEG stream differ from another decoder's by at most 18, the effect of a different DCT.
 ///
-/// Blocks with a sample at either end of the range are skipped. Their values may be far beyond it, where a transform in 16 bits
+/// Blocks that contain a 0 or a 255 are skipped. Their values before clamping may be far out of range, where a 16-bit DCT
 /// overflows.
 #[must_use]
 pub fn nearly_equal(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
-    let at_an_end = (0..ours.len()).filter(|&i| matches!(ours[i], 0 | 255));
-    let left_out: HashSet<(usize, usize)> = at_an_end.map(block).collect();
-    let near = |i: usize| ours[i].abs_diff(theirs[i]) <= 18 || left_out.contains(&block(i));
-    ours.len() == theirs.len() && (0..ours.len()).all(near)
+    let extremes = (0..ours.len()).filter(|&i| matches!(ours[i], 0 | 255));
+    let skipped: HashSet<(usize, usize)> = extremes.map(block).collect();
+    let is_near = |i: usize| ours[i].abs_diff(theirs[i]) <= 18 || skipped.contains(&block(i));
+    ours.len() == theirs.len() && (0..ours.len()).all(is_near)
 }
 
-/// Checks that a JPEG-LS stream decodes to samples within its loss, and to those that its encoder returned.
+/// Checks that a JPEG-LS stream decodes to the samples that its encoder returned, and that their error is at most NEAR.
 ///
 /// # Panics
-/// If it does not.
+/// Panics if the check fails.
 pub fn jpeg_ls_round_trip(bytes: &[u8]) {
     let u = &mut Unstructured::new(bytes);
     let Ok((width, height, options)) = jpeg_ls_options(u) else {
@@ -192,7 +192,7 @@ pub fn jpeg_ls_round_trip(bytes: &[u8]) {
     };
     let samples = samples_from_bytes(width, height, u);
     let encoded = jpeg_ls::encode(&samples, width, height, &options);
-    let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("our own stream");
+    let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("the stream is legal");
     assert_eq!(decoded, encoded.samples);
     let mut pairs = decoded.iter().zip(&samples);
     assert!(pairs.all(|(a, b)| a.abs_diff(*b) <= options.near));
@@ -238,40 +238,40 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
 
 /// Fills samples with the remaining bytes, repeated: runs if there are few bytes, noise if there are many.
 fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
-    let rest = u.bytes(u.len()).unwrap_or_default();
-    let rest = if rest.is_empty() { &[128][..] } else { rest };
-    let samples = rest.iter().copied().cycle();
+    let bytes = u.bytes(u.len()).unwrap_or_default();
+    let bytes = if bytes.is_empty() { &[128][..] } else { bytes };
+    let samples = bytes.iter().copied().cycle();
     samples.take((width * height) as usize).collect()
 }
 
-/// Checks that any decoder output is refused with a message, or is one frame that is written as it was read.
+/// Checks that any decoder output is either refused with a message, or is a frame whose shape survives a round trip.
 ///
 /// # Panics
-/// If it is not.
+/// Panics if the check fails.
 pub fn frame(bytes: &[u8]) {
     match Frame::read(bytes) {
         Ok(frame) => {
             let mut written = Vec::new();
-            frame.write(&mut written).expect("into memory");
+            frame.write(&mut written).expect("memory is writable");
             let read = Frame::read(&written);
             assert_eq!(read.as_ref().map(Frame::shape), Ok(frame.shape()));
         }
-        Err(why) => assert!(!why.is_empty()),
+        Err(error) => assert!(!error.is_empty()),
     }
 }
 
 /// Checks that any text is either a valid case file or refused with a message.
 ///
 /// # Panics
-/// If it is neither.
+/// Panics if the check fails.
 pub fn case_file(bytes: &[u8]) {
     // A large size is legal but slow to paint.
     let mut fours = bytes.windows(4);
     let is_long = fours.any(|four| four.iter().all(u8::is_ascii_digit));
     if let (Ok(text), false) = (std::str::from_utf8(bytes), is_long)
-        && let Err(why) = Suite::from_files(&[("case.yaml", text)])
+        && let Err(error) = Suite::from_files(&[("case.yaml", text)])
     {
-        assert!(why.starts_with("case.yaml"), "{why}");
+        assert!(error.starts_with("case.yaml"), "{error}");
     }
 }
 
@@ -281,7 +281,7 @@ fn draw(bytes: &[u8]) -> Option<(Draft, Case)> {
         return None;
     }
     let cases = draft.cases("drawn");
-    let mut cases = cases.unwrap_or_else(|why| panic!("{why}\n{}", draft.to_yaml("drawn", "")));
+    let mut cases = cases.unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
     Some((draft, cases.pop()?))
 }
 
@@ -290,22 +290,22 @@ fn planes(recipe: &Recipe, model: &Model) -> Planes {
     decode(&file).expect("a legal recipe").planes
 }
 
-/// Checks that the search for causes ends without a panic for any answers, and attributes every failure to at most one cause.
+/// Checks that the diagnosis does not panic for any answers, and attributes every failure to at most one cause.
 ///
 /// # Panics
-/// If it does not.
+/// Panics if the check fails.
 pub fn diagnosis(bytes: &[u8]) {
     static SUITE: LazyLock<Suite> = LazyLock::new(|| {
         let mut suite = Suite::load().expect("the suite loads");
-        let small = |case: &Case| case.build(TableSpelling::default()).file.len() < SMALL;
-        let mut chosen = HashSet::new();
-        for (place, case) in suite.cases.iter().enumerate() {
-            if case.first || place % CASE_STRIDE == 0 && small(case) {
-                chosen.insert(case.id.clone());
-                chosen.extend(case.twin_of.clone());
+        let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() < MAX_BYTES;
+        let mut selected = HashSet::new();
+        for (i, case) in suite.cases.iter().enumerate() {
+            if case.first || i % CASE_STRIDE == 0 && is_small(case) {
+                selected.insert(case.id.clone());
+                selected.extend(case.twin_of.clone());
             }
         }
-        suite.cases.retain(|case| chosen.contains(&case.id));
+        suite.cases.retain(|case| selected.contains(&case.id));
         suite.prepared()
     });
     let script: Vec<u8> = bytes.iter().copied().take(SUITE.cases.len()).collect();
@@ -321,17 +321,17 @@ pub fn diagnosis(bytes: &[u8]) {
     let causes = diagnose(&SUITE, &run, &[], 1);
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);
     for diagnosis in causes.diagnoses {
-        for place in diagnosis.explains.into_iter().chain(diagnosis.partly) {
-            assert!(explained.insert(place), "{} twice", SUITE.cases[place].id);
+        for index in diagnosis.explains.into_iter().chain(diagnosis.partly) {
+            assert!(explained.insert(index), "{} twice", SUITE.cases[index].id);
         }
     }
 }
 
-/// One in this number of cases with small files is used.
+/// Interval between cases that are used if their files are small, in addition to the first cases.
 const CASE_STRIDE: usize = 40;
-const SMALL: usize = 2000;
+const MAX_BYTES: usize = 2000;
 
-/// Returns a wrong answer selected by `choice`, or the correct one.
+/// Returns a wrong answer selected by `choice`, or the correct answer.
 fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {
         Answer::Decoded(mut frame) => {
@@ -369,9 +369,8 @@ fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
         },
         _ => {
             let all: Vec<_> = misreadings::all().collect();
-            let at = |step: usize| all[usize::from(choice) * step % all.len()];
-            let (file, view) = (request.file, request.view);
-            misreadings::answer(&[at(4)], Reading::SPEC, file, view)
+            let misreading = all[usize::from(choice) * 4 % all.len()];
+            misreadings::answer(&[misreading], Reading::SPEC, request.file, request.view)
         }
     }
 }

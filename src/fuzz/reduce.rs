@@ -1,7 +1,7 @@
 //! Minimization of an existing file while a decoder fails on it in the same way.
 //!
-//! The file is converted to the input of a writer, and written again after every step, so that sizes and lists are always
-//! consistent. If the default spelling of the header hides the failure, the file is not changed.
+//! The file is converted to the input of a writer and written again after every step, so that sizes and lists are always
+//! consistent. A failure that disappears with the default spelling of the header cannot be minimized.
 
 use std::collections::HashMap;
 use std::str::FromStr;
@@ -15,20 +15,20 @@ use crate::generate::planes::{Compressed, StoredPlane};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Size};
 
-/// Returns the smallest file reached from `file` by steps after each of which it still `fails`; None if `file` is malformed, or
-/// no longer fails with the default spelling of its header.
+/// Simplifies `file` step by step while it still `fails`, and returns the smallest file. Returns `None` if `file` is malformed or
+/// does not fail with the default spelling of its header.
 pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
-    let written = |parts: Parts| (parts.write(), parts);
-    let start = written(Parts::parse(file)?);
+    let with_file = |parts: Parts| (parts.write(), parts);
+    let start = with_file(Parts::parse(file)?);
     if !fails(&start.0) {
         return None;
     }
     let weigh = |(file, _): &(Vec<u8>, _)| Some(file.len());
-    let steps = |(_, parts): &(_, Parts)| parts.steps().into_iter().map(written).collect();
+    let steps = |(_, parts): &(_, Parts)| parts.steps().into_iter().map(with_file).collect();
     Some(shrink(start, weigh, steps, stop, |(file, _)| fails(file)).0)
 }
 
-/// Input of a writer.
+/// Input of the writer.
 #[derive(Clone)]
 struct Parts {
     recipe: Recipe,
@@ -103,7 +103,7 @@ impl Parts {
         write(&self.recipe, &self.model).bytes
     }
 
-    /// Returns all inputs that are one step simpler.
+    /// Returns all inputs that are one step simpler than this one.
     fn steps(&self) -> Vec<Parts> {
         let sizes = smaller_sizes(self.recipe.size).into_iter();
         let mut all: Vec<Parts> = sizes.filter_map(|size| self.crop_to(size)).collect();
@@ -115,8 +115,8 @@ impl Parts {
         add(&|parts| parts.recipe.scale = "1 1 1 1 1 1".parse().expect("constant numbers"));
         add(&|parts| parts.recipe.bias = "0 0 0 0 0 0".parse().expect("constant numbers"));
         if self.recipe.format.has_table() {
-            for share in [1, 2, 4] {
-                add(&|parts| parts.keep_entries(share));
+            for divisor in [1, 2, 4] {
+                add(&|parts| parts.keep_entries(divisor));
             }
         }
         let planes = self.model.compressed.as_ref();
@@ -132,7 +132,7 @@ impl Parts {
         self.model.compressed.as_mut().expect("a compressed format")
     }
 
-    /// Crops the map to its top left corner.
+    /// Crops the map to its top-left corner.
     fn crop_to(&self, size: Size) -> Option<Parts> {
         let (old, format) = (self.recipe.size, self.recipe.format);
         let mut parts = self.clone();
@@ -142,18 +142,18 @@ impl Parts {
             parts.model.indices = crop(&self.model.indices, 1, old, size);
         }
         let planes = self.model.compressed.iter();
-        for (i, plane) in planes.flat_map(|of| &of.planes).enumerate() {
-            // A plane is stored bottom row first, so its top left corner is at the end of the raster.
-            let gone = old.height - size.height;
+        for (i, plane) in planes.flat_map(|compressed| &compressed.planes).enumerate() {
+            // A plane is stored bottom row first, so its top-left corner is at the end of the raster.
+            let removed = old.height - size.height;
             let coding = self.recipe.compression.coding;
             let residual = coding.decode(&plane.stream, old.width, old.height).ok()?;
-            let kept = &residual[(gone * old.width) as usize..];
-            let moved = |&(position, value): &(u32, u8)| {
+            let remaining = &residual[(removed * old.width) as usize..];
+            let move_record = |&(position, value): &(u32, u8)| {
                 let (x, y) = (position % old.width, position / old.width);
-                (x < size.width && y >= gone).then(|| ((y - gone) * size.width + x, value))
+                (x < size.width && y >= removed).then(|| ((y - removed) * size.width + x, value))
             };
-            let stream = parts.encode(&crop(kept, 1, old, size));
-            let records = plane.records.iter().filter_map(moved).collect();
+            let stream = parts.encode(&crop(remaining, 1, old, size));
+            let records = plane.records.iter().filter_map(move_record).collect();
             parts.compressed().planes[i] = StoredPlane { stream, records };
         }
         Some(parts)
@@ -165,17 +165,17 @@ impl Parts {
         (plan.coding).encode(residual, (size.width, size.height), plan.parameter)
     }
 
-    /// Makes all residuals of a plane 128.
+    /// Sets all residuals of a plane to 128.
     fn make_gray(&mut self, plane: usize) {
         let stream = self.encode(&vec![128; self.recipe.size.texels()]);
         self.compressed().planes[plane].stream = stream;
     }
 
-    /// Keeps the first `1 / share` of the entries in use and reduces each index modulo their number.
-    fn keep_entries(&mut self, share: u32) {
+    /// Keeps the first `1 / divisor` of the used entries, and reduces each index modulo their number.
+    fn keep_entries(&mut self, divisor: u32) {
         let Parts { recipe, model } = self;
-        let in_use = model.indices.iter().max().map_or(1, |&last| last + 1);
-        recipe.entries = (in_use / share).max(1);
+        let used_entries = model.indices.iter().max().map_or(1, |&last| last + 1);
+        recipe.entries = (used_entries / divisor).max(1);
         (model.table).truncate(recipe.entries as usize * model.format.entry_size());
         for index in &mut model.indices {
             *index %= recipe.entries;
@@ -183,7 +183,7 @@ impl Parts {
     }
 }
 
-/// Crops a raster with `channels` values per texel to its top left corner.
+/// Crops a raster with `channels` values per texel to its top-left corner.
 fn crop<T: Copy>(values: &[T], channels: usize, old: Size, new: Size) -> Vec<T> {
     let rows = values.chunks_exact(old.width as usize * channels);
     let rows = rows.take(new.height as usize);
@@ -237,7 +237,7 @@ mod tests {
         let file = write(&recipe, &Model::paint(&recipe)).bytes;
         let samples = |file: &[u8]| decode(file).map_or(0, |ptm| ptm.planes.samples.len());
         let fails = |file: &[u8]| samples(file) >= 18 * 6;
-        let small = reduce(&file, &AtomicBool::new(false), &fails).expect("it fails");
+        let small = reduce(&file, &AtomicBool::new(false), &fails).expect("the file fails");
         assert_eq!(samples(&small), 18 * 6);
     }
 }

@@ -1,4 +1,4 @@
-//! Step-by-step minimization while a decoder still fails in the same way.
+//! Step-by-step minimization of an input that makes a decoder fail.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -7,10 +7,10 @@ use crate::ptm::Size;
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;
 
-/// Returns the lightest candidate that steps from `best` reach while it still `fails`.
+/// Replaces `best` by a lighter candidate that still `fails` until there is none, and returns it.
 ///
-/// The lightest step is tried first, so that one that halves the image precedes one that simplifies a number. A candidate
-/// without a weight cannot be written and is skipped.
+/// The lightest candidate is tried first, so a step that halves the image precedes a step that simplifies a number. A
+/// candidate without a weight cannot be written and is skipped.
 pub(super) fn shrink<T, W: Ord>(
     mut best: T,
     weigh: impl Fn(&T) -> Option<W>,
@@ -19,7 +19,7 @@ pub(super) fn shrink<T, W: Ord>(
     fails: impl Fn(&T) -> bool,
 ) -> T {
     let mut weight = weigh(&best);
-    let mut asked = 0;
+    let mut request_count = 0;
     loop {
         let mut lighter: Vec<(W, T)> = steps(&best)
             .into_iter()
@@ -28,8 +28,8 @@ pub(super) fn shrink<T, W: Ord>(
             .collect();
         lighter.sort_by(|a, b| a.0.cmp(&b.0));
         let next = lighter.into_iter().find(|(_, candidate)| {
-            asked += 1;
-            asked <= MAX_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
+            request_count += 1;
+            request_count <= MAX_REQUESTS && !stop.load(Ordering::Relaxed) && fails(candidate)
         });
         match next {
             Some((lighter, candidate)) => (weight, best) = (Some(lighter), candidate),
@@ -38,13 +38,13 @@ pub(super) fn shrink<T, W: Ord>(
     }
 }
 
-/// Returns narrower and lower sizes.
+/// Returns sizes with a smaller width, a smaller height or both.
 pub(super) fn smaller_sizes(Size { width, height }: Size) -> Vec<Size> {
     let smaller = |side: u32| {
         let steps = [1, 2, side / 2, side - side / 4];
         let steps = steps
             .into_iter()
-            .chain([8, 1].map(|less| side.saturating_sub(less)));
+            .chain([8, 1].map(|difference| side.saturating_sub(difference)));
         let mut sides: Vec<u32> = steps.filter(|new| (1..side).contains(new)).collect();
         sides.push(side);
         sides.dedup();

@@ -1,7 +1,7 @@
 //! §2.9 Compressed Data
 //!
-//! The parameter, six lists with a number for each plane (motion vectors: two), and the planes (clause 2.9/1). Each list has
-//! its own line, motion two (ruling `list-layout`); other splits into lines by ruling `list-lines`.
+//! The parameter, six lists with one number per plane (two for motion vectors), and the planes (clause 2.9/1). Each list has
+//! its own line, and motion vectors have two lines (ruling `list-layout`). Ruling `list-lines` allows other line breaks.
 
 use super::model::Model;
 use super::output::Output;
@@ -10,7 +10,7 @@ use super::spelling::{Line, Lists};
 
 pub(super) fn write(model: &Model, out: &mut Output) {
     let compressed = model.compressed.as_ref();
-    let compressed = compressed.expect("planes are painted with a compressed format");
+    let compressed = compressed.expect("a model with a compressed format has streams");
     write_lists(compressed, out);
     write_planes(compressed, out);
 }
@@ -52,10 +52,10 @@ fn write_list(line: Line, name: &'static str, numbers: &[impl ToString], out: &m
     out.line_end_or_gap(ends, line);
 }
 
-/// Writes 2.9.8 in plane order, whatever the order of decoding (ruling `planes-stored`).
+/// Writes 2.9.8 in plane order, regardless of the decoding order (ruling `planes-stored`).
 fn write_planes(compressed: &Compressed, out: &mut Output) {
     for plane in &compressed.planes {
-        out.take("2.9.8/1", "plane", &plane.stream);
-        out.take("2.9.8/4", "side information", &plane.side_information());
+        out.put("2.9.8/1", "plane", &plane.stream);
+        out.put("2.9.8/4", "side information", &plane.side_information());
     }
 }

@@ -1,7 +1,7 @@
 //! Damages: one fault at a time.
 //!
-//! A damage is a named edit of a valid file. The result must be refused or is outside the specification, as the cases that use
-//! it say. The damages are defined in `spec-cases/damages.yaml`, and its README explains each edit; this module applies them.
+//! A damage is a named edit of a valid file. The cases that use it state whether the result must be refused or is outside the
+//! specification. Damages are defined in `spec-cases/damages.yaml`, and its README explains each edit. This module applies them.
 //!
 //! Every edit replaces ranges of the undamaged file, so the edits of a damage do not depend on their order.
 
@@ -13,7 +13,7 @@ use serde::de::{IntoDeserializer, value};
 
 use super::model::Model;
 use super::output::Written;
-use super::place::{DamagePlace, Named, Spot};
+use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::stand_in::StandIn;
 use crate::ptm::{Coding, Format, Size};
 
@@ -26,7 +26,7 @@ pub struct Damage {
     pub name: String,
     /// Clause that the damage violates or exceeds.
     pub clause: String,
-    /// The resulting fault of the file, without a period.
+    /// The resulting fault of the file, as a sentence without a period.
     pub effect: String,
     /// Restrictions on the files that the damage applies to.
     needs: Needs,
@@ -35,11 +35,11 @@ pub struct Damage {
     fill: BTreeMap<DamagePlace, String>,
     flip: BTreeMap<DamagePlace, String>,
     insert: BTreeMap<DamagePlace, String>,
-    /// Number of bytes to remove: the first ones, or the last ones if negative.
+    /// Number of bytes to remove from the beginning, or from the end if negative.
     cut: BTreeMap<DamagePlace, isize>,
-    /// The amount to add to a number; it may have 65 bits.
+    /// The amount to add to a number, which may need 65 bits.
     add: BTreeMap<DamagePlace, String>,
-    /// A number to remove, together with the space between it and its neighbor.
+    /// A number to remove, together with one adjacent space.
     remove: Option<DamagePlace>,
     remove_line: Option<DamagePlace>,
     /// The new end of the file.
@@ -47,7 +47,7 @@ pub struct Damage {
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<TexelPlace, Index>,
-    /// True if compressed sizes and side sizes are adjusted to the edited planes.
+    /// True if compressed sizes and side information sizes are adjusted to the edited planes.
     fit: bool,
     reads_as: Option<DamageChange>,
 }
@@ -79,11 +79,11 @@ enum Index {
     AllOnes,
 }
 
-/// The resulting values, for a reader that ignores the damage.
+/// A change of the values for a reader that ignores the damage.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum DamageChange {
-    /// LRGB values, read as version 1.1: nine adjacent bytes per texel, from the bottom left.
+    /// LRGB values, read as version 1.1: nine adjacent bytes per texel, starting at the bottom left.
     InterleavedTexels,
     #[serde(rename = "plane-1-is-128")]
     PlaneOneIs128,
@@ -93,19 +93,19 @@ enum DamageChange {
 type Splice = (Spot, Vec<u8>);
 
 /// Number of bytes that an edit removes, and the bytes that it inserts.
-type Edited = (usize, Vec<u8>);
+type ByteEdit = (usize, Vec<u8>);
 
 impl Damage {
     /// Returns the edited file.
     ///
     /// # Errors
-    /// Returns the reason if the file lacks the places that the damage edits.
+    /// Returns an error if the file lacks a place that the damage edits.
     pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
-        let file = Named { written, model };
-        let mut splices = self.contents(&file)?;
-        splices.extend(self.header_bytes(&file));
-        splices.extend(self.cuts(&file)?);
+        let file = NamedPlaces { written, model };
+        let mut splices = self.insertions(&file)?;
+        splices.extend(self.header_edits(&file));
+        splices.extend(self.removals(&file)?);
         for (place, number) in &self.add {
             splices.push(add_to_number(&file, place, number)?);
         }
@@ -113,14 +113,17 @@ impl Damage {
             splices.push(set_index(&file, texel, index)?);
         }
         if self.fit {
-            splices.extend(sizes(&file, &splices));
+            splices.extend(size_edits(&file, &splices));
         }
         apply_splices(&written.bytes, splices)
     }
 
     /// Returns the edits that insert bytes.
-    fn contents(&self, file: &Named) -> Result<Vec<Splice>, String> {
-        let edits: [(&BTreeMap<DamagePlace, String>, fn(&[u8], Vec<u8>) -> Edited); 5] = [
+    fn insertions(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
+        let edits: [(
+            &BTreeMap<DamagePlace, String>,
+            fn(&[u8], Vec<u8>) -> ByteEdit,
+        ); 5] = [
             (&self.replace, |old, new| (old.len(), new)),
             (&self.insert, |_, new| (0, new)),
             (&self.overwrite, |_, new| (new.len(), new)),
@@ -134,9 +137,9 @@ impl Damage {
         for (places, edit) in edits {
             for (place, content) in places {
                 for Spot { field, range } in file.spots(place)? {
-                    let new = content_of(content, file, &range)?;
-                    let (taken, new) = edit(&file.written.bytes[range.clone()], new);
-                    let range = range.start..range.start + taken;
+                    let new = expand_content(content, file, &range)?;
+                    let (removed, new) = edit(&file.written.bytes[range.clone()], new);
+                    let range = range.start..range.start + removed;
                     splices.push((Spot { field, range }, new));
                 }
             }
@@ -144,21 +147,21 @@ impl Damage {
         Ok(splices)
     }
 
-    /// Replaces bytes of the header, wherever they are.
-    fn header_bytes(&self, file: &Named) -> Vec<Splice> {
+    /// Returns the edits that replace bytes of the header, at every occurrence.
+    fn header_edits(&self, file: &NamedPlaces) -> Vec<Splice> {
         let header = file.text(&(0..file.written.payload));
-        let each = |(old, new): (&String, &String)| -> Vec<Splice> {
+        let replacements = |(old, new): (&String, &String)| -> Vec<Splice> {
             let places = header.match_indices(old.as_str());
             let splice = |(at, _)| (Spot::outside(at..at + old.len()), new.clone().into_bytes());
             places.map(splice).collect()
         };
-        self.header.iter().flat_map(each).collect()
+        self.header.iter().flat_map(replacements).collect()
     }
 
     /// Returns the edits that only remove bytes.
-    fn cuts(&self, file: &Named) -> Result<Vec<Splice>, String> {
+    fn removals(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
         let bytes = &file.written.bytes;
-        let mut gone = Vec::new();
+        let mut removed = Vec::new();
         for (place, &count) in &self.cut {
             let Spot { field, range } = file.spot(place)?;
             let length = count.unsigned_abs().min(range.len());
@@ -166,11 +169,11 @@ impl Damage {
                 true => range.end - length..range.end,
                 false => range.start..range.start + length,
             };
-            gone.push(Spot { field, range });
+            removed.push(Spot { field, range });
         }
         if let Some(place) = &self.remove {
             let Range { start, end } = file.spot(place)?.range;
-            gone.push(Spot::outside(match bytes[end] {
+            removed.push(Spot::outside(match bytes[end] {
                 b' ' => start..end + 1,
                 _ => start - 1..end,
             }));
@@ -178,14 +181,14 @@ impl Damage {
         if let Some(place) = &self.remove_line {
             let start = file.spot(place)?.range.start;
             let length = bytes[start..].iter().position(|&byte| byte == b'\n');
-            let length = 1 + length.ok_or("no line ends there")?;
-            gone.push(Spot::outside(start..start + length));
+            let length = 1 + length.ok_or("the place is not in a line")?;
+            removed.push(Spot::outside(start..start + length));
         }
         if let Some(place) = &self.end {
             let start = file.spot(place)?.range.start;
-            gone.push(Spot::outside(start..bytes.len()));
+            removed.push(Spot::outside(start..bytes.len()));
         }
-        Ok(gone.into_iter().map(|spot| (spot, Vec::new())).collect())
+        Ok(removed.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
     /// Returns the values for a reader that ignores the damage.
@@ -211,17 +214,17 @@ impl Needs {
     fn check(&self, model: &Model) -> Result<(), String> {
         let size = self.size.as_deref().map(str::parse::<Size>).transpose()?;
         let planes = self.planes;
-        let met = planes.is_none_or(|planes| planes == model.format.channels())
+        let is_met = planes.is_none_or(|planes| planes == model.format.channels())
             && size.is_none_or(|size| size == model.size)
             && (self.coding.is_none() || self.coding == model.format.coding());
-        met.then_some(()).ok_or_else(|| {
-            "the file lacks the planes, size or coding that this damage needs".to_owned()
+        is_met.then_some(()).ok_or_else(|| {
+            "the file does not have the number of planes, the size or the coding that this damage requires".to_owned()
         })
     }
 }
 
-/// Returns the bytes of a content at a place: `hex` bytes, a stand-in `stream`, or text.
-fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>, String> {
+/// Returns the bytes of new content for a range: `hex` bytes, a stand-in `stream`, or text with placeholders.
+fn expand_content(content: &str, file: &NamedPlaces, at: &Range<usize>) -> Result<Vec<u8>, String> {
     if let Some(hex) = content.strip_prefix("hex ") {
         let words = hex.split_whitespace();
         let words: Result<Vec<_>, _> = words.map(|word| hex_bytes(word, file.model)).collect();
@@ -236,18 +239,18 @@ fn content_of(content: &str, file: &Named, at: &Range<usize>) -> Result<Vec<u8>,
             .stream(file.model);
     }
     let (mut bytes, mut rest) = (String::new(), content);
-    while let Some((text, (inside, after))) = rest
+    while let Some((text, (name, tail))) = rest
         .split_once('{')
         .and_then(|(text, rest)| Some((text, rest.split_once('}')?)))
     {
         bytes += text;
-        bytes += &file.fill(inside, at)?;
-        rest = after;
+        bytes += &file.fill(name, at)?;
+        rest = tail;
     }
     Ok((bytes + rest).into_bytes())
 }
 
-/// Parses `ff`, `a5*5000` or `80*{texels}`: a byte and an optional count; `{texels}` is their number in four bytes, big-endian.
+/// Parses `ff`, `a5*5000` or `80*{texels}`: a byte and an optional count. `{texels}` is the number of texels as a big-endian u32.
 fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     let unknown = || format!("expected a byte in hex, found {word:?}");
     let texels = model.size.texels();
@@ -264,19 +267,19 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     Ok(vec![byte.ok_or_else(unknown)?; times.ok_or_else(unknown)?])
 }
 
-/// Adds `more` to a number.
-fn add_to_number(file: &Named, place: &DamagePlace, more: &str) -> Result<Splice, String> {
+/// Returns the edit that adds `amount` to a number.
+fn add_to_number(file: &NamedPlaces, place: &DamagePlace, amount: &str) -> Result<Splice, String> {
     let spot = file.spot(place)?;
     let number = |text: &str| {
         let number: Result<i128, _> = text.parse();
         number.map_err(|_| format!("expected a number, found {text:?}"))
     };
-    let sum = number(&file.text(&spot.range))? + number(more)?;
+    let sum = number(&file.text(&spot.range))? + number(amount)?;
     Ok((spot, sum.to_string().into_bytes()))
 }
 
-/// Sets an index to a value that refers to no entry.
-fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, String> {
+/// Returns the edit that sets an index to a value past the last entry.
+fn set_index(file: &NamedPlaces, texel: TexelPlace, index: Index) -> Result<Splice, String> {
     let entries = file.model.entries();
     let width = if entries > 256 { 2 } else { 1 };
     let spot = file.spot(&"indices".parse()?)?;
@@ -300,11 +303,11 @@ fn set_index(file: &Named, texel: TexelPlace, index: Index) -> Result<Splice, St
     Ok((Spot { range, ..spot }, bytes))
 }
 
-/// Adjusts the sizes of planes and of their side information to these splices.
-fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
+/// Returns the edits that adjust the sizes of planes and of their side information to these splices.
+fn size_edits(file: &NamedPlaces, splices: &[Splice]) -> Vec<Splice> {
     let size = |(list, part): (Spot, Spot)| {
-        let mine = splices.iter().filter(|(spot, _)| spot.field == part.field);
-        let length = mine.fold(part.range.len(), |length, (spot, new)| {
+        let own = splices.iter().filter(|(spot, _)| spot.field == part.field);
+        let length = own.fold(part.range.len(), |length, (spot, new)| {
             length - spot.range.len() + new.len()
         });
         (list, length.to_string().into_bytes())
@@ -323,7 +326,7 @@ fn sizes(file: &Named, splices: &[Splice]) -> Vec<Splice> {
 
 /// Applies splices that do not overlap to a file.
 fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
-    // Places without bytes may have the same start as a field after them.
+    // An empty place may have the same start as the next field.
     splices.sort_by_key(|(spot, _)| (spot.range.start, spot.field));
     let (mut edited, mut at) = (Vec::with_capacity(bytes.len()), 0);
     for (Spot { range, .. }, new) in splices {
@@ -340,7 +343,7 @@ fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Stri
     Ok(edited)
 }
 
-/// Returns each texel as the nine adjacent bytes that version 1.1 finds in the payload of an LRGB file.
+/// Returns each texel as the nine adjacent bytes that a reader of version 1.1 finds in the payload of an LRGB file.
 fn interleave_texels(model: &Model) -> Model {
     let row = model.size.width as usize * 9;
     let rows = model.samples.chunks(row).rev();

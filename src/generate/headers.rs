@@ -1,23 +1,23 @@
-//! Rewriting of the headers of a stream with another order or component id.
+//! Rewriting the headers of a stream with a different order or component id.
 
 use super::plan::Stream;
 use crate::codec::segments::{MarkerSegment, join_segments, split_segments};
 
-// A marker, and offsets after the length of a segment.
+// A marker code, and offsets in the contents of segments.
 const JFIF: u8 = 0xe0;
 const COMPONENT_OF_FRAME: usize = 6;
 const COMPONENT_OF_SCAN: usize = 1;
 
-/// Rewrites the headers of a stream as `style` requests.
-pub(super) fn with_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
-    let (mut segments, data) = split_segments(stream).expect("a stream of our encoders");
+/// Rewrites the headers of a stream according to `style`.
+pub(super) fn rewrite_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
+    let (mut segments, data) = split_segments(stream).expect("the encoders write valid streams");
     if !style.jfif {
         segments.retain(|segment| segment.code != JFIF);
     }
     let is_frame = |segment: &MarkerSegment| matches!(segment.code, 0xc0 | 0xc1 | 0xf7);
     if let Some(frame) = segments.iter().position(is_frame) {
         segments[frame].content[COMPONENT_OF_FRAME] = style.component;
-        // DQT of JPEG, LSE of JPEG-LS.
+        // DQT in JPEG, LSE in JPEG-LS.
         let tables = (segments.iter()).position(|segment| matches!(segment.code, 0xdb | 0xf8));
         if let Some(tables) = tables.filter(|_| style.frame_moved) {
             let header = segments.remove(frame);

@@ -1,6 +1,6 @@
 //! §2.8 Lookup Table Indices
 //!
-//! One byte each up to 256 entries, else two, low byte first (clauses 2.8.1/2–3); then the colors of `PTM_LUT` (2.8.1/4).
+//! One-byte indices for up to 256 entries, or two-byte indices, low byte first (2.8.1/2–3). The colors of `PTM_LUT` follow.
 
 use super::model::Model;
 use super::output::Output;
@@ -18,7 +18,7 @@ pub(super) fn write(model: &Model, out: &mut Output) {
             }
         }
     }
-    out.take("2.8.1/1", "indices", &bytes);
+    out.put("2.8.1/1", "indices", &bytes);
     if model.format.storage() == Storage::Table {
         texels::write_colors("2.8.1/4", model, out);
     }

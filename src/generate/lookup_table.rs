@@ -1,6 +1,6 @@
 //! §2.5 Lookup Table
 //!
-//! The count in one of its three spellings (ruling `lut-count`), the entries, and nothing or a line end (ruling `lut-newline`).
+//! The count in one of its three spellings (ruling `lut-count`), the entries, and optionally a line end (ruling `lut-newline`).
 
 use super::model::Model;
 use super::output::Output;
@@ -17,8 +17,8 @@ pub(super) fn write(model: &Model, out: &mut Output) {
         out.token("2.5/2", "count keyword", "N_LUT_ENTRIES");
     }
     out.line_end(Line::Count);
-    out.take("2.5/3", "table", &model.table);
+    out.put("2.5/3", "table", &model.table);
     if out.spelling.newline_after_table {
-        out.take("2.5/3", "newline after the table", b"\n");
+        out.put("2.5/3", "newline after the table", b"\n");
     }
 }

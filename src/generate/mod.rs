@@ -1,8 +1,8 @@
-//! Values → bytes: the mirror of [`mod@crate::decode`], with the same sections under the same names.
+//! Values → bytes: the mirror image of [`mod@crate::decode`], with the same sections under the same names.
 //!
-//! This module never uses `decode`: two independent implementations of one text can disagree, one implementation used twice
-//! cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe gives the
-//! same bytes everywhere.
+//! This module never uses `decode`: two independent implementations of one text can disagree, but one implementation used
+//! twice cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe
+//! gives the same bytes everywhere.
 
 mod output;
 
@@ -39,7 +39,7 @@ mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
 
-/// Rewriting of the headers of a stream with another order or component id.
+/// Rewriting the headers of a stream with a different order or component id.
 mod headers;
 
 /// Recipes for files: format, size, scene, numbers, spelling.
@@ -51,7 +51,7 @@ pub mod plan;
 /// All legal spellings of a header.
 pub mod spelling;
 
-/// Scenes that are painted.
+/// Painted scenes.
 pub mod scene;
 
 /// The samples of a scene.
@@ -64,11 +64,11 @@ pub mod model;
 #[cfg(feature = "harness")]
 pub mod damage;
 
-/// Places in a file, as damages name them.
+/// Places in a file, in the syntax of damages.
 #[cfg(feature = "harness")]
 mod place;
 
-/// Streams with wrong properties, which replace streams of a file.
+/// Streams with wrong properties that replace streams of a file.
 #[cfg(feature = "harness")]
 mod stand_in;
 

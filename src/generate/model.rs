@@ -16,9 +16,9 @@ pub struct Model {
     pub format: Format,
     /// Width and height.
     pub size: Size,
-    /// `height * width * channels` stored values, texel after texel, top row first.
+    /// `height * width * channels` stored values, texel by texel, top row first.
     pub samples: Vec<u8>,
-    /// The entries of the table, one after another; empty without a table.
+    /// The concatenated entries of the table; empty without a table.
     pub table: Vec<u8>,
     /// The entry of each texel, top row first; empty without a table.
     pub indices: Vec<u32>,
@@ -53,10 +53,10 @@ impl Model {
         model
     }
 
-    /// Returns the values of an existing map, in the header and the format of `recipe`: `samples` as in [`Model::samples`].
+    /// Creates the values of a file with the header and format of `recipe` and with existing `samples`, as in [`Model::samples`].
     ///
-    /// The table has the distinct texels in stored order. After lossy compression, the samples of the model are those that a
-    /// decoder returns.
+    /// The table contains the distinct texels in stored order. After lossy compression, the samples of the model are the decoded
+    /// samples.
     ///
     /// # Errors
     /// Returns an error if the map has more distinct texels than a table can have entries.
@@ -70,7 +70,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Returns a model without table and streams.
+    /// Returns a model without a table or streams.
     pub(crate) fn uncompressed(recipe: &Recipe, samples: Vec<u8>) -> Model {
         Model {
             format: recipe.format,
@@ -86,21 +86,21 @@ impl Model {
         }
     }
 
-    /// Encodes the streams, and sets the samples that an exact decoder returns for them.
+    /// Encodes the streams, and sets the samples to those that an exact decoder returns.
     fn compress(&mut self, recipe: &Recipe) {
         let compressed;
         (compressed, self.samples, self.slack) = planes::encode(recipe, &self.samples);
         self.compressed = Some(compressed);
     }
 
-    /// Makes a table of the distinct texels, and the indices that name them.
+    /// Builds a table of the distinct texels, and the indices into it.
     fn collect_table(&mut self) -> Result<(), String> {
         const MAX_TABLE_ENTRIES: usize = 65_536;
         let (size, width) = (self.format.entry_size(), self.size.width as usize);
         let mut known: HashMap<&[u8], u32> = HashMap::new();
         let mut indices = vec![0; self.size.texels()];
         let mut table = Vec::new();
-        // From the bottom row up, in stored order.
+        // Rows are visited in stored order, from the bottom up.
         for row in (0..self.size.height as usize).rev() {
             let texels = row * width..(row + 1) * width;
             for (index, texel) in indices[texels.clone()].iter_mut().zip(texels) {
@@ -115,7 +115,7 @@ impl Model {
         let entries = known.len();
         if entries > MAX_TABLE_ENTRIES {
             return Err(format!(
-                "{entries} texels are distinct, but two bytes can index at most {MAX_TABLE_ENTRIES} entries"
+                "the map has {entries} distinct texels, but two bytes can index at most {MAX_TABLE_ENTRIES} entries"
             ));
         }
         (self.indices, self.table) = (indices, table);
@@ -145,13 +145,13 @@ impl Model {
         self.table.len() / self.format.entry_size()
     }
 
-    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, the byte itself for the rest.
+    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, and the byte for other channels.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         self.final_values(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])
     }
 
-    /// Returns the final values of `samples`, of which coefficient a*i* becomes `coefficient(raw, i)`.
+    /// Returns the final values of `samples`. The value of coefficient a*i* is `coefficient(raw, i)`.
     fn final_values(&self, samples: &[u8], coefficient: impl Fn(f64, usize) -> f64) -> Vec<f64> {
         let channels = self.format.channels();
         let polynomials = if channels == 18 { 18 } else { 6 };
@@ -199,12 +199,11 @@ impl Model {
             if values.len() == 18 {
                 [0, 6, 12].map(|channel| sum(&slack[channel..], f64::abs))
             } else {
-                // The maximum deviation of a product of two values that both deviate.
+                // This is the maximum deviation of a product of two values that both deviate.
                 let luminance = sum(values, |term| term).abs();
-                let off = sum(slack, f64::abs);
-                [6, 7, 8].map(|channel| {
-                    (off * (values[channel] + slack[channel]) + luminance * slack[channel]) / 255.0
-                })
+                let deviation = sum(slack, f64::abs);
+                [6, 7, 8]
+                    .map(|c| (deviation * (values[c] + slack[c]) + luminance * slack[c]) / 255.0)
             }
         };
         let channels = self.format.channels();

@@ -1,4 +1,4 @@
-//! Writing methods that record the written fields, mirroring the reader's methods.
+//! Methods that write fields and record them, mirroring the methods of the reader.
 
 use super::spelling::{Line, Spelling};
 use crate::ptm::Field;
@@ -8,9 +8,9 @@ use crate::ptm::Field;
 pub struct Written {
     /// The file.
     pub bytes: Vec<u8>,
-    /// Fields in file order, which give the meaning of each byte.
+    /// Fields in file order, which describe the meaning of each byte.
     pub fields: Vec<Field>,
-    /// The position of the first byte that is not header text.
+    /// The offset of the first byte after the header text.
     pub payload: usize,
 }
 
@@ -80,8 +80,8 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Writes bytes of the payload.
-    pub fn take(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
+    /// Writes a field of the payload.
+    pub fn put(&mut self, clause: &'static str, name: &'static str, bytes: &[u8]) {
         self.payload.get_or_insert(self.bytes.len());
         self.field(clause, name, bytes);
     }

@@ -6,12 +6,12 @@ use super::scene::Scene;
 /// Returns the painted byte of a channel of a texel, or of an entry.
 #[expect(
     clippy::match_same_arms,
-    reason = "a table reads better with a line for each of its rows"
+    reason = "a table is easier to read with one line per row"
 )]
 pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
     let noise = hash(recipe.seed, texel, channel) as u8;
     if recipe.scene == Scene::Noise {
-        // The most frequent scene returns before divisions are done for coordinates.
+        // The most frequent scene returns early, without the divisions for coordinates.
         return noise;
     }
     let (width, height) = (recipe.size.width as usize, recipe.size.height as usize);
@@ -51,10 +51,10 @@ fn drift(seed: u32, y: usize) -> u8 {
     (2 * (y + seed as usize) / 3 % 60) as u8
 }
 
-/// Returns one of two bytes of different parity, alternately.
-fn alternating_byte(seed: u32, place: usize, channel: usize) -> u8 {
+/// Returns one of two bytes with different parity, depending on the parity of `position`.
+fn alternating_byte(seed: u32, position: usize, channel: usize) -> u8 {
     let even = hash(seed, 0, channel) as u8;
-    if place.is_multiple_of(2) {
+    if position.is_multiple_of(2) {
         even
     } else {
         hash(seed, 1, channel) as u8 & 0xfe | !even & 1
@@ -64,27 +64,27 @@ fn alternating_byte(seed: u32, place: usize, channel: usize) -> u8 {
 /// Returns the entry of a texel.
 pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
     let entries = recipe.entries;
-    let any = hash(recipe.seed ^ 0x5bd1, texel, 99);
+    let random = hash(recipe.seed ^ 0x5bd1, texel, 99);
     match &recipe.indices {
         Indices::Any => match texel {
             1 => entries - 1,
             2 => 0,
-            _ => any % entries,
+            _ => random % entries,
         },
-        Indices::Below(limit) => any % entries.min(*limit),
+        Indices::Below(limit) => random % entries.min(*limit),
         Indices::BytesDiffer => {
-            // Continue to the next index whose bytes differ; of two neighbors one always does.
-            let start = any % entries;
+            // Continue to the next index whose bytes differ. The bytes differ in at least one of two adjacent indices.
+            let start = random % entries;
             let mut following = (0..entries).map(|step| (start + step) % entries);
             following
                 .find(|index| index % 256 != index / 256)
                 .unwrap_or(0)
         }
-        Indices::These(list) => list[texel % list.len()],
+        Indices::List(list) => list[texel % list.len()],
     }
 }
 
-/// Returns a pseudo-random number: the finalizer of `MurmurHash3` over seed, texel and channel.
+/// Returns a pseudo-random number: the finalizer of `MurmurHash3` for seed, texel and channel.
 pub(super) fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
     let mut h = seed.wrapping_mul(0x9e37_79b1)
         ^ (texel as u32).wrapping_mul(0x85eb_ca77)

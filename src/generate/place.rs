@@ -11,22 +11,22 @@ use super::output::Written;
 #[serde(try_from = "String")]
 pub(super) struct DamagePlace {
     name: String,
-    which: Which,
+    which: Selector,
     segment: Option<StreamPart>,
     offset: Offset,
 }
 
-/// A choice among fields of the same name.
+/// A selection among fields with the same name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Which {
+enum Selector {
     Nth(usize),
     Last,
     All,
-    /// The field of the predicted plane of the largest rank.
+    /// The field of the predicted plane with the highest rank.
     Predicted,
     /// The field of the reference of that plane.
     Reference,
-    /// The field of the plane of the smallest rank.
+    /// The field of the plane with the lowest rank.
     First,
     /// The field of the first plane that is predicted from plane 0.
     FromZero,
@@ -35,22 +35,22 @@ enum Which {
 /// A part of a JPEG or JPEG-LS stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum StreamPart {
-    /// The first segment before the data whose marker has this code.
+    /// The first segment with this marker code, before the data.
     Marker(u8),
     /// The frame header: marker code c0 or f7.
     Frame,
-    /// From the scan header to the end.
+    /// The rest of the stream, from the scan header.
     Scan,
     /// The data after the scan header, without EOI.
     Data,
 }
 
-/// A position in a field; the place is the rest of the field.
+/// A position in a field. The place extends from it to the end of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Offset {
     Forward(usize),
     Back(usize),
-    /// Back by whole texels of the last block, or by rows of them.
+    /// Backward from the end, by texels of the last block (`Texels`) or by rows of them (`Rows`).
     Texels(usize),
     Rows(usize),
     Half,
@@ -65,18 +65,18 @@ impl FromStr for DamagePlace {
     type Err = String;
 
     fn from_str(text: &str) -> Result<DamagePlace, String> {
-        let unknown = |what: &str| format!("unknown {what} in the place {text:?}");
-        let cut = text.rfind(['+', '-', '/']).unwrap_or(text.len());
-        let offset = Offset::parse(&text[cut..]);
-        let whole = &text[..offset.map_or(text.len(), |_| cut)];
-        let (mut field, mut segment, mut which) = (whole, None, Which::Nth(0));
-        if let Some((before, part)) = whole.split_once('.') {
+        let unknown = |part: &str| format!("unknown {part} in the place {text:?}");
+        let offset_start = text.rfind(['+', '-', '/']).unwrap_or(text.len());
+        let offset = Offset::parse(&text[offset_start..]);
+        let path = &text[..offset.map_or(text.len(), |_| offset_start)];
+        let (mut field, mut segment, mut which) = (path, None, Selector::Nth(0));
+        if let Some((before, part)) = path.split_once('.') {
             field = before;
             segment = Some(StreamPart::parse(part).ok_or_else(|| unknown("part"))?);
         }
-        if let Some((before, number)) = field.strip_suffix(']').and_then(|of| of.split_once('[')) {
+        if let Some((before, number)) = field.strip_suffix(']').and_then(|it| it.split_once('[')) {
             field = before;
-            which = Which::parse(number).ok_or_else(|| unknown("number"))?;
+            which = Selector::parse(number).ok_or_else(|| unknown("number"))?;
         }
         if NAMES.split('|').all(|name| name != field) {
             return Err(unknown("field"));
@@ -122,7 +122,7 @@ impl StreamPart {
         })
     }
 
-    /// Returns its bytes in a stream.
+    /// Returns the range of this part in a stream.
     fn range(self, stream: &[u8]) -> Option<Range<usize>> {
         let found = match self {
             StreamPart::Marker(code) => segment(stream, code)?,
@@ -150,31 +150,31 @@ pub(super) fn segment(stream: &[u8], code: u8) -> Option<Range<usize>> {
     }
 }
 
-impl Which {
-    fn parse(text: &str) -> Option<Which> {
+impl Selector {
+    fn parse(text: &str) -> Option<Selector> {
         Some(match text {
-            "last" => Which::Last,
-            "all" => Which::All,
-            "predicted" => Which::Predicted,
-            "reference" => Which::Reference,
-            "first" => Which::First,
-            "from-0" => Which::FromZero,
-            _ => Which::Nth(text.parse().ok()?),
+            "last" => Selector::Last,
+            "all" => Selector::All,
+            "predicted" => Selector::Predicted,
+            "reference" => Selector::Reference,
+            "first" => Selector::First,
+            "from-0" => Selector::FromZero,
+            _ => Selector::Nth(text.parse().ok()?),
         })
     }
 
     /// Returns the selected plane of a compressed file.
     fn plane(self, model: &Model) -> Option<usize> {
         let plan = &model.compressed.as_ref()?.plan;
-        let by_rank = plan.in_order();
+        let by_rank = plan.decoding_order();
         let is_predicted = |plane: &&usize| plan.reference(**plane).is_some();
         let predicted = by_rank.iter().rev().find(is_predicted).copied();
         match self {
-            Which::Predicted => predicted,
-            Which::Reference => plan.reference(predicted?),
-            Which::First => by_rank.first().copied(),
-            Which::FromZero => (1..by_rank.len()).find(|&plane| plan.reference(plane) == Some(0)),
-            Which::Nth(_) | Which::Last | Which::All => None,
+            Selector::Predicted => predicted,
+            Selector::Reference => plan.reference(predicted?),
+            Selector::First => by_rank.first().copied(),
+            Selector::FromZero => (1..by_rank.len()).find(|&p| plan.reference(p) == Some(0)),
+            Selector::Nth(_) | Selector::Last | Selector::All => None,
         }
     }
 }
@@ -187,7 +187,7 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// Makes a range that belongs to no field.
+    /// Creates a range that belongs to no field.
     pub fn outside(range: Range<usize>) -> Spot {
         Spot {
             field: usize::MAX,
@@ -197,13 +197,13 @@ impl Spot {
 }
 
 /// A file with named places.
-pub(super) struct Named<'a> {
+pub(super) struct NamedPlaces<'a> {
     pub written: &'a Written,
     pub model: &'a Model,
 }
 
-impl Named<'_> {
-    /// Returns the bytes of a place that is a single one.
+impl NamedPlaces<'_> {
+    /// Returns the range of a place that occurs once.
     pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
@@ -212,9 +212,9 @@ impl Named<'_> {
         Ok(spot.clone())
     }
 
-    /// Returns the bytes of a place, which may be several.
+    /// Returns all ranges of a place.
     pub fn spots(&self, place: &DamagePlace) -> Result<Vec<Spot>, String> {
-        let missing = || format!("the file has no such {}", place.name);
+        let missing = || format!("the file has no matching {}", place.name);
         let spots = self.fields(place).ok_or_else(missing)?.into_iter();
         let part = |spot: Spot| {
             let range = self.part(place, spot.range)?;
@@ -223,7 +223,7 @@ impl Named<'_> {
         spots.map(part).collect::<Option<_>>().ok_or_else(missing)
     }
 
-    /// Returns whole fields.
+    /// Returns the fields that a place selects.
     fn fields(&self, place: &DamagePlace) -> Option<Vec<Spot>> {
         let (payload, end) = (self.written.payload, self.written.bytes.len());
         let named = self.fields_named(&place.name);
@@ -233,9 +233,9 @@ impl Named<'_> {
             "payload" => payload..end,
             _ => {
                 let spot = match place.which {
-                    Which::All => return Some(named),
-                    Which::Last => named.last()?,
-                    Which::Nth(nth) => named.get(nth)?,
+                    Selector::All => return Some(named),
+                    Selector::Last => named.last()?,
+                    Selector::Nth(nth) => named.get(nth)?,
                     which => named.get(which.plane(self.model)?)?,
                 };
                 return Some(vec![spot.clone()]);
@@ -244,7 +244,7 @@ impl Named<'_> {
         Some(vec![Spot::outside(range)])
     }
 
-    /// Returns the fields of that name, in file order.
+    /// Returns the fields with this name, in file order.
     pub fn fields_named(&self, name: &str) -> Vec<Spot> {
         let fields = self.written.fields.iter().enumerate();
         let named = fields.filter(|(_, field)| field.name == name);
@@ -286,10 +286,10 @@ impl Named<'_> {
         String::from_utf8_lossy(&self.written.bytes[range.clone()]).into_owned()
     }
 
-    /// Returns the value of `{inside}` in the new content of a range.
-    pub fn fill(&self, inside: &str, at: &Range<usize>) -> Result<String, String> {
-        let plane = |which: Which| which.plane(self.model).map(|plane| plane.to_string());
-        let value = match inside {
+    /// Returns the value of the placeholder `{name}` in the new content of a range.
+    pub fn fill(&self, name: &str, at: &Range<usize>) -> Result<String, String> {
+        let plane = |which: Selector| which.plane(self.model).map(|plane| plane.to_string());
+        let value = match name {
             "" => Some(self.text(at)),
             ":lower" => Some(self.text(at).to_lowercase()),
             ":hex" => {
@@ -297,10 +297,10 @@ impl Named<'_> {
                 number.map(|number| format!("{number:x}"))
             }
             "planes" => Some(self.model.format.channels().to_string()),
-            "predicted" => plane(Which::Predicted),
-            "first" => plane(Which::First),
-            _ => Some(self.text(&self.spot(&inside.parse()?)?.range)),
+            "predicted" => plane(Selector::Predicted),
+            "first" => plane(Selector::First),
+            _ => Some(self.text(&self.spot(&name.parse()?)?.range)),
         };
-        value.ok_or_else(|| format!("the file has no {{{inside}}}"))
+        value.ok_or_else(|| format!("the file has no {{{name}}}"))
     }
 }

@@ -1,6 +1,6 @@
 //! Compression of planes: the lists of §2.9 and the samples that are painted into the planes.
 
-#![allow(clippy::cast_possible_wrap, reason = "planes are at most 18")]
+#![allow(clippy::cast_possible_wrap, reason = "there are at most 18 planes")]
 
 use std::str::FromStr;
 
@@ -9,50 +9,50 @@ use crate::codec::jpeg::JpegOptions;
 use crate::codec::jpeg_ls::PresetParameters;
 use crate::ptm::{Coding, Format, Size};
 
-/// Parameters for the compression of planes. All lists have a number for each plane.
+/// Parameters for the compression of planes. Each list has one number per plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compression {
     /// The standard of the streams.
     pub coding: Coding,
-    /// Quality of JPEG, maximum error of JPEG-LS (2.9.1).
+    /// JPEG quality or maximum error of JPEG-LS (2.9.1).
     pub parameter: u8,
     /// Transforms of the references (2.9.2).
     pub transforms: Vec<u32>,
-    /// Motion along rows, in half texels (2.9.3).
+    /// Horizontal motion in half texels (2.9.3).
     pub motion_x: Vec<i32>,
-    /// Motion across rows, in half texels.
+    /// Vertical motion in half texels (2.9.3).
     pub motion_y: Vec<i32>,
     /// The rank of each plane (2.9.4).
     pub order: Vec<i64>,
     /// The reference of each plane; negative for none (2.9.5).
     pub references: Vec<i64>,
-    /// Side information in addition to what is needed (2.9.8).
+    /// Records of side information in addition to the necessary ones (2.9.8).
     pub records: Vec<Records>,
-    /// The painted samples: the planes, or their residuals.
+    /// The kind of painted samples: planes or residuals.
     pub residuals: Residuals,
-    /// The spelling of the streams.
+    /// Encoding options of the streams.
     pub stream: Stream,
-    /// True if only the streams of planes 0, 2, 4 … have this spelling; the others are plain.
+    /// True if only planes 0, 2, 4 … use these options. The other planes use [`Stream::PLAIN`].
     pub alternates: bool,
 }
 
 /// Choices that JPEG and JPEG-LS leave to an encoder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stream {
-    /// JPEG: the options of the encoder; the quality is that of the plan.
+    /// JPEG: the options of the encoder. The plan overrides the quality.
     pub jpeg: JpegOptions,
-    /// JPEG: a JFIF segment, which the standards of 2.9.8 do not require.
+    /// JPEG: true to write a JFIF segment, which the standard does not require.
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<PresetParameters>,
     /// The component id.
     pub component: u8,
-    /// The frame header precedes the quantization tables of JPEG, and follows the preset parameters of JPEG-LS.
+    /// True if the frame header precedes the quantization tables (JPEG) or follows the preset parameters (JPEG-LS).
     pub frame_moved: bool,
 }
 
 impl Stream {
-    /// The defaults.
+    /// The default options.
     pub const PLAIN: Stream = Stream {
         jpeg: JpegOptions::new(75),
         jfif: true,
@@ -67,19 +67,19 @@ impl Stream {
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Residuals {
-    /// The samples of the scene, as planes; the residuals follow by prediction.
+    /// The samples of the scene are planes. Residuals are computed by prediction.
     Natural,
-    /// Residuals, in 8×8 blocks of one pseudo-random value that every inverse DCT restores.
+    /// Residuals in 8×8 blocks, each with one pseudo-random value that every inverse DCT reconstructs exactly.
     Blocks,
-    /// Like `Blocks`, but 128 in blocks at the edge.
+    /// Like `Blocks`, but blocks at the edge are 128.
     Framed,
-    /// Like `Blocks`, but in predicted planes the first texel of each block becomes −1, 0, 255 or 256 before the modulus.
+    /// Like `Blocks`, but the first texel of each block in predicted planes is −1, 0, 255 or 256 before reduction modulo 256.
     Wraps,
     /// 128 everywhere.
     Gray,
 }
 
-/// Additional records of side information that no texel needs.
+/// Additional records of side information, which are not necessary.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Records {
     planes: PlaneSelection,
@@ -94,7 +94,7 @@ enum PlaneSelection {
     One(usize),
 }
 
-/// Texels that have a record, counted in the stored raster, from the bottom row (ruling `side-information`).
+/// Texels that have a record, counted in stored order, from the bottom row (ruling `side-information`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Texels {
     First,
@@ -102,10 +102,10 @@ pub(super) enum Texels {
     All,
     /// The texels at the edge.
     Border,
-    /// The first texel, twice: a wrong value, then the right one (ruling `side-twice`).
+    /// The first texel, twice: a wrong value, then the correct one (ruling `side-twice`).
     Twice,
     /// These texels, in this order.
-    These(Vec<usize>),
+    List(Vec<usize>),
 }
 
 impl FromStr for Records {
@@ -113,13 +113,13 @@ impl FromStr for Records {
 
     /// Parses `PLANES:TEXELS`, such as `all:first`, `predicted:border`, `0:all`, `3:7+4+9`.
     fn from_str(text: &str) -> Result<Records, String> {
-        let wrong = || format!("expected records such as 0:first, found {text:?}");
-        let (planes, texels) = text.split_once(':').ok_or_else(wrong)?;
+        let syntax_error = || format!("expected records such as 0:first, found {text:?}");
+        let (planes, texels) = text.split_once(':').ok_or_else(syntax_error)?;
         let planes = match planes {
             "all" => PlaneSelection::All,
             "predicted" => PlaneSelection::Predicted,
             "intra" => PlaneSelection::Intra,
-            number => PlaneSelection::One(number.parse().map_err(|_| wrong())?),
+            number => PlaneSelection::One(number.parse().map_err(|_| syntax_error())?),
         };
         let texels = match texels {
             "first" => Texels::First,
@@ -129,7 +129,7 @@ impl FromStr for Records {
             "twice" => Texels::Twice,
             list => {
                 let texels: Result<_, _> = list.split('+').map(str::parse).collect();
-                Texels::These(texels.map_err(|_| wrong())?)
+                Texels::List(texels.map_err(|_| syntax_error())?)
             }
         };
         Ok(Records { planes, texels })
@@ -143,29 +143,29 @@ impl FromStr for Records {
 pub enum Structure {
     /// No references.
     Intra,
-    /// Each plane from the one before it.
+    /// Each plane is predicted from the previous one.
     Chain,
-    /// All planes from plane 0.
+    /// All planes are predicted from plane 0.
     Star,
-    /// A chain in steps: plane 5k + 2 from plane 5k − 3, modulo the number of planes.
+    /// A chain with steps of 5: plane 5k + 2 is predicted from plane 5k − 3, modulo the number of planes.
     Deep,
-    /// Two trees of half the planes; plane k of a tree from plane (k − 1) / 2 of it.
+    /// Two trees, each with half the planes. Plane k of a tree is predicted from plane (k − 1) / 2 of the same tree.
     TwoTrees,
-    /// Every third plane intra, the two after it from that plane.
+    /// Every third plane is intra, and the next two planes are predicted from it.
     SharedReference,
-    /// Each plane from the one after it; the last is intra.
+    /// Each plane is predicted from the next one. The last plane is intra.
     Upward,
-    /// All planes from the plane of rank 0; ranks begin in the middle, so that the order differs from its inverse.
+    /// All planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its inverse.
     Rotated,
-    /// The structure of the one real file, of a clay tablet.
+    /// The structure of the only real file, a clay tablet.
     Tablet,
-    /// Like `Star`, but all dependent planes have one rank (ruling `ranks`).
+    /// Like `Star`, but all dependent planes have the same rank (ruling `ranks`).
     EqualRanks,
     /// Like `Chain`, with ranks 0, 10, 20 … (ruling `ranks`).
     Gaps,
-    /// Like `Chain`, with ranks from 1 (ruling `ranks`).
+    /// Like `Chain`, with ranks 1, 2, 3 … (ruling `ranks`).
     NoRankZero,
-    /// No references, written −2 (ruling `ranks`).
+    /// No references, written as −2 (ruling `ranks`).
     BelowMinusOne,
 }
 
@@ -188,32 +188,32 @@ impl Structure {
             Structure::EqualRanks => (from(0, i == 0), i64::from(i > 0)),
             Structure::Deep => {
                 let rank = (0..count).find(|k| (5 * k + 2) % count == i);
-                let rank = rank.expect("5 has no divisor in common with 9 or 18");
+                let rank = rank.expect("5 and the number of planes are coprime");
                 (from((i - 5).rem_euclid(count), rank == 0), rank)
             }
             Structure::TwoTrees => {
                 let half = count / 2;
-                let (root, place) = if i < half { (0, i) } else { (half, i - half) };
-                (from(root + (place - 1) / 2, place == 0), i)
+                let (root, k) = if i < half { (0, i) } else { (half, i - half) };
+                (from(root + (k - 1) / 2, k == 0), i)
             }
             Structure::SharedReference => (from(i / 3 * 3, i % 3 == 0), i),
             Structure::Upward => (from(i + 1, i + 1 == count), count - 1 - i),
             Structure::Rotated => (from(count - 4, i == count - 4), (i + 4) % count),
             Structure::Tablet => {
-                // The file has 9 planes; in 18 planes the second half repeats the first, 9 planes and 9 ranks later.
+                // The file has 9 planes. With 18 planes, the second half repeats the first, 9 planes and 9 ranks later.
                 const REFERENCES: [i64; 9] = [-1, 5, -1, -1, -1, 0, 7, -1, 7];
                 const ORDER: [i64; 9] = [4, 8, 3, 0, 1, 7, 5, 2, 6];
-                let (place, half) = ((i % 9) as usize, i / 9 * 9);
-                let reference = REFERENCES[place];
-                (from(reference + half, reference < 0), ORDER[place] + half)
+                let (k, half) = ((i % 9) as usize, i / 9 * 9);
+                let reference = REFERENCES[k];
+                (from(reference + half, reference < 0), ORDER[k] + half)
             }
         }
     }
 }
 
 impl Compression {
-    /// The default compression: no predicted planes; JPEG at quality 75 in blocks that every decoder restores exactly, lossless
-    /// JPEG-LS.
+    /// Returns the default compression: no predicted planes, and either JPEG at quality 75 with blocks that every decoder
+    /// reconstructs exactly, or lossless JPEG-LS.
     #[must_use]
     pub fn ordinary(format: Format) -> Compression {
         let coding = format.coding().unwrap_or(Coding::JpegLs);
@@ -243,9 +243,9 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Repeats numbers over the predicted planes, or over all; the others have 0.
+    /// Assigns the numbers in a cycle to the predicted planes, or to all planes. Other planes have 0.
     #[must_use]
-    pub fn cycled<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
+    pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {
             true => numbers[plane % numbers.len()],
             false => T::default(),
@@ -259,9 +259,9 @@ impl Compression {
         usize::try_from(self.references[plane]).ok()
     }
 
-    /// Returns the planes by rank, the order in which they are decoded (clause 2.9.4/1).
+    /// Returns the planes in decoding order, sorted by rank (clause 2.9.4/1).
     #[must_use]
-    pub fn in_order(&self) -> Vec<usize> {
+    pub fn decoding_order(&self) -> Vec<usize> {
         let mut planes: Vec<usize> = (0..self.order.len()).collect();
         planes.sort_by_key(|&plane| self.order[plane]);
         planes
@@ -274,29 +274,29 @@ impl Compression {
     /// Returns the texels of a plane for which the recipe requests a record.
     pub(super) fn requested_records(&self, plane: usize, size: Size) -> Vec<usize> {
         let (width, texels) = (size.width as usize, size.texels());
-        let edge = |place: &usize| {
-            place.is_multiple_of(width)
-                || place % width == width - 1
-                || place / width == 0
-                || place / width == size.height as usize - 1
+        let edge = |texel: &usize| {
+            texel.is_multiple_of(width)
+                || texel % width == width - 1
+                || texel / width == 0
+                || texel / width == size.height as usize - 1
         };
-        let mut places: Vec<usize> = Vec::new();
-        let concerns = |records: &&Records| self.includes(records.planes, plane);
-        for records in self.records.iter().filter(concerns) {
+        let mut requested: Vec<usize> = Vec::new();
+        let applies = |records: &&Records| self.includes(records.planes, plane);
+        for records in self.records.iter().filter(applies) {
             let more: Vec<usize> = match &records.texels {
                 Texels::First | Texels::Twice => vec![0],
                 Texels::Last => vec![texels - 1],
                 Texels::All => (0..texels).collect(),
                 Texels::Border => (0..texels).filter(edge).collect(),
-                Texels::These(list) => list.clone(),
+                Texels::List(list) => list.clone(),
             };
-            for place in more {
-                if !places.contains(&place) {
-                    places.push(place);
+            for texel in more {
+                if !requested.contains(&texel) {
+                    requested.push(texel);
                 }
             }
         }
-        places
+        requested
     }
 
     /// Returns true if a plane has records of this kind.
@@ -315,7 +315,7 @@ impl Compression {
         }
     }
 
-    /// Returns the predicted planes: their number, transform and vector.
+    /// Returns the predicted planes with their transforms and vectors.
     fn predicted(&self) -> impl Iterator<Item = (usize, u32, (i32, i32))> {
         let planes = (0..self.order.len()).filter(|&plane| self.reference(plane).is_some());
         planes.map(|plane| (plane, self.transforms[plane], self.vector(plane)))
@@ -341,13 +341,13 @@ impl Compression {
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
 
-    /// Returns the open choices that may affect a file with these lists, possibly more than do.
+    /// Returns the open choices that may affect a file with these lists. Some of them may have no effect.
     #[must_use]
     pub fn axes(&self) -> Vec<&'static str> {
         let is_moved = |&(_, transform, vector): &_| transform & MOTION != 0 && vector != (0, 0);
         let moved: Vec<(usize, u32, (i32, i32))> = self.predicted().filter(is_moved).collect();
         let mut axes = Vec::new();
-        let mut add = |axis, shows: bool| axes.extend(shows.then_some(axis));
+        let mut add = |axis, applies: bool| axes.extend(applies.then_some(axis));
         let offset = self.coding == Coding::JpegLs && self.predicts();
         let is_half = |&(_, _, (mx, my)): &(_, _, (i32, i32))| mx % 2 != 0 || my % 2 != 0;
         let is_inverted = |&(_, transform, _): &(_, u32, _)| transform & INVERSION != 0;
@@ -379,13 +379,13 @@ impl Compression {
         ];
         if lengths != [count; 4] {
             return Err(format!(
-                "expected {count} numbers in every list of this format"
+                "every list of this format must have {count} numbers"
             ));
         }
         for plane in 0..count {
             match self.reference(plane) {
                 Some(reference) if reference >= count => {
-                    return Err(format!("there is no plane {reference}"));
+                    return Err(format!("plane {reference} does not exist"));
                 }
                 Some(reference) if self.order[reference] >= self.order[plane] => {
                     return Err(format!(
@@ -394,8 +394,8 @@ impl Compression {
                 }
                 _ => {}
             }
-            let mut places = self.requested_records(plane, size).into_iter();
-            if places.any(|place| place >= size.texels()) {
+            let mut records = self.requested_records(plane, size).into_iter();
+            if records.any(|texel| texel >= size.texels()) {
                 return Err("a record refers to a texel that does not exist".to_owned());
             }
         }
@@ -407,7 +407,7 @@ impl Compression {
                 Err("expected a quality from 1 to 100".to_owned())
             }
             Coding::Jpeg if self.stream.jpeg.step == Some(0) => {
-                Err("a divisor must not be 0".to_owned())
+                Err("a quantization step must not be 0".to_owned())
             }
             Coding::Jpeg
                 if (self.stream.jpeg.table_numbers)
@@ -415,12 +415,12 @@ impl Compression {
             {
                 Err("a table number must be at most 3".to_owned())
             }
-            // A mean of 255 and 0 is far from both, so another inverse DCT could deviate by much.
-            Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => {
-                Err("motion needs residuals that every inverse DCT reconstructs exactly".to_owned())
-            }
+            // The mean of 255 and 0 is far from both, so a different inverse DCT could cause a large deviation.
+            Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => Err(
+                "motion requires residuals that every inverse DCT reconstructs exactly".to_owned(),
+            ),
             Coding::JpegLs if self.parameter > 127 => {
-                Err("expected a loss from 0 to 127".to_owned())
+                Err("expected a maximum error from 0 to 127".to_owned())
             }
             _ => Ok(()),
         }

@@ -1,18 +1,18 @@
 //! §2.9.8 Compressed Coefficient Planes
 //!
 //! Each plane is a stream of JPEG or JPEG-LS (clause 2.9.8/3): the plane itself, or its residuals after prediction, plane −
-//! predictor + 128 modulo 256 (ruling `prediction`). If loss and the modulus together wrap a texel to the other end of the
-//! range, a record of side information has its value (clauses 2.9.8/4–9).
+//! predictor + 128 modulo 256 (ruling `prediction`). If lossy compression wraps a texel to the other end of the range, a
+//! record of side information contains its value (clauses 2.9.8/4–9).
 //!
 //! Format notes
-//! - The encoder is a closed loop: it predicts from the planes of the decoder, corrections included (clause 2.9.8/7).
-//! - The codecs return what an exact decoder returns, so that nothing is decoded here.
-//! - An inverse DCT may be off by one. All of them agree on a block of one value whose DC coefficient is a multiple of 8;
-//!   so the default JPEG file is painted as *residuals* in such blocks, and its planes follow from them.
+//! - The encoder is a closed loop: it predicts from decoded planes, including corrections (clause 2.9.8/7).
+//! - The encoders return the samples of an exact decoder, so no stream is decoded here.
+//! - An inverse DCT may be off by one. All of them agree on constant blocks whose DC coefficient is a multiple of 8. The
+//!   default JPEG file is therefore painted as *residuals* in constant blocks, and its planes are computed from them.
 
 use std::collections::HashSet;
 
-use super::headers::with_headers;
+use super::headers::rewrite_headers;
 use super::paint::hash;
 use super::plan::{Compression, Residuals, Stream, Texels};
 use super::predict::predictor;
@@ -34,7 +34,7 @@ pub struct Compressed {
 pub struct StoredPlane {
     /// The JPEG or JPEG-LS stream.
     pub stream: Vec<u8>,
-    /// Positions in the stored raster, with values.
+    /// Records of side information: positions in stored order, and values.
     pub records: Vec<(u32, u8)>,
 }
 
@@ -49,47 +49,47 @@ impl StoredPlane {
     }
 }
 
-/// A decoded plane in the stored raster.
+/// An encoded plane and its decoded samples, in stored order.
 #[derive(Clone)]
-struct Finished {
+struct EncodedPlane {
     samples: Vec<u8>,
-    /// Maximum deviation between inverse DCTs, except of corrected texels.
+    /// Maximum deviation between inverse DCTs, except for corrected texels.
     slack: u8,
     stored: StoredPlane,
 }
 
-/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` holds the values to encode, texel by
+/// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` contains the values to encode, texel by
 /// texel, top row first.
 ///
-/// Returns the streams; the values as an exact decoder returns them; and the maximum deviation of each value between inverse
-/// DCTs, empty if all agree.
+/// Returns the streams, the values that an exact decoder returns, and the maximum deviation of each value between inverse DCTs
+/// (empty if all agree).
 pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec<u8>) {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
-    let mut finished: Vec<Option<Finished>> = vec![None; count];
-    for plane in plan.in_order() {
+    let mut finished: Vec<Option<EncodedPlane>> = vec![None; count];
+    for plane in plan.decoding_order() {
         let reference = plan.reference(plane).map(|j| finished[j].as_ref());
-        let reference = reference.map(|j| j.expect("Compression::check has seen to the order"));
+        let reference = reference.map(|j| j.expect("Compression::check checked the order"));
         finished[plane] = Some(encode_plane(recipe, scene, plane, reference));
     }
-    let finished: Vec<Finished> = finished.into_iter().flatten().collect();
+    let finished: Vec<EncodedPlane> = finished.into_iter().flatten().collect();
 
     let texel = |i: usize| (i % count, stored_position(recipe.size, i / count));
-    let places = || (0..recipe.size.texels() * count).map(texel);
-    let sample = |(channel, place): (usize, usize)| finished[channel].samples[place];
-    let samples = places().map(sample).collect();
+    let positions = || (0..recipe.size.texels() * count).map(texel);
+    let sample = |(channel, position): (usize, usize)| finished[channel].samples[position];
+    let samples = positions().map(sample).collect();
     let mut slack = Vec::new();
     if finished.iter().any(|plane| plane.slack > 0) {
         let planes = finished.iter().map(|plane| {
             let mut slack = vec![plane.slack; plane.samples.len()];
             // The value of a corrected texel is in the file, so it has no deviation.
-            for &(place, _) in &plane.stored.records {
-                slack[place as usize] = 0;
+            for &(position, _) in &plane.stored.records {
+                slack[position as usize] = 0;
             }
             slack
         });
         let planes: Vec<Vec<u8>> = planes.collect();
-        slack.extend(places().map(|(channel, place)| planes[channel][place]));
+        slack.extend(positions().map(|(channel, position)| planes[channel][position]));
     }
     let compressed = Compressed {
         plan: plan.clone(),
@@ -99,17 +99,17 @@ pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec
 }
 
 /// Converts the index of a texel, counted from the top, to its stored position. The bottom row is stored first (ruling `rows`).
-fn stored_position(size: Size, place: usize) -> usize {
+fn stored_position(size: Size, position: usize) -> usize {
     let width = size.width as usize;
-    (size.height as usize - 1 - place / width) * width + place % width
+    (size.height as usize - 1 - position / width) * width + position % width
 }
 
 fn encode_plane(
     recipe: &Recipe,
     scene: &[u8],
     plane: usize,
-    reference: Option<&Finished>,
-) -> Finished {
+    reference: Option<&EncodedPlane>,
+) -> EncodedPlane {
     let plan = &recipe.compression;
     let (transform, vector) = (plan.transforms[plane], plan.vector(plane));
     let predictor =
@@ -123,18 +123,18 @@ fn encode_plane(
     };
     let mut samples = reconstruct_plane(&received, predictor.as_deref());
     let records = records(plan, plane, &original, &samples, recipe.size);
-    for &(place, value) in &records {
-        samples[place as usize] = value; // 2.9.8/8
+    for &(position, value) in &records {
+        samples[position as usize] = value; // 2.9.8/8
     }
     let slack = own_slack + reference.map_or(0, |reference| reference.slack);
-    Finished {
+    EncodedPlane {
         samples,
         slack,
         stored: StoredPlane { stream, records },
     }
 }
 
-/// Returns the samples to encode: the original values, and the residuals after prediction.
+/// Returns the original values of a plane, and its residuals after prediction.
 fn paint(
     recipe: &Recipe,
     scene: &[u8],
@@ -143,7 +143,7 @@ fn paint(
 ) -> (Vec<u8>, Vec<u8>) {
     let size = recipe.size;
     let channels = recipe.format.channels();
-    let scene = |place: usize| scene[stored_position(size, place) * channels + plane];
+    let scene = |position: usize| scene[stored_position(size, position) * channels + plane];
     if recipe.compression.residuals == Residuals::Natural {
         let original: Vec<u8> = (0..size.texels()).map(scene).collect();
         let mut residual = original.clone();
@@ -153,11 +153,11 @@ fn paint(
         }
         return (original, residual);
     }
-    let residual = painted_residual(recipe, plane, predictor);
+    let residual = paint_residuals(recipe, plane, predictor);
     let mut original = reconstruct_plane(&residual, predictor);
-    // At requested records the original value is that of the scene, so that the record has an effect.
-    for place in recipe.compression.requested_records(plane, size) {
-        original[place] = scene(place);
+    // Texels with requested records have their original values from the scene, so that the records have an effect.
+    for position in recipe.compression.requested_records(plane, size) {
+        original[position] = scene(position);
     }
     (original, residual)
 }
@@ -171,72 +171,72 @@ fn reconstruct_plane(residual: &[u8], predictor: Option<&[u8]>) -> Vec<u8> {
     plane
 }
 
-/// Paints a residual of 8×8 blocks, each of one value that every inverse DCT restores.
-fn painted_residual(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> Vec<u8> {
+/// Paints residuals in constant 8×8 blocks with values that every inverse DCT reconstructs exactly.
+fn paint_residuals(recipe: &Recipe, plane: usize, predictor: Option<&[u8]>) -> Vec<u8> {
     let size = recipe.size;
     let (width, height) = (size.width as usize, size.height as usize);
     let (columns, rows) = (width.div_ceil(8), height.div_ceil(8));
     let step = exact_step(recipe);
     let value = |block: usize| -> u8 {
         let (column, row) = (block % columns, block / columns);
-        let any = hash(recipe.seed ^ 0x0b1c, block, plane);
-        // 128 + a multiple of the step, from 0 to 255.
+        let random = hash(recipe.seed ^ 0x0b1c, block, plane);
+        // 128 plus a multiple of the step, within 0 to 255.
         let (below, above) = (128 / step, 127 / step);
-        let noise = (128 - below * step + any % (below + above + 1) * step) as u8;
+        let noise = (128 - below * step + random % (below + above + 1) * step) as u8;
         let edge = column == 0 || row == 0 || column + 1 == columns || row + 1 == rows;
         match (recipe.compression.residuals, predictor) {
             (Residuals::Gray, _) => 128,
             (Residuals::Framed, _) if edge => 128,
             (Residuals::Wraps, Some(predictor)) => {
-                wrapping_residual(predictor[row * 8 * width + column * 8], any)
+                wrapping_residual(predictor[row * 8 * width + column * 8], random)
             }
             _ => noise,
         }
     };
     let values: Vec<u8> = (0..rows * columns).map(value).collect();
-    let texel = |place: usize| values[place / width / 8 * columns + place % width / 8];
+    let texel = |position: usize| values[position / width / 8 * columns + position % width / 8];
     (0..size.texels()).map(texel).collect()
 }
 
-/// Returns a residual whose sum with the predictor, less 128, is just outside 0…255 or just inside: −1, 0, 255 or 256.
-fn wrapping_residual(predictor: u8, any: u32) -> u8 {
+/// Returns a residual for which residual + predictor − 128 is −1, 0, 255 or 256.
+fn wrapping_residual(predictor: u8, random: u32) -> u8 {
     let sums = if predictor > 128 { [255, 256] } else { [0, -1] };
-    // Within 0…255: 255 + 128 − 129 = 254 is the largest of the first pair, −1 + 128 − 128 = −1 is outside the second.
+    // Only the sum −1 with the predictor 128 has a residual out of range, −1. It falls back to the sum 0.
     let residual = |sum: i32| sum + 128 - i32::from(predictor);
-    let wanted = residual(sums[(any % 2) as usize]);
+    let wanted = residual(sums[(random % 2) as usize]);
     u8::try_from(wanted).unwrap_or_else(|_| residual(sums[0]) as u8)
 }
 
-/// Returns the difference of residuals of constant blocks for which the DC coefficient, 8 · (value − 128), is a multiple of
-/// both the step and 8. JPEG-LS has no such constraint.
+/// Returns the difference between values of constant blocks for which the DC coefficient, 8 · (value − 128), is a multiple of
+/// both the quantization step and 8. Returns 1 for JPEG-LS, which has no DC coefficient.
 fn exact_step(recipe: &Recipe) -> u32 {
     let quality = u32::from(recipe.compression.parameter).clamp(1, 100);
     if recipe.compression.coding == Coding::JpegLs {
         return 1;
     }
-    // The Independent JPEG Group's definition of quality, for the first of the steps, 16 (T.81 Table K.1).
+    // The Independent JPEG Group's definition of quality, applied to the DC step 16 (T.81 Table K.1).
     let percent = match quality {
         ..50 => 5000 / quality,
         _ => 200 - 2 * quality,
     };
     let options = &recipe.compression.stream.jpeg;
     let largest = if options.baseline { 255 } else { 32767 };
-    let of_quality = ((16 * percent + 50) / 100).clamp(1, largest);
-    let divisor = options.step.map_or(of_quality, u32::from);
-    divisor >> divisor.trailing_zeros().min(3)
+    let quality_step = ((16 * percent + 50) / 100).clamp(1, largest);
+    let step = options.step.map_or(quality_step, u32::from);
+    step >> step.trailing_zeros().min(3)
 }
 
-/// Returns true if every block has one value and was restored unchanged.
+/// Returns true if every inverse DCT reconstructs the residuals exactly: all blocks are constant and unchanged by the encoder.
 fn is_exact_in_every_transform(residual: &[u8], received: &[u8], recipe: &Recipe) -> bool {
     let width = recipe.size.width as usize;
     let first_of_block =
-        |place: usize| residual[place / width / 8 * 8 * width + place % width / 8 * 8];
+        |position: usize| residual[position / width / 8 * 8 * width + position % width / 8 * 8];
     let step = exact_step(recipe) as u8;
-    let exact = |place: usize| {
-        residual[place] == first_of_block(place)
-            && residual[place].abs_diff(128).is_multiple_of(step)
+    let is_exact = |position: usize| {
+        residual[position] == first_of_block(position)
+            && residual[position].abs_diff(128).is_multiple_of(step)
     };
-    residual == received && (0..residual.len()).all(exact)
+    residual == received && (0..residual.len()).all(is_exact)
 }
 
 fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
@@ -264,30 +264,30 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
         ),
     };
     Encoded {
-        stream: with_headers(&encoded.stream, &stream),
+        stream: rewrite_headers(&encoded.stream, &stream),
         ..encoded
     }
 }
 
-/// Returns the side information of a plane: requested records, and one for every texel that wrapped to the other end.
+/// Returns the side information of a plane: requested records, and one for every texel that wraps to the other end.
 fn records(
     plan: &Compression,
     plane: usize,
     original: &[u8],
-    restored: &[u8],
+    decoded: &[u8],
     size: Size,
 ) -> Vec<(u32, u8)> {
-    let mut places = plan.requested_records(plane, size);
-    let asked: HashSet<usize> = places.iter().copied().collect();
-    let overflows = |place: &usize| original[*place].abs_diff(restored[*place]) > 128;
-    places.extend((0..original.len()).filter(|place| overflows(place) && !asked.contains(place)));
-    let mut records = Vec::with_capacity(places.len());
-    for place in places {
-        // side-twice: the first of the two is wrong.
-        if place == 0 && plan.has_records(plane, &Texels::Twice) {
-            records.push((place as u32, !original[place]));
+    let mut positions = plan.requested_records(plane, size);
+    let requested: HashSet<usize> = positions.iter().copied().collect();
+    let overflows = |position: &usize| original[*position].abs_diff(decoded[*position]) > 128;
+    positions.extend((0..original.len()).filter(|p| overflows(p) && !requested.contains(p)));
+    let mut records = Vec::with_capacity(positions.len());
+    for position in positions {
+        // side-twice: the first of the two values is wrong.
+        if position == 0 && plan.has_records(plane, &Texels::Twice) {
+            records.push((position as u32, !original[position]));
         }
-        records.push((place as u32, original[place]));
+        records.push((position as u32, original[position]));
     }
     records
 }

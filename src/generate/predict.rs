@@ -1,12 +1,12 @@
 //! §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
 //!
-//! A plane may be predicted from another one, its reference, which is decoded before it. The reference is transformed first:
+//! A plane may be predicted from another plane, its reference, which is decoded earlier. The reference may first be
 //! inverted (clause 2.9.2/3), displaced by half texels (clauses 2.9.2/4, 2.9.3/2), or both.
 //!
 //! Format notes
-//! - Everything here happens in the stored raster, where row 0 is the bottom row.
-//! - The text names the transforms and gives no formula. Inversion is 255 − reference (ruling `prediction`).
-//! - Motion between texels and past the edge is our choice: rulings `motion-sign`, `motion-vertical`,
+//! - All coordinates are in the stored raster, where row 0 is the bottom row.
+//! - The text names the transforms but gives no formulas. Inversion is 255 − reference (ruling `prediction`).
+//! - Motion by half texels and past the edge involves our choices: rulings `motion-sign`, `motion-vertical`,
 //!   `motion-half`, `motion-border`, `motion-inversion`.
 
 use crate::ptm::Size;
@@ -24,32 +24,32 @@ pub(super) fn predictor(
     transform: u32,
     vector: (i32, i32),
 ) -> Vec<u8> {
-    // motion-inversion: inverted first, then displaced.
-    let turned: Vec<u8> = match transform & INVERSION {
+    // motion-inversion: invert first, then displace.
+    let inverted: Vec<u8> = match transform & INVERSION {
         0 => reference.to_vec(),
         _ => reference.iter().map(|&sample| 255 - sample).collect(),
     };
     if transform & MOTION == 0 {
-        turned
+        inverted
     } else {
-        displace(&turned, size, vector)
+        displace(&inverted, size, vector)
     }
 }
 
-/// Displaces a plane by half a vector: its value at (x, y) is that at (x + mx / 2, y + my / 2).
+/// Displaces a plane by half a vector: the value at (x, y) is the input at (x + mx / 2, y + my / 2).
 fn displace(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
-    let mut moved = Vec::with_capacity(plane.len());
+    let mut displaced = Vec::with_capacity(plane.len());
     for y in 0..i64::from(size.height) {
         for x in 0..i64::from(size.width) {
-            // motion-sign, motion-vertical: added, and y runs along the stored rows.
+            // motion-sign, motion-vertical: add the vector; y increases in the order of stored rows.
             let (x2, y2) = (2 * x + i64::from(mx), 2 * y + i64::from(my));
-            moved.push(sample_between(plane, size, x2, y2));
+            displaced.push(sample_between(plane, size, x2, y2));
         }
     }
-    moved
+    displaced
 }
 
-/// Returns the sample at a position in half texels: that of a texel, or the mean of two or four.
+/// Returns the sample at a position in half texels: one texel, or the mean of two or four.
 fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     let (left, below) = (x2.div_euclid(2), y2.div_euclid(2));
     let (right, above) = (left + x2.rem_euclid(2), below + y2.rem_euclid(2));
@@ -60,7 +60,7 @@ fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     ((sum + 2) >> 2) as u8
 }
 
-/// Returns a sample; outside the plane, the nearest sample of the edge (motion-border).
+/// Returns a sample. Outside the plane, returns the nearest sample of the edge (motion-border).
 fn sample_at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]

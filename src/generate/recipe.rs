@@ -10,7 +10,7 @@ use crate::ptm::{Format, Size};
 /// `N` numbers, each with its spelling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers<const N: usize> {
-    /// All spellings in one string, because a suite may have a hundred thousand recipes.
+    /// All spellings in one string, to save memory: a suite may have a hundred thousand recipes.
     text: Box<str>,
     /// The values of the numbers.
     pub values: [f64; N],
@@ -41,7 +41,7 @@ impl<const N: usize> Numbers<N> {
     }
 }
 
-/// The entries that the texels of a lookup table format use.
+/// The table entries that texels use.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Indices {
     /// Any entries, including the first and the last if there are enough texels.
@@ -50,8 +50,8 @@ pub enum Indices {
     Below(u32),
     /// Only entries whose two bytes differ.
     BytesDiffer,
-    /// The given entries, top row first, repeated.
-    These(Vec<u32>),
+    /// These entries, top row first, in a cycle.
+    List(Vec<u32>),
 }
 
 /// The description of a file to write.
@@ -73,9 +73,9 @@ pub struct Recipe {
     pub matrix: Numbers<16>,
     /// Number of entries of the lookup table (2.5).
     pub entries: u32,
-    /// The entries that are used.
+    /// The used entries.
     pub indices: Indices,
-    /// The compression of the planes (2.9); unused in other formats.
+    /// The compression of the planes (2.9), which uncompressed formats ignore.
     pub compression: Compression,
     /// The first byte of the payload, if it is fixed.
     pub first: Option<u8>,
@@ -87,10 +87,10 @@ impl Recipe {
     /// Returns the recipe of a default file: noise, with scales and biases that keep most colors between 0 and 255.
     ///
     /// # Panics
-    /// Never: all its number strings are valid.
+    /// Never panics, because all number strings are valid.
     #[must_use]
     pub fn ordinary(format: Format, size: Size) -> Recipe {
-        let numbers = "constant numbers";
+        let numbers = "the constants are valid numbers";
         Recipe {
             format,
             size,
@@ -98,7 +98,7 @@ impl Recipe {
             seed: 1,
             scale: "0.5 0.25 0.5 0.25 0.5 0.75".parse().expect(numbers),
             bias: "128 100 140 120 130 3".parse().expect(numbers),
-            // Column-major. All nine factors differ; there is no translation, because its position is an open question.
+            // In column-major order. All nine factors differ. There is no translation, because its position is an open question.
             matrix: "0.875 0.75 0.625 0 0.5 -0.25 0.125 0 -0.0625 -0.1875 0.375 0 0 0 0 1"
                 .parse()
                 .expect(numbers),
@@ -138,8 +138,8 @@ impl Recipe {
                         .to_owned(),
                 );
             }
-            Indices::These(list) if list.is_empty() => return Err("no indices to use".to_owned()),
-            Indices::These(list) if list.iter().any(|&index| index >= self.entries) => {
+            Indices::List(list) if list.is_empty() => return Err("no indices listed".to_owned()),
+            Indices::List(list) if list.iter().any(|&index| index >= self.entries) => {
                 return Err("an index is past the last entry".to_owned());
             }
             _ => {}

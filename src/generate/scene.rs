@@ -1,8 +1,8 @@
-//! Scenes that are painted, by name.
+//! Painted scenes, by name.
 
 use std::str::FromStr;
 
-/// A pattern for the samples.
+/// A pattern of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
     /// An independent pseudo-random byte for every sample.
@@ -15,34 +15,34 @@ pub enum Scene {
     Stripes,
     /// One value for all samples.
     Flat(u8),
-    /// Like noise, but all coefficients except a5 are 128, so that the light has no effect.
+    /// Like `Noise`, but all coefficients except a5 are 128, so that the light has no effect.
     Unlit,
-    /// Like unlit, and Cr equals a5: luminance and Cr are equal under scale 1 and bias 0.
+    /// Like `Unlit`, but Cr equals a5: luminance and Cr are equal with scale 1 and bias 0.
     LuminanceIsCr,
     /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends.
     Soft,
-    /// Like noise, within two rings of one value.
+    /// Like `Noise`, with a border of constant value that is two texels wide.
     Framed(u8),
-    /// One value along every line from the bottom left to the top right; four values alternate across the lines.
+    /// One value along every diagonal from the bottom left to the top right. Four values alternate between diagonals.
     Diagonals,
     /// Two values that alternate by column; their sum is odd.
     Columns,
     /// Two values that alternate by row; their sum is odd.
     Rows,
-    /// Bands of four columns: one value, and one that grows or shrinks by one in two of three rows.
+    /// Alternating bands of four columns: a constant value, and a value that changes by one in two of three rows.
     Edges,
-    /// One value, and isolated texels that are one more or one less.
+    /// A constant value, with isolated texels that are larger or smaller by one.
     Dots,
-    /// 0, but the top row begins with isolated texels of another value in each channel.
+    /// 0, except for isolated texels at the beginning of the top row, with a different value in each channel.
     Breaks,
-    /// 0, but another value in the last column of each channel.
+    /// 0, except for the last column, with a different value in each channel.
     LastColumn,
 }
 
 impl FromStr for Scene {
     type Err = String;
 
-    /// `noise`, `extremes`, `ramp`, `stripes`, `flat-200`, `unlit`, `luminance-is-cr`, `soft`, `framed-128`, `diagonals`, `columns`, `rows`, `edges`, `dots`, `breaks`, `last-column`.
+    /// Parses the name of a variant in kebab case. `flat` and `framed` are followed by a value: `flat-200`, `framed-128`.
     fn from_str(name: &str) -> Result<Scene, String> {
         Ok(match name {
             "noise" => Scene::Noise,

@@ -1,4 +1,4 @@
-//! Spellings of a header: all legal ones, and those that the text leaves open.
+//! Spellings of a header: all legal spellings, including those that the text does not specify.
 
 use std::str::FromStr;
 
@@ -76,7 +76,7 @@ pub enum Count {
 }
 
 impl Count {
-    /// The three spellings, in the order in which `check` tries them.
+    /// The three spellings, in the order in which `ptm-conform check` tries them.
     pub const ALL: [Count; 3] = [Count::NumberWord, Count::Number, Count::WordNumber];
 
     /// Returns the name used in cases and reports.
@@ -101,12 +101,12 @@ impl FromStr for Count {
     }
 }
 
-/// The split of the lists of 2.9 into lines.
+/// The line breaks in the lists of 2.9.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Lists {
-    /// Each list on its own line, motion on two (ruling `list-layout`).
+    /// Each list on its own line, and motion vectors on two lines (ruling `list-layout`).
     #[default]
     Lines,
     /// Each list on its own line, with all motion vectors on one line (ruling `list-lines`, as for all variants below).
@@ -122,19 +122,19 @@ pub enum Lists {
 pub struct Spelling {
     /// Lines that have a space before their line feed (clauses 2.0/2, 2.4/7).
     pub space_before_newline: Vec<Line>,
-    /// Width and height on two lines (clause 2.3/2).
+    /// True if width and height are on two lines (clause 2.3/2).
     pub size_on_two_lines: bool,
-    /// Scales and biases on two lines (clause 2.4/6).
+    /// True if scales and biases are on two lines (clause 2.4/6).
     pub scale_bias_on_two_lines: bool,
     /// Number of spaces between two numbers.
     pub gap: usize,
     /// The spelling of the number of table entries (ruling `lut-count`).
     pub count: Count,
-    /// A line feed between table and indices (ruling `lut-newline`).
+    /// True to write a line feed between table and indices (ruling `lut-newline`).
     pub newline_after_table: bool,
-    /// Number of matrix elements on a line: 16, or 4 or 1 by ruling `lum-layout`.
+    /// Number of matrix elements per line: 16, or 4 or 1 according to ruling `lum-layout`.
     pub matrix_line: usize,
-    /// The split of the lists of 2.9 into lines.
+    /// The line breaks in the lists of 2.9.
     pub lists: Lists,
 }
 

@@ -1,5 +1,5 @@
-//! Streams with wrong properties, which replace streams of a file: gray planes of another size, codec or number of components.
-//! They need an encoder, so `spec-cases/damages.yaml` only names them.
+//! Streams with wrong properties that replace streams of a file: gray planes with a wrong size, codec or number of components.
+//! They require an encoder, so `spec-cases/damages.yaml` contains only their names.
 
 use serde::Deserialize;
 
@@ -7,7 +7,7 @@ use super::model::Model;
 use super::place::segment;
 use crate::codec::Coding;
 
-/// A gray plane, 128 everywhere: `gray-one-wider` and so on.
+/// A gray plane in which all samples are 128: `gray-one-wider` and so on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {
@@ -49,17 +49,17 @@ fn gray(width: u32, height: u32, coding: Coding) -> Vec<u8> {
     coding.encode(&samples, (width, height), parameter)
 }
 
-/// Returns a legal stream of three components of full size, each with its own scan and equal to the component of `one`.
-fn three_components(one: &[u8]) -> Vec<u8> {
-    let found = |code| segment(one, code);
-    let frame = (found(0xc0).or_else(|| found(0xf7))).expect("an encoder writes a frame header");
-    let scan = found(0xda).expect("an encoder writes a scan header").start;
-    let (start, end) = (frame.start, one.len() - 2);
-    let table = one[start + 12];
+/// Returns a legal stream with three full-size components, each in its own scan and equal to the component of `stream`.
+fn three_components(stream: &[u8]) -> Vec<u8> {
+    let find = |code| segment(stream, code);
+    let frame = (find(0xc0).or_else(|| find(0xf7))).expect("an encoder writes a frame header");
+    let scan = find(0xda).expect("an encoder writes a scan header").start;
+    let (start, end) = (frame.start, stream.len() - 2);
+    let table = stream[start + 12];
     // The frame header grows by three bytes per component: id, sampling factors, table.
     let header = [
-        &[one[start], one[start + 1], 0, 17],
-        &one[start + 4..start + 9],
+        &[stream[start], stream[start + 1], 0, 17],
+        &stream[start + 4..start + 9],
         &[3],
         &[1, 0x11, table],
         &[2, 0x11, table],
@@ -67,10 +67,10 @@ fn three_components(one: &[u8]) -> Vec<u8> {
     ]
     .concat();
     let data = |component: u8| {
-        let mut data = one[scan..end].to_vec();
+        let mut data = stream[scan..end].to_vec();
         data[5] = component;
         data
     };
-    let before = [&one[..start], &header, &one[frame.end..scan]].concat();
-    [before, data(1), data(2), data(3), one[end..].to_vec()].concat()
+    let before = [&stream[..start], &header, &stream[frame.end..scan]].concat();
+    [before, data(1), data(2), data(3), stream[end..].to_vec()].concat()
 }

@@ -1,6 +1,6 @@
 //! §2.7 Uncompressed Per Texel Data
 //!
-//! Blocks of bytes, the bottom row first (clauses 2.7.1, 2.7.2, 2.7.3).
+//! Blocks of bytes, bottom row first (§2.7.1, §2.7.2, §2.7.3).
 
 use std::ops::Range;
 
@@ -11,24 +11,24 @@ use crate::ptm::Shape;
 pub(super) fn write(model: &Model, out: &mut Output) {
     match model.format.shape() {
         Shape::Rgb => {
-            out.take("2.7.1/2", "red coefficients", &block(model, 0..6));
-            out.take("2.7.1/2", "green coefficients", &block(model, 6..12));
-            out.take("2.7.1/2", "blue coefficients", &block(model, 12..18));
+            out.put("2.7.1/2", "red coefficients", &block(model, 0..6));
+            out.put("2.7.1/2", "green coefficients", &block(model, 6..12));
+            out.put("2.7.1/2", "blue coefficients", &block(model, 12..18));
         }
-        Shape::Lum(()) => out.take("2.7.2/1", "coefficients, Cr and Cb", &block(model, 0..8)),
+        Shape::Lum(()) => out.put("2.7.2/1", "coefficients, Cr and Cb", &block(model, 0..8)),
         Shape::Lrgb => {
-            out.take("2.7.3/1", "coefficients", &block(model, 0..6));
+            out.put("2.7.3/1", "coefficients", &block(model, 0..6));
             write_colors("2.7.3/2", model, out);
         }
     }
 }
 
-/// Writes R, G, B of every texel: of LRGB, and after the indices of `PTM_LUT` (clause 2.8.1/4).
+/// Writes R, G, B of every texel, for LRGB and after the indices of `PTM_LUT` (clause 2.8.1/4).
 pub(super) fn write_colors(clause: &'static str, model: &Model, out: &mut Output) {
-    out.take(clause, "colors", &block(model, 6..9));
+    out.put(clause, "colors", &block(model, 6..9));
 }
 
-/// Writes some channels of every texel, from the bottom row to the top.
+/// Returns some channels of every texel, from the bottom row to the top.
 fn block(model: &Model, channels: Range<usize>) -> Vec<u8> {
     let per_texel = model.format.channels();
     let row = model.size.width as usize * per_texel;

@@ -4,7 +4,7 @@ use crate::decode::examine_as;
 use crate::ptm::Field;
 use crate::reading::Reading;
 
-/// Clauses of [`Anatomy::respell`] that stand for every field.
+/// Clauses for [`Anatomy::respell`] that select every field.
 pub(super) const ANY: &[&str] = &[];
 
 /// The file as a decoder with a mistake sees it.
@@ -33,13 +33,13 @@ impl<'a> Anatomy<'a> {
         }
     }
 
-    /// Returns the file, unchanged.
+    /// Returns the unchanged file.
     #[must_use]
     pub fn unchanged(&self) -> EditedFile {
         EditedFile::File(self.file.to_vec())
     }
 
-    /// Returns a refusal if `refused` is true, otherwise the unchanged file.
+    /// Returns a refusal if `refused` is true, or else the unchanged file.
     #[must_use]
     pub fn refuse_if(&self, refused: bool) -> EditedFile {
         if refused {
@@ -68,10 +68,10 @@ impl<'a> Anatomy<'a> {
     /// Returns the texts of all header fields with these clauses.
     #[must_use]
     pub fn field_texts(&self, clauses: &[&str]) -> Vec<&'a str> {
-        let chosen = self
+        let selected = self
             .tokens()
             .filter(|field| clauses.contains(&field.clause));
-        chosen
+        selected
             .filter_map(|field| std::str::from_utf8(&self.file[field.range.clone()]).ok())
             .collect()
     }
@@ -100,7 +100,7 @@ impl<'a> Anatomy<'a> {
         &self.file[self.payload_offset()..]
     }
 
-    /// Returns the file with another payload.
+    /// Returns the file with a different payload.
     pub(super) fn with_payload(&self, payload: &[u8]) -> EditedFile {
         EditedFile::File([self.header(), payload].concat())
     }
@@ -108,19 +108,19 @@ impl<'a> Anatomy<'a> {
     /// Returns the bytes between the `n`th field with this clause and the next field.
     #[must_use]
     pub fn bytes_after(&self, clause: &str, n: usize) -> &'a [u8] {
-        let mut from = self
+        let mut fields = self
             .tokens()
             .skip_while(|field| field.clause != clause)
             .skip(n);
-        let start = from.next().map(|field| field.range.end);
-        let end = from.next().map(|field| field.range.start);
+        let start = fields.next().map(|field| field.range.end);
+        let end = fields.next().map(|field| field.range.start);
         start.map_or(&[], |start| {
             &self.file[start..end.unwrap_or(self.payload_offset())]
         })
     }
 
-    /// Replaces the texts of header fields with these clauses, or with [`ANY`]. `spell` returns the new text of a field, or `None`
-    /// to keep it.
+    /// Replaces the texts of header fields with these clauses, or of all header fields for [`ANY`]. `spell` returns the new text
+    /// of a field, or `None` to keep it.
     ///
     /// Fields after an error are unknown, so this is repeated until the file no longer changes.
     pub(super) fn respell(
@@ -133,8 +133,8 @@ impl<'a> Anatomy<'a> {
             let anatomy = Anatomy::new(&file, &Reading::SPEC);
             let mut bytes = Vec::new();
             let mut at = 0;
-            let is_chosen = |field: &&Field| clauses.is_empty() || clauses.contains(&field.clause);
-            for field in anatomy.tokens().filter(is_chosen) {
+            let matches = |field: &&Field| clauses.is_empty() || clauses.contains(&field.clause);
+            for field in anatomy.tokens().filter(matches) {
                 let text = std::str::from_utf8(&file[field.range.clone()]).unwrap_or_default();
                 if let Some(text) = spell(text) {
                     bytes.extend_from_slice(&file[at..field.range.start]);

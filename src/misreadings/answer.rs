@@ -1,9 +1,9 @@
-//! Computes the answers of a decoder that makes mistakes.
+//! Answers of a decoder that makes mistakes.
 
 use std::borrow::Cow;
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::at::At;
+use super::hook::Hook;
 use super::misreading::Misreading;
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
@@ -11,24 +11,24 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
-/// Returns the answer of a decoder that makes these mistakes and otherwise follows `reading`.
+/// Returns the answer of a decoder that follows `reading` except for these mistakes.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
     match read(misreadings, reading, file) {
         Ok((ptm, reading)) => render(misreadings, &reading, &ptm, view),
-        Err(why) => refusal_answer(why),
+        Err(error) => refusal_answer(error),
     }
 }
 
-/// Returns the answer to a file that was refused, by a mistake if there is no error.
-pub(crate) fn refusal_answer(why: Option<Error>) -> Answer {
-    match why {
+/// Returns the answer for a refused file. `None` means that a mistake refused it.
+pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
+    match error {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
         _ => Answer::Rejected,
     }
 }
 
-/// Decodes a file with these mistakes, except those that change finished planes. Returns the map and the modified reading.
+/// Decodes a file with these mistakes, except those that change decoded planes. Returns the map and the modified reading.
 ///
 /// # Errors
 /// Returns the error for which the decoder refuses the file, or `None` if a mistake refuses it.
@@ -38,17 +38,17 @@ pub(crate) fn read(
     file: &[u8],
 ) -> Result<(Ptm, Reading), Option<Error>> {
     let reading = apply_to_reading(misreadings, reading);
-    let mut seen = Cow::Borrowed(file);
+    let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
-        if let At::Bytes(edit) = misreading.at {
-            match edit(&Anatomy::new(&seen, &reading)) {
+        if let Hook::Bytes(edit) = misreading.at {
+            match edit(&Anatomy::new(&bytes, &reading)) {
                 EditedFile::Refused => return Err(None),
-                EditedFile::File(bytes) => seen = Cow::Owned(bytes),
+                EditedFile::File(edited) => bytes = Cow::Owned(edited),
             }
         }
     }
     let edits = formula_edits(misreadings);
-    let ptm = formula::decode(&seen, &reading, Edits(&edits)).map_err(Some)?;
+    let ptm = formula::decode(&bytes, &reading, Edits(&edits)).map_err(Some)?;
     Ok((ptm, reading))
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) ->
         .fold(reading, |reading, misreading| misreading.at.change(reading))
 }
 
-/// Renders a decoded map like a decoder with these mistakes. `reading` must already include them.
+/// Renders a decoded map as a decoder with these mistakes does. `reading` must already include them.
 pub(crate) fn render(
     misreadings: &[&Misreading],
     reading: &Reading,
@@ -74,7 +74,7 @@ pub(crate) fn render(
     Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
 }
 
-/// Computes the colors of a decoder with these mistakes under a light, before rounding.
+/// Computes the colors under a light for a decoder with these mistakes, before rounding.
 #[cfg(unix)]
 pub(crate) fn unrounded_colors(
     misreadings: &[&Misreading],
@@ -92,24 +92,24 @@ pub(crate) fn unrounded_colors(
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
-/// Returns the edits of formulas that these mistakes make. If two of them edit the same formula, the later mistake comes first.
+/// Returns the formula edits of these mistakes. If two mistakes edit the same formula, the edit of the later mistake comes first.
 pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
         .filter_map(|misreading| match misreading.at {
-            At::Edits(edits) => Some(edits),
+            Hook::Edits(edits) => Some(edits),
             _ => None,
         });
     edits.flatten().collect()
 }
 
-/// Returns the mistakes that change finished planes.
+/// Returns the edits of decoded planes.
 pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
         .filter_map(|misreading| match misreading.at {
-            At::Planes(edit) => Some(edit),
+            Hook::Planes(edit) => Some(edit),
             _ => None,
         })
 }

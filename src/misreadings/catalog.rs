@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::at::At;
+use super::hook::Hook;
 use super::misreading::{Misreading, load_catalog};
 use super::{
     buffers, codecs, header, layout, lists, lookup, luminance, motion, places, prediction,
@@ -27,7 +27,7 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     ];
     let yaml = include_str!("../../spec-cases/misreadings.yaml");
     let step_of = |slug: &str| sections.iter().find_map(|step_of| step_of(slug));
-    load_catalog(yaml, step_of, |edits| Some(At::Edits(edits)))
+    load_catalog(yaml, step_of, |edits| Some(Hook::Edits(edits)))
         .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
 });
 

@@ -1,6 +1,6 @@
 //! §2.9.8: mistakes with the streams of planes, and the order of their rows
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use super::layout::{flip_rows, stored_row_if_top_down};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
@@ -15,83 +15,83 @@ pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // Rows
         "compressed-rows-top-down" => {
-            At::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg, JpegLs], header, row))
+            Hook::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg, JpegLs], header, row))
         }
         "jpeg-rows-top-down" => {
-            At::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg], header, row))
+            Hook::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg], header, row))
         }
         "jpeg-ls-rows-top-down" => {
-            At::StoredRow(|header, row| stored_row_if_top_down(&[JpegLs], header, row))
+            Hook::StoredRow(|header, row| stored_row_if_top_down(&[JpegLs], header, row))
         }
-        "compressed-colors-top-down" => At::Planes(|ptm| {
+        "compressed-colors-top-down" => Hook::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
                 flip_rows(ptm, 6..9);
             }
         }),
-        "compressed-green-and-blue-top-down" => At::Planes(|ptm| {
+        "compressed-green-and-blue-top-down" => Hook::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
                 flip_rows(ptm, 6..18);
             }
         }),
         // Samples
-        "jpeg-rows-padded-to-4" => At::Stream(|plane| decode_sheared(plane, 4)),
-        "jpeg-rows-padded-to-8" => At::Stream(|plane| decode_sheared(plane, 8)),
-        "compressed-columns-mirrored" => At::Stream(|plane| {
+        "jpeg-rows-padded-to-4" => Hook::Stream(|plane| decode_sheared(plane, 4)),
+        "jpeg-rows-padded-to-8" => Hook::Stream(|plane| decode_sheared(plane, 8)),
+        "compressed-columns-mirrored" => Hook::Stream(|plane| {
             let mut samples = planes::decode_stream(plane)?;
             let rows = samples.chunks_exact_mut(plane.size.width as usize);
             rows.for_each(<[u8]>::reverse);
             Ok(samples)
         }),
-        "jpeg-studio-range" => At::Stream(|plane| {
+        "jpeg-studio-range" => Hook::Stream(|plane| {
             decode_and_map(plane, |value| {
                 ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
             })
         }),
-        "jpeg-studio-range-made" => At::Stream(|plane| {
+        "jpeg-studio-range-made" => Hook::Stream(|plane| {
             decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)
         }),
         "jpeg-without-level-shift" => {
-            At::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128)))
+            Hook::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128)))
         }
-        "jpeg-gamma" => At::Stream(|plane| {
+        "jpeg-gamma" => Hook::Stream(|plane| {
             // A square root resembles color management, and is exact on every machine.
             decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
         }),
-        "jpeg-low-bit-lost" => At::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
+        "jpeg-low-bit-lost" => Hook::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
         // Optional features of streams
         "restart-markers-refused" => {
-            At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane))
+            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane))
         }
-        "sof1-refused" => At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
-        "tables-of-16-bits-refused" => At::Stream(|plane| {
+        "sof1-refused" => Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
+        "tables-of-16-bits-refused" => Hook::Stream(|plane| {
             let wide = segments(plane.bytes).any(|(code, segment)| {
                 code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
             });
             decode_unless(wide, plane)
         }),
-        "tables-of-16-bits-cut" => At::Stream(|plane| {
+        "tables-of-16-bits-cut" => Hook::Stream(|plane| {
             decode_edited(plane, |code, segment| {
                 if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
                     for entry in table.chunks_exact_mut(2) {
-                        // A divisor of 0 becomes 1.
+                        // A step of 0 becomes 1.
                         entry[0] = 0;
                         entry[1] = entry[1].max(1);
                     }
                 }
             })
         }),
-        "quantisation-table-in-rows" => At::Stream(|plane| {
+        "quantisation-table-in-rows" => Hook::Stream(|plane| {
             decode_edited(plane, |code, segment| {
                 if let (0xDB, [0..=15, table @ ..]) = (code, segment)
                     && table.len() == 64
                 {
-                    // Entry k in the file is used for frequency k, although the file is in zigzag order.
+                    // Entry k of the table is used for frequency k in row order, although the table is in zigzag order.
                     let stored = table.to_vec();
-                    table.copy_from_slice(&zigzag().map(|place| stored[place]));
+                    table.copy_from_slice(&zigzag().map(|position| stored[position]));
                 }
             })
         }),
-        "optimised-tables-refused" => At::Stream(|plane| {
+        "optimised-tables-refused" => Hook::Stream(|plane| {
             // The tables of Annex K have 12 and 162 codes.
             let codes = |segment: &[u8]| -> u32 {
                 let counts = segment.get(1..17).unwrap_or_default();
@@ -101,49 +101,48 @@ pub(super) const STEPS: Steps = |slug| {
                 .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
             decode_unless(own, plane)
         }),
-        "sampling-factors-refused" => At::Stream(|plane| {
+        "sampling-factors-refused" => Hook::Stream(|plane| {
             let factors = segments(plane.bytes).any(|(code, segment)| {
                 matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
             });
             decode_unless(factors, plane)
         }),
-        "jfif-required" => At::Stream(|plane| {
+        "jfif-required" => Hook::Stream(|plane| {
             let is_jpeg = plane.coding == Coding::Jpeg;
             decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
         }),
-        "one-row-refused" => At::Stream(|plane| {
+        "one-row-refused" => Hook::Stream(|plane| {
             let is_small = plane.size.width < 8 || plane.size.height < 8;
             decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
         }),
         // JPEG-LS parameters
-        "near-ignored" => At::Stream(|plane| {
+        "near-ignored" => Hook::Stream(|plane| {
             decode_edited(plane, |code, segment| {
-                let of = (code, segment, plane.coding);
-                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = of {
+                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = (code, segment, plane.coding) {
                     *near = 0;
                 }
             })
         }),
         "presets-ignored" => {
-            At::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0)))
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0)))
         }
         "thresholds-ignored" => {
-            At::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0)))
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0)))
         }
         "reset-ignored" => {
-            At::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0)))
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0)))
         }
         "presets-kept" => {
-            At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8))
+            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8))
         }
         "restart-interval-kept" => {
-            At::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD))
+            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD))
         }
         "presets-refused" => {
-            At::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane))
+            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane))
         }
         // Streams that must be refused
-        "plane-size-unchecked" => At::Stream(|plane| {
+        "plane-size-unchecked" => Hook::Stream(|plane| {
             let mut found = segments(plane.bytes);
             let found = found.find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7));
             let Some((_, [_, h1, h0, w1, w0, ..])) = found else {
@@ -158,18 +157,18 @@ pub(super) const STEPS: Steps = |slug| {
             }
             let size = own;
             let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
-            let mut placed = vec![0; plane.size.texels()];
-            let rows = placed.chunks_exact_mut(plane.size.width as usize);
+            let mut resized = vec![0; plane.size.texels()];
+            let rows = resized.chunks_exact_mut(plane.size.width as usize);
             for (to, from) in rows.zip(samples.chunks_exact((own.width as usize).max(1))) {
                 to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
             }
-            Ok(placed)
+            Ok(resized)
         }),
-        "empty-stream-is-a-blank-plane" => At::Stream(|plane| match plane.bytes.is_empty() {
+        "empty-stream-is-a-blank-plane" => Hook::Stream(|plane| match plane.bytes.is_empty() {
             true => Ok(vec![0; plane.size.texels()]),
             false => planes::decode_stream(plane),
         }),
-        "codec-from-the-stream" => At::Stream(|plane| {
+        "codec-from-the-stream" => Hook::Stream(|plane| {
             let coding = match plane.bytes {
                 [] => plane.coding,
                 bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
@@ -177,29 +176,29 @@ pub(super) const STEPS: Steps = |slug| {
             };
             planes::decode_stream(&PlaneStream { coding, ..*plane })
         }),
-        "broken-plane-is-blank" => At::Stream(|plane| {
+        "broken-plane-is-blank" => Hook::Stream(|plane| {
             Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
         }),
         _ => return None,
     })
 };
 
-/// Decodes all planes. A plane without a segment with this marker reuses the segment of the previous plane.
+/// Decodes all planes. A stream without a segment with this marker reuses the segment of the previous stream.
 fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
     let mut payload = Vec::new();
     let mut plan = coded.plan.clone();
-    let mut known: Vec<u8> = Vec::new();
+    let mut previous: Vec<u8> = Vec::new();
     for extent in &mut plan.extents {
         let mut stream = coded.payload[extent.stream.clone()].to_vec();
-        // The marker and the length have four bytes.
+        // The marker and the length occupy four bytes.
         let own = segment_ranges(&stream)
             .into_iter()
             .find(|&(code, _)| code == marker)
             .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
         match own {
-            Some(own) => known = own,
+            Some(own) => previous = own,
             None if stream.len() > 2 => {
-                stream.splice(2..2, known.iter().copied());
+                stream.splice(2..2, previous.iter().copied());
             }
             None => {}
         }
@@ -210,12 +209,12 @@ fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Resu
         extent.stream = start..middle;
         extent.side = middle..payload.len();
     }
-    let kept = Coded {
+    let modified = Coded {
         plan: &plan,
         payload: &payload,
         ..*coded
     };
-    planes::reconstruct(&kept, planes::residuals(&kept, reading)?, reading)
+    planes::reconstruct(&modified, planes::residuals(&modified, reading)?, reading)
 }
 
 /// Decodes a plane and changes its samples if it is a JPEG stream.
@@ -253,7 +252,7 @@ fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
     planes::decode_stream(plane)
 }
 
-/// Returns the marker segments of a stream up to the scan: code and contents.
+/// Returns the codes and contents of the marker segments of a stream, up to the scan header.
 fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     segment_ranges(bytes)
         .into_iter()
@@ -303,11 +302,11 @@ fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples
 /// Returns the zigzag permutation of the positions in a block.
 fn zigzag() -> [usize; 64] {
     let mut order: Vec<usize> = (0..64).collect();
-    // Visits the diagonals in order, even ones upward and odd ones downward.
-    order.sort_by_key(|&place| {
-        let (row, column) = (place / 8, place % 8);
+    // Visit the diagonals in order, even ones upward and odd ones downward.
+    order.sort_by_key(|&position| {
+        let (row, column) = (position / 8, position % 8);
         let diagonal = row + column;
         (diagonal, if diagonal % 2 == 0 { column } else { row })
     });
-    order.try_into().expect("64 places")
+    order.try_into().expect("there are 64 positions")
 }

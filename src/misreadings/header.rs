@@ -1,7 +1,7 @@
 //! §2.0–2.3: mistakes with the header, and with the spelling of numbers in §2.4
 
 use super::anatomy::{ANY, Anatomy, EditedFile};
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 
 const SIZE: &str = "2.3/1";
 const SCALE: &str = "2.4/3";
@@ -171,7 +171,7 @@ pub(super) const STEPS: Steps = |slug| {
         },
         _ => return None,
     };
-    Some(At::Bytes(edit))
+    Some(Hook::Bytes(edit))
 };
 
 /// Returns true if the header contains these bytes.

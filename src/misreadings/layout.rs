@@ -3,47 +3,47 @@
 use std::ops::Range;
 
 use super::anatomy::EditedFile;
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::{decode, texels};
 use crate::ptm::{Coding, Format, Header, Ptm, Storage};
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
-        "payload-reversed" => At::Bytes(|file| {
+        "payload-reversed" => Hook::Bytes(|file| {
             let mut payload = file.payload().to_vec();
             payload.reverse();
             flip_rows_of_blocks(file.file, &mut payload);
             file.with_payload(&payload)
         }),
         "format-ignored" => {
-            At::Bytes(|file| file.respell(&["2.2/1"], |_| Some("PTM_FORMAT_LRGB".to_owned())))
+            Hook::Bytes(|file| file.respell(&["2.2/1"], |_| Some("PTM_FORMAT_LRGB".to_owned())))
         }
-        "rgb-as-lrgb" => At::Bytes(|file| {
+        "rgb-as-lrgb" => Hook::Bytes(|file| {
             file.respell(&["2.2/1"], |text| {
                 (text == "PTM_FORMAT_RGB").then(|| "PTM_FORMAT_LRGB".to_owned())
             })
         }),
-        "coefficients-reversed" => At::Planes(|ptm| for_each_polynomial(ptm, <[u8]>::reverse)),
-        "a0-last" => At::Planes(|ptm| for_each_polynomial(ptm, |a| a.rotate_right(1))),
-        "last-row-lost" => At::Planes(|ptm| {
+        "coefficients-reversed" => Hook::Planes(|ptm| for_each_polynomial(ptm, <[u8]>::reverse)),
+        "a0-last" => Hook::Planes(|ptm| for_each_polynomial(ptm, |a| a.rotate_right(1))),
+        "last-row-lost" => Hook::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples[..row].fill(0);
         }),
-        "first-row-lost" => At::Planes(|ptm| {
+        "first-row-lost" => Hook::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let start = ptm.planes.samples.len() - row;
             ptm.planes.samples[start..].fill(0);
         }),
-        "last-column-lost" => At::Planes(|ptm| {
+        "last-column-lost" => Hook::Planes(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             let rows = ptm.planes.samples.chunks_exact_mut(row);
             rows.for_each(|samples| samples[row - channels..].fill(0));
         }),
-        "rows-rotated-by-one" => At::Planes(|ptm| {
+        "rows-rotated-by-one" => Hook::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples.rotate_right(row);
         }),
-        "texels-counted-in-16-bits" => At::Planes(|ptm| {
+        "texels-counted-in-16-bits" => Hook::Planes(|ptm| {
             // The top rows are stored last.
             let (row, channels) = row_and_channels(ptm);
             let rows = ptm.planes.samples.chunks_exact_mut(row).rev();
@@ -54,7 +54,7 @@ pub(super) const STEPS: Steps = |slug| {
                 texel.fill(0);
             }
         }),
-        "columns-counted-in-8-bits" => At::Planes(|ptm| {
+        "columns-counted-in-8-bits" => Hook::Planes(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             for row in ptm.planes.samples.chunks_exact_mut(row) {
                 row.chunks_exact_mut(channels)
@@ -62,21 +62,21 @@ pub(super) const STEPS: Steps = |slug| {
                     .for_each(|texel| texel.fill(0));
             }
         }),
-        "rows-counted-in-8-bits" => At::Planes(|ptm| {
+        "rows-counted-in-8-bits" => Hook::Planes(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let lost = (ptm.planes.size.height as usize).saturating_sub(256) * row;
             ptm.planes.samples[..lost].fill(0);
         }),
-        "square-only" => At::Planes(|ptm| {
+        "square-only" => Hook::Planes(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
             let stride = size.height as usize * channels;
             if size.height > size.width {
-                let place = |i: usize| (i / row * stride + i % row) % samples.len();
-                ptm.planes.samples = (0..samples.len()).map(|i| samples[place(i)]).collect();
+                let source = |i: usize| (i / row * stride + i % row) % samples.len();
+                ptm.planes.samples = (0..samples.len()).map(|i| samples[source(i)]).collect();
             }
         }),
-        "height-before-width" => At::Bytes(|file| {
+        "height-before-width" => Hook::Bytes(|file| {
             let [Some(width), Some(height)] = [0, 1].map(|n| file.nth_field("2.3/1", n)) else {
                 return file.unchanged();
             };
@@ -86,7 +86,7 @@ pub(super) const STEPS: Steps = |slug| {
             bytes.splice(width.clone(), file.file[height.clone()].iter().copied());
             EditedFile::File(bytes)
         }),
-        "blocks-separated" => At::Bytes(|file| {
+        "blocks-separated" => Hook::Bytes(|file| {
             let format = file.field_texts(&["2.2/1"]);
             let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
                 (decode(file.file), &format[..])
@@ -98,14 +98,14 @@ pub(super) const STEPS: Steps = |slug| {
             let second = first + ptm.header.size.texels() * 6 + 1;
             let mut bytes = file.file.to_vec();
             for separator in [second, first] {
-                let stands = separator == first || ptm.header.format == Format::Rgb;
-                if stands && separator < bytes.len() {
+                let exists = separator == first || ptm.header.format == Format::Rgb;
+                if exists && separator < bytes.len() {
                     bytes.remove(separator);
                 }
             }
             EditedFile::File(bytes)
         }),
-        "trailing-bytes-are-the-end" => At::Bytes(|file| {
+        "trailing-bytes-are-the-end" => Hook::Bytes(|file| {
             let end = file.fields.iter().map(|field| field.range.end).max();
             let extra = match (end, decode(file.file)) {
                 (Some(end), Ok(_)) => file.file.len() - end,
@@ -148,9 +148,9 @@ pub(super) fn stored_row_if_top_down(codings: &[Coding], header: &Header, row: u
 /// Flips some channels vertically.
 pub(super) fn flip_rows(ptm: &mut Ptm, channels: Range<usize>) {
     let (row, texel) = row_and_channels(ptm);
-    let upright = ptm.planes.samples.clone();
+    let original = ptm.planes.samples.clone();
     let rows = ptm.planes.samples.chunks_exact_mut(row);
-    for (to, from) in rows.zip(upright.rchunks_exact(row)) {
+    for (to, from) in rows.zip(original.rchunks_exact(row)) {
         let texels = to.chunks_exact_mut(texel).zip(from.chunks_exact(texel));
         texels.for_each(|(to, from)| to[channels.clone()].copy_from_slice(&from[channels.clone()]));
     }

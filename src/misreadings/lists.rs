@@ -1,7 +1,7 @@
 //! §2.9 and §2.9.1: mistakes with lines, sizes and the compression parameter
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 
 pub(super) const STEPS: Steps = |slug| {
     let edit: fn(&Anatomy) -> EditedFile = match slug {
@@ -44,5 +44,5 @@ pub(super) const STEPS: Steps = |slug| {
         "negative-vectors-refused" => |f| f.refuse_text(&["2.9.3/1"], |text| text.starts_with('-')),
         _ => return None,
     };
-    Some(At::Bytes(edit))
+    Some(Hook::Bytes(edit))
 };

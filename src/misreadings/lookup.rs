@@ -1,34 +1,34 @@
 //! §2.5 Lookup Table and §2.8 Lookup Table Indices: mistakes with tables and indices
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::indices::read_indices_of_width;
 use crate::ptm::Format;
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
-        "lut-formats-swapped" => At::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
+        "lut-formats-swapped" => Hook::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_C_LUT"),
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
-        "c-lut-is-ptm-lut" => At::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
+        "c-lut-is-ptm-lut" => Hook::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
-        "table-not-read" => At::Bytes(|file| match table_size(file) {
+        "table-not-read" => Hook::Bytes(|file| match table_size(file) {
             Some((count, size)) => {
                 file.with_payload(&[&vec![0; count * size], file.payload()].concat())
             }
             None => file.unchanged(),
         }),
-        "c-lut-with-colors-behind" => At::Blocks(|format| {
+        "c-lut-with-colors-behind" => Hook::Blocks(|format| {
             crate::decode::texels::blocks(match format {
                 Format::PtmCLut => Format::PtmLut,
                 other => other,
             })
         }),
-        "table-padded-to-256" => At::Bytes(|file| {
+        "table-padded-to-256" => Hook::Bytes(|file| {
             let Some((count @ ..256, size)) = table_size(file) else {
                 return file.unchanged();
             };
@@ -38,9 +38,9 @@ pub(super) const STEPS: Steps = |slug| {
                 None => EditedFile::Refused,
             }
         }),
-        "table-one-entry-long" => At::Bytes(|file| resize_table(file, |count| count + 1)),
-        "table-one-entry-short" => At::Bytes(|file| resize_table(file, |count| count - 1)),
-        "table-separated" => At::Bytes(|file| {
+        "table-one-entry-long" => Hook::Bytes(|file| resize_table(file, |count| count + 1)),
+        "table-one-entry-short" => Hook::Bytes(|file| resize_table(file, |count| count - 1)),
+        "table-separated" => Hook::Bytes(|file| {
             let Some((count, size)) = table_size(file) else {
                 return file.unchanged();
             };
@@ -53,31 +53,31 @@ pub(super) const STEPS: Steps = |slug| {
             parts.push(rest);
             file.with_payload(&parts.concat())
         }),
-        "width-by-largest-index" => At::Indices(|table, size, input| {
+        "width-by-largest-index" => Hook::Indices(|table, size, input| {
             let mut pairs = input.rest().chunks_exact(2).take(size.texels());
             let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
             read_indices_of_width(if wide { 2 } else { 1 }, size, input)
         }),
-        "index-signed" => At::Index(|stored| match stored {
+        "index-signed" => Hook::Index(|stored| match stored {
             [byte] => usize::from(*byte) | if *byte >= 128 { usize::MAX << 8 } else { 0 },
             _ => crate::decode::indices::little_endian(stored),
         }),
         "index-one-based" => {
-            At::Entry(|index, entries| index.checked_sub(1).filter(|&index| index < entries))
+            Hook::Entry(|index, entries| index.checked_sub(1).filter(|&index| index < entries))
         }
-        "index-clamped" => At::Entry(|index, entries| Some(index.min(entries.saturating_sub(1)))),
-        "index-wraps" => At::Entry(usize::checked_rem),
+        "index-clamped" => Hook::Entry(|index, entries| Some(index.min(entries.saturating_sub(1)))),
+        "index-wraps" => Hook::Entry(usize::checked_rem),
         "index-past-the-table-is-0" => {
-            At::Entry(|index, entries| Some(if index < entries { index } else { 0 }))
+            Hook::Entry(|index, entries| Some(if index < entries { index } else { 0 }))
         }
-        "index-limit-off-by-one" => At::Entry(|index, entries| {
+        "index-limit-off-by-one" => Hook::Entry(|index, entries| {
             (index <= entries).then_some(if index == entries { 0 } else { index })
         }),
         _ => return None,
     })
 };
 
-/// Maximum number of table entries that a mistake allocates, which is far more than two-byte indices can address.
+/// Maximum number of table entries that a mistake allocates. It far exceeds the number that two-byte indices can address.
 const MAX_ENTRIES: usize = 1 << 20;
 
 /// Returns the number of table entries and their size in bytes, if the file has a table.
@@ -97,13 +97,13 @@ fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     EditedFile::File(bytes)
 }
 
-/// Changes the number of table entries that are read, unless it becomes 0.
-fn resize_table(file: &Anatomy, resized: fn(usize) -> usize) -> EditedFile {
-    let size = table_size(file).filter(|&(count, _)| resized(count) > 0);
+/// Reads a table with a different number of entries, unless that number is 0.
+fn resize_table(file: &Anatomy, new_count: fn(usize) -> usize) -> EditedFile {
+    let size = table_size(file).filter(|&(count, _)| new_count(count) > 0);
     let Some((count, size)) = size else {
         return file.unchanged();
     };
-    let Some((table, rest)) = file.payload().split_at_checked(resized(count) * size) else {
+    let Some((table, rest)) = file.payload().split_at_checked(new_count(count) * size) else {
         return EditedFile::Refused;
     };
     let mut table = table.to_vec();

@@ -1,20 +1,20 @@
 //! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes with the matrix and its operands
 
 use super::anatomy::EditedFile;
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
-        "matrix-not-read" => At::Bytes(|file| {
+        "matrix-not-read" => Hook::Bytes(|file| {
             let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
             file.with_payload(&file.file[start..])
         }),
         "matrix-exponent-refused" => {
-            At::Bytes(|file| file.refuse_text(&["2.6/2"], |text| text.contains(['e', 'E'])))
+            Hook::Bytes(|file| file.refuse_text(&["2.6/2"], |text| text.contains(['e', 'E'])))
         }
-        "matrix-fifteen-elements" => At::Bytes(|file| {
+        "matrix-fifteen-elements" => Hook::Bytes(|file| {
             let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
@@ -26,46 +26,46 @@ pub(super) const STEPS: Steps = |slug| {
                 _ => file.unchanged(),
             }
         }),
-        "matrix-numbers-cut" => At::LumMatrix(|m| {
+        "matrix-numbers-cut" => Hook::LumMatrix(|m| {
             crate::decode::color_matrix::column_major_rows(m).map(|row| row.map(f64::trunc))
         }),
-        "matrix-transposed-but-translation" => At::LumMatrix(|m| {
-            [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|at| m.0[at]))
+        "matrix-transposed-but-translation" => Hook::LumMatrix(|m| {
+            [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|i| m.0[i]))
         }),
-        "matrix-ignored" => At::LumMatrix(|_| {
-            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|at| f64::from(u8::from(row == at))))
+        "matrix-ignored" => Hook::LumMatrix(|_| {
+            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|i| f64::from(u8::from(row == i))))
         }),
-        "matrix-of-jfif" => At::LumMatrix(|_| {
+        "matrix-of-jfif" => Hook::LumMatrix(|_| {
             [
                 [1.0, 1.402, 0.0, -179.456],
                 [1.0, -0.714_136, -0.344_136, 135.459],
                 [1.0, 0.0, 1.772, -226.816],
             ]
         }),
-        "colors-of-jfif-first" => At::LumVector(jfif_colors, jfif_colors),
-        "chroma-removed" => At::LumMatrix(|_| [[1.0, 0.0, 0.0, 0.0]; 3]),
-        "matrix-rows-as-blue-green-red" => At::LumMatrix(|m| {
+        "colors-of-jfif-first" => Hook::LumVector(jfif_colors, jfif_colors),
+        "chroma-removed" => Hook::LumMatrix(|_| [[1.0, 0.0, 0.0, 0.0]; 3]),
+        "matrix-rows-as-blue-green-red" => Hook::LumMatrix(|m| {
             let [red, green, blue] = crate::decode::color_matrix::column_major_rows(m);
             [blue, green, red]
         }),
-        "translation-ignored" => At::LumTranslation(|_| 0.0),
-        "translation-subtracted" => At::LumTranslation(|t| -t),
-        "chroma-centered" => At::LumVector(
+        "translation-ignored" => Hook::LumTranslation(|_| 0.0),
+        "translation-subtracted" => Hook::LumTranslation(|t| -t),
+        "chroma-centered" => Hook::LumVector(
             |y, cr, cb| [y, cr - 128.0, cb - 128.0],
             |y, cr, cb| [cr - 128.0, y, cb - 128.0],
         ),
-        "chroma-signed" => At::LumVector(
+        "chroma-signed" => Hook::LumVector(
             |y, cr, cb| [y, as_signed_byte(cr), as_signed_byte(cb)],
             |y, cr, cb| [as_signed_byte(cr), y, as_signed_byte(cb)],
         ),
         "chroma-swapped-in-the-vector" => {
-            At::LumVector(|y, cr, cb| [y, cb, cr], |y, cr, cb| [cb, y, cr])
+            Hook::LumVector(|y, cr, cb| [y, cb, cr], |y, cr, cb| [cb, y, cr])
         }
-        "luminance-clamped" => At::LumVector(
+        "luminance-clamped" => Hook::LumVector(
             |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
             |y, cr, cb| [cr, y.clamp(0.0, 255.0), cb],
         ),
-        "luminance-in-a-byte" => At::LumVector(
+        "luminance-in-a-byte" => Hook::LumVector(
             |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
             |y, cr, cb| [cr, f64::from(y as i64 as u8), cb],
         ),

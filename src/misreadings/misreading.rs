@@ -5,19 +5,19 @@ use std::fmt;
 
 use serde::Deserialize;
 
-use super::at::At;
+use super::hook::Hook;
 use crate::formula::Edit;
 use crate::kit::yaml;
 
 /// A mistake: a record of `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share
 /// the record type and have different steps.
 #[derive(Clone, Debug)]
-pub struct Misreading<A = At> {
+pub struct Misreading<A = Hook> {
     /// Permanent name.
     pub slug: &'static str,
     /// Clause that the decoder misreads.
     pub clause: &'static str,
-    /// Effect, as a sentence without its subject: "reads …".
+    /// Effect, as a sentence without a subject: "reads …".
     pub effect: &'static str,
     /// Fix, as a sentence without a period.
     pub fix: &'static str,
@@ -78,17 +78,17 @@ struct MisreadingRecord {
     edits: BTreeMap<String, String>,
 }
 
-/// Joins the records of a YAML file with the steps that they change: the step of the slug, or the one that `edited` creates from
-/// the formulas of a record.
+/// Joins the records of a YAML file with the steps that they change: the step of the slug, or the step that `step_of_edits`
+/// creates from the formulas of a record.
 ///
-/// The texts are never freed, because each catalog is created only once.
+/// The strings are leaked, because each catalog is created only once.
 ///
 /// # Errors
 /// Returns a message that names the offending line.
 pub(crate) fn load_catalog<A>(
     yaml: &str,
     step_of: impl Fn(&str) -> Option<A>,
-    edited: impl Fn(&'static [Edit]) -> Option<A>,
+    step_of_edits: impl Fn(&'static [Edit]) -> Option<A>,
 ) -> Result<Vec<Misreading<A>>, String> {
     let mut all = Vec::new();
     for (line, record) in yaml::records::<MisreadingRecord>(yaml)? {
@@ -99,7 +99,7 @@ pub(crate) fn load_catalog<A>(
             .map_err(|error| format!("line {line}: {error}"))?;
         let at = match edits.is_empty() {
             true => step_of(slug),
-            false => edited(edits.leak()),
+            false => step_of_edits(edits.leak()),
         };
         all.push(Misreading {
             slug,
@@ -108,7 +108,7 @@ pub(crate) fn load_catalog<A>(
             fix: record.fix.leak(),
             shows: record.shows,
             seen: record.seen,
-            at: at.ok_or_else(|| format!("line {line}: {slug} acts nowhere"))?,
+            at: at.ok_or_else(|| format!("line {line}: {slug} has no step"))?,
         });
     }
     Ok(all)
@@ -158,7 +158,7 @@ mod tests {
     fn unknown_slug_is_an_error() {
         assert_rejected(
             &(record("one") + &record("three")),
-            "line 2: three acts nowhere",
+            "line 2: three has no step",
         );
     }
 }

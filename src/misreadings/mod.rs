@@ -1,15 +1,15 @@
-//! Executable mistakes. Each is a plausible misreading of one clause.
+//! Executable mistakes. Each one is a plausible misreading of one clause.
 //!
 //! This catalog identifies the mistakes of failing decoders, measures the suite (every misreading must be caught,
 //! and every pair distinguished), and proves that each clause is tested.
 //!
-//! A [`Misreading`] is data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The modules for
-//! the sections have one entry per slug, in the order of the YAML file, with the step ([`At`]) and the function. Every function is
-//! *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
+//! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The
+//! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`Hook`]) and the function.
+//! Every function is *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
 
 mod misreading;
 
-mod at;
+mod hook;
 
 mod anatomy;
 
@@ -68,6 +68,6 @@ pub(crate) use answer::read;
 pub(crate) use answer::{apply_to_reading, render, unrounded_colors};
 #[cfg(feature = "tools")]
 pub(crate) use answer::{formula_edits, plane_edits};
-pub use at::At;
 pub use catalog::{all, find};
+pub use hook::Hook;
 pub use misreading::{Misreading, Sighting, Symptom};

@@ -2,12 +2,12 @@
 
 #![allow(
     clippy::cast_possible_wrap,
-    reason = "planes are 18 at most, and texels fewer than a limit allows"
+    reason = "there are at most 18 planes, and the number of texels is limited"
 )]
 
 use std::borrow::Cow;
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::predict as rule;
 use crate::parts::Step;
 use crate::ptm::Size;
@@ -15,45 +15,45 @@ use crate::reading::Reading;
 
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
-        "motion-halves-toward-zero" => At::Predictor(|reference, step, size, reading| {
+        "motion-halves-toward-zero" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
                 let first = at + d / 2;
                 [first, first + (d & 1)]
             })
         }),
-        "motion-half-of-the-other-axis" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-other-axis" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
                 let first = at + (d >> 1);
                 let half = if axis.is_x { d } else { other };
                 [first, first + (half & 1)]
             })
         }),
-        "motion-half-of-the-edge" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-of-the-edge" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 [first, first + (d & 1)]
             })
         }),
-        "motion-half-begins-again" => At::Predictor(|reference, step, size, reading| {
+        "motion-half-begins-again" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = (at + (d >> 1)).clamp(0, axis.length - 1);
                 let second = at + (d >> 1) + (d & 1);
-                let inside = (0..axis.length).contains(&second);
-                [first, if inside || second < 0 { second } else { 0 }]
+                let is_inside = (0..axis.length).contains(&second);
+                [first, if is_inside || second < 0 { second } else { 0 }]
             })
         }),
-        "motion-x-within-the-height" => At::Predictor(|reference, step, size, reading| {
+        "motion-x-within-the-height" => Hook::Predictor(|reference, step, size, reading| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = at + (d >> 1);
-                let most = if axis.is_x {
+                let limit = if axis.is_x {
                     axis.other.min(axis.length)
                 } else {
                     axis.length
                 };
-                [first, first + (d & 1)].map(|at| at.clamp(0, most - 1))
+                [first, first + (d & 1)].map(|at| at.clamp(0, limit - 1))
             })
         }),
-        "motion-border-black" => At::Predictor(|reference, step, size, reading| {
+        "motion-border-black" => Hook::Predictor(|reference, step, size, reading| {
             let motion_border = black_border;
             let reading = Reading {
                 motion_border,
@@ -93,7 +93,7 @@ struct PlaneAxis {
 /// along this and the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
-/// Displaces a reference by the correct rule, but each sample is the mean of four samples at the positions that `taps` returns.
+/// Displaces a reference by the correct rule, except that `taps` determines the positions of the four averaged samples.
 fn displace_with_taps<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -102,9 +102,9 @@ fn displace_with_taps<'a>(
     taps: Taps,
 ) -> Cow<'a, [u8]> {
     let moved = false;
-    let still = rule::invert_then_displace(reference, &Step { moved, ..*step }, size, reading);
+    let plane = rule::invert_then_displace(reference, &Step { moved, ..*step }, size, reading);
     if !step.moved || step.motion == (0, 0) {
-        return still;
+        return plane;
     }
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let mx = limit_displacement((reading.motion_sign)(step.motion.0));
@@ -115,12 +115,12 @@ fn displace_with_taps<'a>(
         length,
         other,
     };
-    let (along, across) = (axis(true, width, height), axis(false, height, width));
+    let (x_axis, y_axis) = (axis(true, width, height), axis(false, height, width));
     let texel = |i: i64| {
-        let [left, right] = taps(i % width, [mx, my], &along);
-        let [upper, lower] = taps(i / width, [my, mx], &across);
+        let [left, right] = taps(i % width, [mx, my], &x_axis);
+        let [upper, lower] = taps(i / width, [my, mx], &y_axis);
         let corners = [(left, upper), (right, upper), (left, lower), (right, lower)];
-        (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(&still, size, x, y)))
+        (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(&plane, size, x, y)))
     };
     Cow::Owned((0..height * width).map(texel).collect())
 }

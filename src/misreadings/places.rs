@@ -1,6 +1,6 @@
 //! §2.9.6–2.9.8/1: mistakes with sizes, offsets and the order of the planes
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::compressed;
 use crate::error::Result;
 use crate::parts::{Extent, Number, Plan, RawLists};
@@ -8,22 +8,22 @@ use crate::parts::{Extent, Number, Plan, RawLists};
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // 2.9.6, 2.9.7 and the offsets of the planes
-        "planes-in-decode-order" => At::Plan(|lists| {
+        "planes-in-decode-order" => Hook::Plan(|lists| {
             change_plan(lists, |lists, plan| {
                 let order = plan.sequence.clone();
                 set_sizes(plan, order, |i| stored_sizes(lists, i));
             })
         }),
-        "sizes-by-rank" => At::Plan(|lists| {
+        "sizes-by-rank" => Hook::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 // The first stream, with its sizes, belongs to the plane that is decoded first.
                 let before = plan.extents.clone();
-                for (place, &i) in plan.sequence.iter().enumerate() {
-                    plan.extents[i] = before[place].clone();
+                for (position, &i) in plan.sequence.iter().enumerate() {
+                    plan.extents[i] = before[position].clone();
                 }
             })
         }),
-        "side-sizes-are-records" => At::Plan(|lists| {
+        "side-sizes-are-records" => Hook::Plan(|lists| {
             change_plan(lists, |lists, plan| {
                 set_sizes(plan, 0..lists.planes, |i| {
                     let (stream, side) = stored_sizes(lists, i);
@@ -31,7 +31,7 @@ pub(super) const STEPS: Steps = |slug| {
                 });
             })
         }),
-        "sizes-include-side-information" => At::Plan(|lists| {
+        "sizes-include-side-information" => Hook::Plan(|lists| {
             change_plan(lists, |lists, plan| {
                 set_sizes(plan, 0..lists.planes, |i| {
                     let (stream, side) = stored_sizes(lists, i);
@@ -39,12 +39,12 @@ pub(super) const STEPS: Steps = |slug| {
                 });
             })
         }),
-        "side-information-not-skipped" => At::Plan(|lists| {
+        "side-information-not-skipped" => Hook::Plan(|lists| {
             change_plan(lists, |lists, plan| {
                 set_sizes(plan, 0..lists.planes, |i| (stored_sizes(lists, i).0, 0));
             })
         }),
-        "side-information-before-its-plane" => At::Plan(|lists| {
+        "side-information-before-its-plane" => Hook::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 for extent in &mut plan.extents {
                     let (start, end) = (extent.stream.start, extent.side.end);
@@ -56,7 +56,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "side-information-behind-all-planes" => At::Plan(|lists| {
+        "side-information-behind-all-planes" => Hook::Plan(|lists| {
             change_plan(lists, |_, plan| {
                 let mut end = 0;
                 for extent in &mut plan.extents {
@@ -69,7 +69,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "negative-side-size-is-none" => At::Plan(|lists| {
+        "negative-side-size-is-none" => Hook::Plan(|lists| {
             let mut lists = lists.clone();
             for number in &mut lists.side_sizes {
                 number.value = number.value.max(0);

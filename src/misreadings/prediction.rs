@@ -2,10 +2,10 @@
 
 #![allow(
     clippy::cast_possible_wrap,
-    reason = "planes are 18 at most, and texels fewer than a limit allows"
+    reason = "there are at most 18 planes, and the number of texels is limited"
 )]
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use super::transforms::{map_samples, reconstruct_with, unexpected_number};
 use crate::decode::compressed;
 use crate::error::Result;
@@ -14,7 +14,7 @@ use crate::parts::{Number, Plan, RawLists};
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // 2.9.4
-        "order-as-strict-sequence" => At::Plan(|lists| {
+        "order-as-strict-sequence" => Hook::Plan(|lists| {
             let mut plan = compressed::make_plan(lists)?;
             plan.sequence = order_as_planes(lists)?;
             let mut done = vec![false; plan.steps.len()];
@@ -27,24 +27,24 @@ pub(super) const STEPS: Steps = |slug| {
             }
             Ok(plan)
         }),
-        "order-as-sequence" => At::Plan(|lists| {
+        "order-as-sequence" => Hook::Plan(|lists| {
             Ok(Plan {
                 sequence: order_as_planes(lists)?,
                 ..plan_without_ranks(lists)?
             })
         }),
-        "order-ignored" => At::Plan(plan_without_ranks),
-        "order-reversed" => At::Plan(|lists| {
+        "order-ignored" => Hook::Plan(plan_without_ranks),
+        "order-reversed" => Hook::Plan(|lists| {
             let mut plan = compressed::make_plan(lists)?;
             plan.sequence.reverse();
             Ok(plan)
         }),
-        "order-one-based" => At::Plan(|lists| {
+        "order-one-based" => Hook::Plan(|lists| {
             let mut plan = compressed::make_plan(lists)?;
             plan.sequence.retain(|&i| lists.order[i].value > 0);
             Ok(plan)
         }),
-        "one-plane-a-rank" => At::Plan(|lists| {
+        "one-plane-a-rank" => Hook::Plan(|lists| {
             let mut plan = compressed::make_plan(lists)?;
             let planes = lists.order.len() as i64;
             plan.sequence = (0..planes)
@@ -52,30 +52,30 @@ pub(super) const STEPS: Steps = |slug| {
                 .collect();
             Ok(plan)
         }),
-        "ranks-of-references-unchecked" => At::Plan(|lists| {
+        "ranks-of-references-unchecked" => Hook::Plan(|lists| {
             let mut plan = plan_without_ranks(lists)?;
             plan.sequence.sort_by_key(|&plane| lists.order[plane].value);
             Ok(plan)
         }),
         // 2.9.5
-        "reference-one-based" => At::Plan(|lists| {
+        "reference-one-based" => Hook::Plan(|lists| {
             compressed::make_plan(&with_references(lists, |value| value.saturating_sub(1)))
         }),
-        "reference-one-late" => At::Plan(|lists| {
+        "reference-one-late" => Hook::Plan(|lists| {
             let planes = lists.references.len() as i64;
             change_references_unchecked(lists, |value| match value {
                 0.. => value.saturating_add(1).min(planes - 1),
                 _ => value,
             })
         }),
-        "reference-is-a-rank" => At::Plan(|lists| {
+        "reference-is-a-rank" => Hook::Plan(|lists| {
             let by_rank = |rank: i64| {
                 let plane = lists.order.iter().position(|number| number.value == rank);
                 plane.filter(|_| rank >= 0).map_or(-1, |plane| plane as i64)
             };
             change_references_unchecked(lists, by_rank)
         }),
-        "reference-is-the-plane-before" => At::Plan(|lists| {
+        "reference-is-the-plane-before" => Hook::Plan(|lists| {
             let mut plan = compressed::make_plan(lists)?;
             for pair in plan.sequence.windows(2) {
                 if let &[before, i] = pair
@@ -86,12 +86,12 @@ pub(super) const STEPS: Steps = |slug| {
             }
             Ok(plan)
         }),
-        "reference-past-the-last-is-intra" => At::Plan(|lists| {
+        "reference-past-the-last-is-intra" => Hook::Plan(|lists| {
             let planes = lists.references.len() as i64;
-            let is_plane = |value: i64| if value < planes { value } else { -1 };
-            compressed::make_plan(&with_references(lists, is_plane))
+            let plane_or_none = |value: i64| if value < planes { value } else { -1 };
+            compressed::make_plan(&with_references(lists, plane_or_none))
         }),
-        "intra-planes-less-128" => At::Reconstruct(|coded, residuals, reading| {
+        "intra-planes-less-128" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_none() {
@@ -103,7 +103,7 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Returns the lists with other references.
+/// Returns the lists with changed references.
 fn with_references(lists: &RawLists, change: impl Fn(i64) -> i64) -> RawLists {
     let mut lists = lists.clone();
     for reference in &mut lists.references {
@@ -120,7 +120,7 @@ fn change_references_unchecked(lists: &RawLists, change: impl Fn(i64) -> i64) ->
 }
 
 /// Returns the plan of a decoder that ignores ranks and decodes planes in index order. References that are not
-/// decoded yet are all zeros.
+/// decoded yet contain zeros.
 fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
     let mut plan = compressed::make_plan(&with_references(lists, |_| -1))?;
     for (step, reference) in plan.steps.iter_mut().zip(&lists.references) {
@@ -137,7 +137,7 @@ fn order_as_planes(lists: &RawLists) -> Result<Vec<usize>> {
     numbers.map(|number| plane_index(lists, number)).collect()
 }
 
-/// Returns the index of a plane if it is in range.
+/// Converts a number to the index of a plane, or returns an error if there is no plane with this index.
 fn plane_index(lists: &RawLists, number: &Number) -> Result<usize> {
     match usize::try_from(number.value) {
         Ok(plane) if plane < lists.planes => Ok(plane),

@@ -1,6 +1,6 @@
 //! §2.9.8: mistakes with side information
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::planes as rule;
 use crate::error::Result;
 use crate::parts::{Coded, Record};
@@ -10,14 +10,14 @@ use crate::reading::Reading;
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // Time of the correction
-        "side-information-too-late" => At::Reconstruct(|coded, residuals, reading| {
+        "side-information-too-late" => Hook::Reconstruct(|coded, residuals, reading| {
             let mut done = reconstruct_uncorrected(coded, residuals, reading)?;
             for (i, plane) in done.iter_mut().enumerate() {
                 coded.correct(i, plane, reading)?;
             }
             Ok(done)
         }),
-        "side-information-before-prediction" => At::Reconstruct(|coded, residuals, reading| {
+        "side-information-before-prediction" => Hook::Reconstruct(|coded, residuals, reading| {
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
                 coded.correct(i, &mut plane, reading)?;
@@ -26,7 +26,7 @@ pub(super) const STEPS: Steps = |slug| {
             }
             Ok(done)
         }),
-        "side-information-only-for-references" => At::Reconstruct(|coded, residuals, reading| {
+        "side-information-only-for-references" => Hook::Reconstruct(|coded, residuals, reading| {
             let mut corrected = coded.blank_planes();
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
@@ -37,61 +37,61 @@ pub(super) const STEPS: Steps = |slug| {
             }
             Ok(done)
         }),
-        "side-information-ignored" => At::Reconstruct(reconstruct_uncorrected),
+        "side-information-ignored" => Hook::Reconstruct(reconstruct_uncorrected),
         "side-information-of-inverted-planes-ignored" => {
-            At::Reconstruct(|coded, residuals, reading| {
+            Hook::Reconstruct(|coded, residuals, reading| {
                 reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                     let step = &coded.plan.steps[i];
                     step.reference.is_none() || !(step.inverted || step.moved)
                 })
             })
         }
-        "side-information-of-colors-ignored" => At::Reconstruct(|coded, residuals, reading| {
+        "side-information-of-colors-ignored" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                 coded.plan.steps.len() == 18 || i < 6
             })
         }),
-        "side-information-of-jpeg-ls-ignored" => At::SideInformation(|coded, plane| {
+        "side-information-of-jpeg-ls-ignored" => Hook::SideInformation(|coded, plane| {
             side_information_unless(coded.coding == Coding::JpegLs, coded, plane)
         }),
-        "quality-100-is-lossless" => At::SideInformation(|coded, plane| {
+        "quality-100-is-lossless" => Hook::SideInformation(|coded, plane| {
             let lossless = coded.plan.parameter == 100 && coded.coding == Coding::Jpeg;
             side_information_unless(lossless, coded, plane)
         }),
         // Position
-        "side-last-texel-skipped" => At::Records(|block, at, texels| {
+        "side-last-texel-skipped" => Hook::Records(|block, at, texels| {
             let records = rule::parse_records(block, at, texels)?;
             Ok(records_inside(records.into_iter(), texels - 1))
         }),
         "side-last-texel-refused" => {
-            At::Records(|block, at, texels| rule::parse_records(block, at, texels - 1))
+            Hook::Records(|block, at, texels| rule::parse_records(block, at, texels - 1))
         }
-        "side-position-past-the-end-ignored" => At::Records(|block, _, texels| {
-            let (whole, rest) = block.as_chunks::<5>();
+        "side-position-past-the-end-ignored" => Hook::Records(|block, _, texels| {
+            let (records, rest) = block.as_chunks::<5>();
             // A partial record is still refused.
             rule::parse_records(rest, 0, texels)?;
             Ok(records_inside(
-                whole.iter().map(|&record| big_endian(record)),
+                records.iter().map(|&record| big_endian(record)),
                 texels,
             ))
         }),
         // Value
-        "side-little-endian" => At::Records(|block, at, texels| {
+        "side-little-endian" => Hook::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p0, p1, p2, p3, value]| {
                 (u32::from_le_bytes([p0, p1, p2, p3]), value)
             })
         }),
-        "side-words-swapped" => At::Records(|block, at, texels| {
+        "side-words-swapped" => Hook::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p1, p0, p3, p2, value]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
-        "side-value-first" => At::Records(|block, at, texels| {
+        "side-value-first" => Hook::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[value, p3, p2, p1, p0]| {
                 (u32::from_be_bytes([p3, p2, p1, p0]), value)
             })
         }),
-        "side-bytes-signed" => At::Records(|block, at, texels| {
+        "side-bytes-signed" => Hook::Records(|block, at, texels| {
             read_records_with(block, at, texels, |&[p3, p2, p1, p0, value]| {
                 let bytes = [p3, p2, p1, p0].map(|byte| i32::from(byte.cast_signed()));
                 let sum = bytes
@@ -100,45 +100,45 @@ pub(super) const STEPS: Steps = |slug| {
                 (sum.cast_unsigned(), value)
             })
         }),
-        "side-cursor-by-one" => At::Records(|block, at, texels| {
+        "side-cursor-by-one" => Hook::Records(|block, at, texels| {
             rule::parse_records(block, at, texels)?;
-            let seen = block
+            let records = block
                 .windows(5)
                 .map(|bytes| bytes.try_into().expect("five bytes"));
-            Ok(records_inside(seen.map(big_endian), texels))
+            Ok(records_inside(records.map(big_endian), texels))
         }),
-        "side-records-of-four-bytes" => At::Records(|block, _, texels| {
-            let (whole, _) = block.as_chunks::<4>();
-            let seen = whole
+        "side-records-of-four-bytes" => Hook::Records(|block, _, texels| {
+            let (records, _) = block.as_chunks::<4>();
+            let records = records
                 .iter()
                 .map(|&[p2, p1, p0, value]| big_endian([0, p2, p1, p0, value]));
-            Ok(records_inside(seen, texels))
+            Ok(records_inside(records, texels))
         }),
-        "side-partial-record-ignored" => At::Records(|block, at, texels| {
+        "side-partial-record-ignored" => Hook::Records(|block, at, texels| {
             rule::parse_records(&block[..block.len() / 5 * 5], at, texels)
         }),
         // Records
-        "side-values-exclusive-or" => At::Correct(|plane, records| {
+        "side-values-exclusive-or" => Hook::Correct(|plane, records| {
             for &(position, value) in records {
                 if let Some(texel) = plane.get_mut(position as usize) {
                     *texel ^= value;
                 }
             }
         }),
-        "side-first-of-two-wins" => At::Correct(|plane, records| {
-            let turned: Vec<_> = records.iter().rev().copied().collect();
-            rule::overwrite_samples(plane, &turned);
+        "side-first-of-two-wins" => Hook::Correct(|plane, records| {
+            let reversed: Vec<_> = records.iter().rev().copied().collect();
+            rule::overwrite_samples(plane, &reversed);
         }),
         _ => return None,
     })
 };
 
-/// Parses a record.
+/// Parses a record with a big-endian position.
 fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
     (u32::from_be_bytes([p3, p2, p1, p0]), value)
 }
 
-/// Returns the side information of a plane, or nothing if it is skipped.
+/// Returns the side information of a plane, or an empty block if it is skipped.
 fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]
@@ -156,17 +156,17 @@ fn reconstruct_uncorrected(
     reconstruct_partly_corrected(coded, residuals, reading, |_, _| false)
 }
 
-/// Reconstructs all planes, and corrects those for which `corrected` is true.
+/// Reconstructs all planes, and corrects those for which `is_corrected` returns true.
 fn reconstruct_partly_corrected(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
-    corrected: fn(&Coded, usize) -> bool,
+    is_corrected: fn(&Coded, usize) -> bool,
 ) -> Result<Vec<Vec<u8>>> {
     let mut done = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
         coded.predict(i, &mut plane, &done, reading);
-        if corrected(coded, i) {
+        if is_corrected(coded, i) {
             coded.correct(i, &mut plane, reading)?;
         }
         done[i] = plane;

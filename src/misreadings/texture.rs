@@ -2,7 +2,7 @@
 //!
 //! This catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
 //! caught, and every pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules),
-//! usually by modifying the correct one.
+//! usually by modifying the result of the correct one.
 
 use std::sync::LazyLock;
 
@@ -111,14 +111,14 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "back-attributes-on-the-front" => |r| r.uses_back = |surface| surface.facet_distinguish,
         "limit-ignored" => |r| r.within_limit = |active, _| active.to_vec(),
         "last-maps-kept" => |r| {
-            r.within_limit = |active, most| active[active.len().saturating_sub(most)..].to_vec();
+            r.within_limit = |active, limit| active[active.len().saturating_sub(limit)..].to_vec();
         },
         "repeats-dropped" => |r| {
             r.within_limit =
-                |active, most| with_change((SPEC.within_limit)(active, most), Vec::dedup);
+                |active, limit| with_change((SPEC.within_limit)(active, limit), Vec::dedup);
         },
         "limit-off-by-one" => |r| {
-            r.within_limit = |active, most| (SPEC.within_limit)(active, most.saturating_add(1));
+            r.within_limit = |active, limit| (SPEC.within_limit)(active, limit.saturating_add(1));
         },
         "empty-list-is-untextured" => |r| r.empty_list = || Selection::Untextured,
         "empty-list-is-entry-one" => |r| r.empty_list = || Selection::Entries(vec![1]),
@@ -130,30 +130,30 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         // ---------------------------------------------------------------- parameterization
         "world-is-modelling" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let mut seen = point.clone();
-                seen.wc.position = point.mc.position.or(point.wc.position);
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                let mut changed = point.clone();
+                changed.wc.position = point.mc.position.or(point.wc.position);
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "modelling-is-world" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let mut seen = point.clone();
-                seen.mc.position = point.wc.position.or(point.mc.position);
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                let mut changed = point.clone();
+                changed.mc.position = point.wc.position.or(point.mc.position);
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "normal-is-not-transformed" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen =
+                let changed =
                     with_change(point.clone(), |p| p.wc.normal = p.mc.normal.or(p.wc.normal));
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "normal-in-world-always" => |r| {
             r.parameterize = |entry, point, n, rules| {
-                let seen =
+                let changed =
                     with_change(point.clone(), |p| p.mc.normal = p.wc.normal.or(p.mc.normal));
-                (SPEC.parameterize)(entry, &seen, n, rules)
+                (SPEC.parameterize)(entry, &changed, n, rules)
             };
         },
         "geometric-normal-always" => |r| r.normal = |place| place.geometric_normal.or(place.normal),
@@ -231,23 +231,23 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "normal-as-reflection" => |r| r.reflect = |_, n| n,
         "sight-towards-the-eye" => |r| r.sight = |eye, position| (SPEC.sight)(position, eye),
         "eye-in-world" => |r| {
-            r.vrc_place = |p| match p.wc.normal {
+            r.vrc_vertex = |p| match p.wc.normal {
                 Some(_) => p.wc.clone(),
                 None => p.vrc.clone(),
             };
         },
         "eye-in-vrc" => |r| {
-            r.wc_place = |p| match p.vrc.normal {
+            r.wc_vertex = |p| match p.vrc.normal {
                 Some(_) => p.vrc.clone(),
                 None => p.wc.clone(),
             };
         },
-        "reflection-matrix-ignored" => |r| r.turn = |_, s| s,
+        "reflection-matrix-ignored" => |r| r.rotate = |_, s| s,
         "reflection-matrix-transposed" => |r| {
-            r.turn = |m, s| [0, 1, 2].map(|c| dot([m[0][c], m[1][c], m[2][c]], s));
+            r.rotate = |m, s| [0, 1, 2].map(|c| dot([m[0][c], m[1][c], m[2][c]], s));
         },
         "reflection-matrix-moves" => |r| {
-            r.turn = |matrix, s| [0, 1, 2].map(|row| (SPEC.turn)(matrix, s)[row] + matrix[row][3]);
+            r.rotate = |m, s| [0, 1, 2].map(|row| (SPEC.rotate)(m, s)[row] + m[row][3]);
         },
         "reflection-matrix-for-all-methods" => |r| {
             r.parameterize = |entry, point, n, rules| {
@@ -255,7 +255,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
                 let t = (SPEC.parameterize)(entry, point, n, rules)?;
                 Ok(match entry.parameterization {
                     ReflectionSphereVRC | ReflectionSphereWC => t,
-                    _ => (SPEC.turn)(&entry.reflection_matrix, t),
+                    _ => (SPEC.rotate)(&entry.reflection_matrix, t),
                 })
             };
         },
@@ -287,10 +287,9 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
                 (SPEC.orient)(&transposed, t)
             };
         },
-        "orientation-without-translation" => |r| r.orient = |matrix, t| (SPEC.turn)(matrix, t),
+        "orientation-without-translation" => |r| r.orient = |matrix, t| (SPEC.rotate)(matrix, t),
         "orientation-of-two-coordinates" => |r| {
-            r.orient =
-                |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |moved| moved[2] = t[2]);
+            r.orient = |m, t| with_change((SPEC.orient)(m, [t[0], t[1], 0.0]), |out| out[2] = t[2]);
         },
         "orientation-after-sampling-range" => |r| {
             r.orient = |matrix, t| (SPEC.orient)(matrix, t.map(|t| t - t.floor()));
@@ -531,12 +530,12 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "minification-always" => |r| r.method = |entry, _| entry.min_sample,
         "methods-exchanged" => |r| r.method = |entry, magnify| (SPEC.method)(entry, !magnify),
         "texels-column-first" => |r| {
-            r.place = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
+            r.offset = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
         },
         "first-row-at-the-top" => |r| {
-            r.place = |size, at| (SPEC.place)(size, [at[0], size[1] - 1 - at[1], at[2]]);
+            r.offset = |size, at| (SPEC.offset)(size, [at[0], size[1] - 1 - at[1], at[2]]);
         },
-        "slices-ignored" => |r| r.place = |size, at| (SPEC.place)(size, [at[0], at[1], 0]),
+        "slices-ignored" => |r| r.offset = |size, at| (SPEC.offset)(size, [at[0], at[1], 0]),
         "coordinates-in-texels" => |r| {
             r.closest = |edge, t, size, rules| (SPEC.closest)(edge, t / size as f64, size, rules);
         },
@@ -747,9 +746,9 @@ fn blend_with(x: &Terms, color: Color) -> Shade {
     )
 }
 
-/// Covers `share` of the primitive with `color`, like a decal (R-CMP-37).
-fn cover_with(x: &Terms, color: Color, share: Color) -> Shade {
-    with_color(x.input, mix(x.input.color, color, share))
+/// Covers the primitive with `color` in the proportions `weights`, like a decal (R-CMP-37).
+fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
+    with_color(x.input, mix(x.input.color, color, weights))
 }
 
 /// Returns the maps with a different rendering control.

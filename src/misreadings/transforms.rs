@@ -1,6 +1,6 @@
 //! §2.9.2: mistakes with the choice and the effect of transforms
 
-use super::at::{At, Steps};
+use super::hook::{Hook, Steps};
 use crate::decode::{compressed, predict as rule};
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, Number, Plan, RawLists, Step};
@@ -9,9 +9,11 @@ use crate::reading::Reading;
 pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // 2.9.2: choice of the transform
-        "any-transform-refused" => At::Plan(|lists| plan_unless(lists, |transform| transform != 0)),
-        "motion-refused" => At::Plan(|lists| plan_unless(lists, |transform| transform & 2 != 0)),
-        "undefined-transforms-ignored" => At::Plan(|lists| {
+        "any-transform-refused" => {
+            Hook::Plan(|lists| plan_unless(lists, |transform| transform != 0))
+        }
+        "motion-refused" => Hook::Plan(|lists| plan_unless(lists, |transform| transform & 2 != 0)),
+        "undefined-transforms-ignored" => Hook::Plan(|lists| {
             let mut lists = lists.clone();
             for transform in &mut lists.transforms {
                 transform.value &= 3;
@@ -19,8 +21,8 @@ pub(super) const STEPS: Steps = |slug| {
             compressed::make_plan(&lists)
         }),
         // 2.9.2: effect of the transform
-        "inversion-turns-the-plane-round" => At::Invert(<[u8]>::reverse),
-        "inversion-with-one-carry" => At::Reconstruct(|coded, residuals, reading| {
+        "inversion-turns-the-plane-round" => Hook::Invert(<[u8]>::reverse),
+        "inversion-with-one-carry" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, _| {
                 let step = &coded.plan.steps[i];
                 match step.reference {
@@ -35,7 +37,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "inversion-of-the-residual" => At::Reconstruct(|coded, residuals, reading| {
+        "inversion-of-the-residual" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].inverted {
                     (reading.invert)(plane);
@@ -43,7 +45,7 @@ pub(super) const STEPS: Steps = |slug| {
                 predict(coded, reading, plane, done, without_inversion(steps[i]));
             })
         }),
-        "inversion-of-the-result" => At::Reconstruct(|coded, residuals, reading| {
+        "inversion-of-the-result" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 predict(coded, reading, plane, done, without_inversion(steps[i]));
                 if steps[i].reference.is_some() && steps[i].inverted {
@@ -51,7 +53,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "motion-of-the-residual" => At::Reconstruct(|coded, residuals, reading| {
+        "motion-of-the-residual" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 if steps[i].reference.is_some() && steps[i].moved {
                     let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
@@ -60,7 +62,7 @@ pub(super) const STEPS: Steps = |slug| {
                 predict(coded, reading, plane, done, without_motion(steps[i]));
             })
         }),
-        "motion-of-the-result" => At::Reconstruct(|coded, residuals, reading| {
+        "motion-of-the-result" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 predict(coded, reading, plane, done, without_motion(steps[i]));
                 if steps[i].reference.is_some() && steps[i].moved {
@@ -69,7 +71,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "transforms-of-intra-planes" => At::Reconstruct(|coded, residuals, reading| {
+        "transforms-of-intra-planes" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_none() && steps[i].inverted {
@@ -77,7 +79,7 @@ pub(super) const STEPS: Steps = |slug| {
                 }
             })
         }),
-        "reference-stays-inverted" => At::Reconstruct(|coded, residuals, reading| {
+        "reference-stays-inverted" => Hook::Reconstruct(|coded, residuals, reading| {
             let mut done = coded.blank_planes();
             for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
                 let step = coded.plan.steps[i];
@@ -90,7 +92,7 @@ pub(super) const STEPS: Steps = |slug| {
             }
             Ok(done)
         }),
-        "motion-leaves-planes-empty" => At::Reconstruct(|coded, residuals, reading| {
+        "motion-leaves-planes-empty" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
                 if steps[i].reference.is_some() && steps[i].moved {
@@ -116,22 +118,22 @@ pub(super) fn unexpected_number(number: &Number) -> Error {
         "2.9/1",
         number.at,
         Kind::Expected {
-            what: "another number",
+            what: "a different number",
             found: number.value.to_string(),
         },
     )
 }
 
-/// Reconstructs all planes. `make` converts residuals to a plane, which is then corrected.
+/// Reconstructs all planes. `predict` converts the residuals of a plane to its samples, which are then corrected.
 pub(super) fn reconstruct_with(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
-    make: impl Fn(usize, &mut [u8], &[Vec<u8>], &[Step]),
+    predict: impl Fn(usize, &mut [u8], &[Vec<u8>], &[Step]),
 ) -> Result<Vec<Vec<u8>>> {
     let mut done = coded.blank_planes();
     for (&i, mut plane) in coded.plan.sequence.iter().zip(residuals) {
-        make(i, &mut plane, &done, &coded.plan.steps);
+        predict(i, &mut plane, &done, &coded.plan.steps);
         coded.correct(i, &mut plane, reading)?;
         done[i] = plane;
     }

@@ -1,6 +1,6 @@
-//! Mistakes in the catalog, made by writers.
+//! Mistakes of writers that correspond to misreadings in the catalog.
 //!
-//! `spec-cases/writers/mistakes.yaml` contains the texts. Slug and clause are those of the misreading.
+//! `spec-cases/writers/mistakes.yaml` contains the texts. Slug and clause are the same as those of the misreading.
 
 use std::sync::LazyLock;
 
@@ -29,17 +29,17 @@ static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
 
 fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
     let records = yaml::records::<WriterMistakeRecord>(yaml)?.into_iter();
-    let join = |(line, words): (usize, WriterMistakeRecord)| {
-        let reader = super::find(&words.slug)
-            .ok_or_else(|| format!("line {line}: unknown misreading {}", words.slug))?;
+    let join = |(line, record): (usize, WriterMistakeRecord)| {
+        let misreading = super::find(&record.slug)
+            .ok_or_else(|| format!("line {line}: unknown misreading {}", record.slug))?;
         Ok(Misreading {
-            slug: reader.slug,
-            clause: reader.clause,
-            effect: words.effect.leak(),
-            fix: words.fix.leak(),
-            shows: reader.shows,
+            slug: misreading.slug,
+            clause: misreading.clause,
+            effect: record.effect.leak(),
+            fix: record.fix.leak(),
+            shows: misreading.shows,
             seen: Vec::new(),
-            at: reader,
+            at: misreading,
         })
     };
     records.map(join).collect()

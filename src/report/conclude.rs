@@ -103,7 +103,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::misreadings::At;
+    use crate::misreadings::Hook;
     use crate::protocol::frame::Answer;
     use crate::runner::run::{Reply, Request};
     use crate::session::run::check;
@@ -117,7 +117,7 @@ mod tests {
         let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
         let report = Report::new(&suite, &run, &["decoder".to_owned()], Vec::new());
         let verdicts = report.clone();
-        let report = add_causes::<_, At>(&suite, &run, report, |_| panic!("index 3 of 2"));
+        let report = add_causes::<_, Hook>(&suite, &run, report, |_| panic!("index 3 of 2"));
         assert_eq!(report.cases, verdicts.cases);
         assert_eq!(report.verdict, verdicts.verdict);
         assert_eq!(report.diagnoses, []);

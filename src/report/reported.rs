@@ -5,7 +5,7 @@ use maud::Markup;
 use crate::diagnose::{self, Causes};
 use crate::kit::{digest::sha256, parallel::map_in_parallel};
 use crate::misreadings::texture::Change;
-use crate::misreadings::{self, At, Misreading};
+use crate::misreadings::{self, Hook, Misreading};
 use crate::report::{document::FollowedReading, html::evidence, leniency::passing_case_ids};
 use crate::session::run::{Run, Session};
 use crate::session::transform;
@@ -78,7 +78,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 impl Reported for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
 
-    type MisreadingPoint = At;
+    type MisreadingPoint = Hook;
 
     fn suite() -> Result<Suite, String> {
         Suite::load()

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use crate::diagnose::{can_affect_file, decode_stream_cached};
 use crate::misreadings::texture::Change;
-use crate::misreadings::{self, At, Misreading};
+use crate::misreadings::{self, Hook, Misreading};
 use crate::protocol::frame::{Answer, Frame};
 use crate::reading::Reading;
 use crate::runner::run::Request;
@@ -19,7 +19,7 @@ use crate::suite::texture::cases::TextureCase;
 use crate::texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.
-pub struct MatrixRow<A: 'static = At> {
+pub struct MatrixRow<A: 'static = Hook> {
     /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,
     /// Indices of the failing cases in the suite.

@@ -113,9 +113,9 @@ fn set_compression(
         match name.as_str() {
             "parameter" => plan.parameter = number(name, text)?,
             // These three lists are repeated.
-            "transforms" => plan.transforms = plan.cycled(&numbers(name, text)?, everywhere),
-            "motion_x" => plan.motion_x = plan.cycled(&numbers(name, text)?, everywhere),
-            "motion_y" => plan.motion_y = plan.cycled(&numbers(name, text)?, everywhere),
+            "transforms" => plan.transforms = plan.cycle(&numbers(name, text)?, everywhere),
+            "motion_x" => plan.motion_x = plan.cycle(&numbers(name, text)?, everywhere),
+            "motion_y" => plan.motion_y = plan.cycle(&numbers(name, text)?, everywhere),
             "records" => {
                 let records = text.split_whitespace().map(str::parse);
                 plan.records = records.collect::<Result<_, _>>()?;
@@ -176,7 +176,7 @@ fn parse_indices(text: &str) -> Result<Indices, String> {
         (_, Some(limit)) => limit.parse().map(Indices::Below),
         ("any", _) => Ok(Indices::Any),
         ("bytes-differ", _) => Ok(Indices::BytesDiffer),
-        _ => numbers().map(Indices::These),
+        _ => numbers().map(Indices::List),
     };
     indices.map_err(|_| format!("unknown indices {text:?}"))
 }

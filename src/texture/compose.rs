@@ -1,4 +1,4 @@
-//! Composition controls: combination of the color of a map with the color of the primitive.
+//! Composition controls: combining the color of a map with the color of the primitive.
 //!
 //! Each method has equations for texels without alpha (RGB, L) and with alpha (RGBA, LA) (R-CMP-30 … R-CMP-39). In the
 //! *split* form (R-CMP-20), the texture is applied after lighting, and W is the light on a white surface. In the *direct*
@@ -91,19 +91,19 @@ pub(crate) fn blend_env_color(x: &Terms) -> Shade {
 
 /// Composes with method Decal (R-CMP-36, R-CMP-37).
 pub(crate) fn decal(x: &Terms) -> Shade {
-    let share = x.alpha.unwrap_or(1.0);
+    let weight = x.alpha.unwrap_or(1.0);
     Shade {
-        color: mix(x.input.color, multiply(x.white, x.color), [share; 3]),
+        color: mix(x.input.color, multiply(x.white, x.color), [weight; 3]),
         alpha: x.input.alpha,
     }
 }
 
 /// Composes with method `DecalBackground` (R-CMP-38, R-CMP-39).
 pub(crate) fn decal_background(x: &Terms) -> Shade {
-    let share = x.alpha.unwrap_or(1.0);
-    let over = mix(x.entry.background_color, x.color, [share; 3]);
+    let weight = x.alpha.unwrap_or(1.0);
+    let covered = mix(x.entry.background_color, x.color, [weight; 3]);
     Shade {
-        color: multiply(x.white, over),
+        color: multiply(x.white, covered),
         alpha: x.input.alpha,
     }
 }
@@ -125,7 +125,7 @@ pub(crate) fn multiply(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 
-/// Interpolates from `a` to `b` by `share`, per channel.
-pub(crate) fn mix(a: Color, b: Color, share: Color) -> Color {
-    [0, 1, 2].map(|c| (1.0 - share[c]) * a[c] + share[c] * b[c])
+/// Interpolates from `a` to `b`. `weight` is the weight of `b`, per channel.
+pub(crate) fn mix(a: Color, b: Color, weight: Color) -> Color {
+    [0, 1, 2].map(|c| (1.0 - weight[c]) * a[c] + weight[c] * b[c])
 }

@@ -5,7 +5,7 @@
 //! texel, and magnified if it covers less than one (R-SMP-02, R-SMP-03).
 //!
 //! Format notes
-//! - The suggested formulas are lost, and other formulas are allowed (R-HNT-01), so no verdict depends on this module
+//! - The chapter's suggested formulas are lost, and other formulas are allowed (R-HNT-01), so no verdict depends on this module
 //!   (ruling `depth-formula`).
 //! - The map is magnified if a pixel covers exactly one texel. If directions disagree, the larger span decides (ruling
 //!   `one-texel`).

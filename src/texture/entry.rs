@@ -126,9 +126,9 @@ enumerants! {
         Modulate,
         /// The primitive and the environment color are blended by the map.
         BlendEnvColor,
-        /// The map is drawn over the primitive according to the alpha of the map.
+        /// The map is drawn over the primitive with the alpha of the map.
         Decal,
-        /// The map is drawn over the background color according to the alpha of the map.
+        /// The map is drawn over the background color with the alpha of the map.
         DecalBackground,
     }
 }
@@ -230,7 +230,7 @@ pub struct Entry {
     pub clamp_method: ClampMethod,
     /// Clamp color for [`ClampMethod::Color`] (note g).
     pub clamp_color: Color,
-    /// Number of levels by which sampling moves away from the base.
+    /// Number of levels that sampling moves away from the base.
     pub depth_bias: f64,
     /// Frequency hints for the directions t0, t1 and t2, greater than 0 and at most 1. Values below 1 reduce blur.
     pub frequency: [f64; 3],

@@ -31,14 +31,14 @@ impl TextureMap {
         rounding: Rounding,
         rules: &Rules,
     ) -> TextureMap {
-        let picture = coefficients.evaluate(lu, lv);
+        let image = coefficients.evaluate(lu, lv);
         let value = |value: f64| match rounding {
             Rounding::None => value / 255.0,
             Rounding::EightBits => (rules.to_eight_bits)(value) / 255.0,
         };
-        let colors = (rules.rows)(&picture).into_iter();
+        let colors = (rules.rows)(&image).into_iter();
         let texels = colors.map(|color| Texel::rgb(color.map(value)));
-        let size = [picture.size.width as usize, picture.size.height as usize, 1];
+        let size = [image.size.width as usize, image.size.height as usize, 1];
         let base = Level {
             size,
             texels: texels.collect(),
@@ -48,9 +48,9 @@ impl TextureMap {
 }
 
 /// Returns the texels of an image, bottom row first (ruling `ptm-rows`).
-pub(crate) fn rows_bottom_up(picture: &RelitImage) -> Vec<[f64; 3]> {
-    let width = picture.size.width as usize;
-    let rows = picture.values.chunks_exact(3 * width).rev();
+pub(crate) fn rows_bottom_up(image: &RelitImage) -> Vec<[f64; 3]> {
+    let width = image.size.width as usize;
+    let rows = image.values.chunks_exact(3 * width).rev();
     rows.flat_map(|row| row.chunks_exact(3).map(|c| [c[0], c[1], c[2]]))
         .collect()
 }

@@ -53,8 +53,8 @@ impl Texel {
     #[must_use]
     pub fn new(kind: TexelKind, components: &[f64]) -> Option<Texel> {
         let mut values = [0.0; 4];
-        let given = values.get_mut(..components.len())?;
-        given.copy_from_slice(components);
+        let target = values.get_mut(..components.len())?;
+        target.copy_from_slice(components);
         (components.len() == kind.components()).then_some(Texel { kind, values })
     }
 
@@ -141,10 +141,10 @@ impl TextureMap {
     /// the map, or texels are of different kinds.
     pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
         if !(1..=3).contains(&dimensions) {
-            return Err(format!("a map has 1, 2 or 3 dimensions, not {dimensions}"));
+            return Err(format!("expected 1, 2 or 3 dimensions, found {dimensions}"));
         }
         let first = levels.first().and_then(|level| level.texels.first());
-        let kind = first.ok_or("a map has a base level with texels")?.kind;
+        let kind = first.ok_or("a map needs a base level with texels")?.kind;
         for (number, level) in levels.iter().enumerate() {
             let (size, count) = (level.size, level.texels.len());
             let mut sides = size.iter();
@@ -160,7 +160,7 @@ impl TextureMap {
                 ));
             }
             if level.texels.iter().any(|texel| texel.kind != kind) {
-                return Err(format!("level {number} mixes kinds of texels"));
+                return Err(format!("level {number} has texels of different kinds"));
             }
         }
         Ok(TextureMap {
@@ -203,18 +203,18 @@ impl TextureMap {
 /// Box-filters a level to half its size, rounded down.
 fn half_size_level(fine: &Level) -> Level {
     let size = fine.size.map(|side| (side / 2).max(1));
-    let cover = |d: usize| (0..size[d]).map(move |at| covered_cells(at, fine.size[d], size[d]));
-    let cover: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| cover(d).collect());
+    let coverage = |d: usize| (0..size[d]).map(move |at| covered_cells(at, fine.size[d], size[d]));
+    let coverage: [Vec<Vec<(usize, f64)>>; 3] = [0, 1, 2].map(|d| coverage(d).collect());
     let mut texels = Vec::with_capacity(size[0] * size[1] * size[2]);
-    for z in &cover[2] {
-        for y in &cover[1] {
-            for x in &cover[0] {
+    for z in &coverage[2] {
+        for y in &coverage[1] {
+            for x in &coverage[0] {
                 let parts = z.iter().flat_map(|&(k, wz)| {
                     y.iter().flat_map(move |&(j, wy)| {
                         x.iter().map(move |&(i, wx)| ([i, j, k], wx * wy * wz))
                     })
                 });
-                let parts = parts.map(|(at, w)| (fine.texels[place(fine.size, at)], w));
+                let parts = parts.map(|(at, w)| (fine.texels[texel_offset(fine.size, at)], w));
                 texels.push(Texel::sum(fine.texels[0].kind, parts));
             }
         }
@@ -222,18 +222,18 @@ fn half_size_level(fine: &Level) -> Level {
     Level { size, texels }
 }
 
-/// Returns the fine cells that the coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of cells.
+/// Returns the fine cells that coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of cells.
 fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     let (low, high) = (at * fine, (at + 1) * fine);
     // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.
-    let share = |k: usize| {
+    let overlap = |k: usize| {
         let (from, to) = (low.max(k * coarse), high.min((k + 1) * coarse));
         (k, (to - from) as f64 / fine as f64)
     };
-    (low / coarse..high.div_ceil(coarse)).map(share).collect()
+    (low / coarse..high.div_ceil(coarse)).map(overlap).collect()
 }
 
 /// Returns the index of the texel with coordinates `at` in a level. t0 varies fastest, then t1, then t2 (ruling `texel-order`).
-pub(crate) fn place(size: [usize; 3], at: [usize; 3]) -> usize {
+pub(crate) fn texel_offset(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
 }

@@ -1,4 +1,4 @@
-//! Texture mapping table of `PEXlib` 5.2: application of texture maps to surfaces.
+//! Texture mapping table of `PEXlib` 5.2: applying texture maps to surfaces.
 //!
 //! A PTM lit from one direction is an image, and an image can be used as a texture map. This module implements the chapter
 //! "Texture Mapping Table" as pure functions in the order of the pipeline. The results of each function can be compared
@@ -18,7 +18,7 @@
 //!
 //! Format notes
 //! - The formulas of the chapter were images and are lost. The formulas here are reconstructed from its text and from
-//!   related documents. `spec-cases/texture/rulings.yaml` states the certainty of each, and [`Rules`] lists the decisions.
+//!   related documents. `spec-cases/texture/rulings.yaml` states how certain each formula is, and [`Rules`] lists the decisions.
 //! - Requirements are cited by their ids in `spec-cases/texture/clauses.yaml`, such as R-SMP-05.
 //! - All arithmetic is in `f64`. No color is clamped to 0…1 (ruling `color-range`).
 //! - The numeric values of the enumerants are not public, so only names are used. The chapter has two sets of names, and

@@ -56,9 +56,9 @@ pub(crate) fn linear(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
 
 /// Interpolates with perspective correction: t is the quotient of t/w and 1/w, which are linear on the screen (R-ORI-04).
 pub(crate) fn hyperbolic(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
-    let shares: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
-    let whole: f64 = shares.iter().sum();
-    linear(ts, &shares, w).map(|t| t / whole)
+    let weights: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
+    let sum: f64 = weights.iter().sum();
+    linear(ts, &weights, w).map(|t| t / sum)
 }
 
 /// Returns where a texture is sampled: per facet, vertex or pixel (R-CMP-22).

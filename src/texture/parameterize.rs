@@ -54,11 +54,11 @@ pub(crate) fn apply_method(
         Parameterization::NURBUV => Ok((rules.spline_parameters)(point)),
         Parameterization::FloatData => (rules.float_data)(point, entry.fp_data_index, dimensions),
         Parameterization::ReflectionSphereVRC => {
-            let s = reflection(entry, point, &(rules.vrc_place)(point), rules)?;
+            let s = reflection(entry, point, &(rules.vrc_vertex)(point), rules)?;
             Ok([(rules.vrc_azimuth)(s), (rules.vrc_height)(s), 0.0])
         }
         Parameterization::ReflectionSphereWC => {
-            let s = reflection(entry, point, &(rules.wc_place)(point), rules)?;
+            let s = reflection(entry, point, &(rules.wc_vertex)(point), rules)?;
             Ok([(rules.wc_azimuth)(s), (rules.wc_height)(s), 0.0])
         }
     }
@@ -75,8 +75,8 @@ pub(crate) fn vertex_in_wc(point: &Point) -> VertexData {
 }
 
 /// Returns the normal of the vertex, or the geometric normal if there is none (R-PAR-15 … R-PAR-18).
-pub(crate) fn normal(place: &VertexData) -> Option<Vector> {
-    place.normal.or(place.geometric_normal)
+pub(crate) fn normal(vertex: &VertexData) -> Option<Vector> {
+    vertex.normal.or(vertex.geometric_normal)
 }
 
 /// Returns (u, v, 0) on a B-spline surface, and (0, 0, 0) elsewhere (R-PAR-19, R-PAR-20).
@@ -109,45 +109,45 @@ pub(crate) fn float_data(
 fn reflection(
     entry: &Entry,
     point: &Point,
-    place: &VertexData,
+    vertex: &VertexData,
     rules: &Rules,
 ) -> Result<Vector, NoValue> {
     let reflected = || {
-        let n = (rules.normal)(place).ok_or(NoValue::Missing("a normal"))?;
-        Ok((rules.reflect)(sight(point, place, rules)?, n))
+        let n = (rules.normal)(vertex).ok_or(NoValue::Missing("a normal"))?;
+        Ok((rules.reflect)(sight(point, vertex, rules)?, n))
     };
     let s = point.reflection.map_or_else(reflected, Ok)?;
-    let turned = (rules.turn)(&entry.reflection_matrix, s);
-    if turned == [0.0; 3] {
+    let rotated = (rules.rotate)(&entry.reflection_matrix, s);
+    if rotated == [0.0; 3] {
         return Err(NoValue::ImplementationDefined("no-reflection"));
     }
-    Ok(turned)
+    Ok(rotated)
 }
 
-fn sight(point: &Point, place: &VertexData, rules: &Rules) -> Result<Vector, NoValue> {
+fn sight(point: &Point, vertex: &VertexData, rules: &Rules) -> Result<Vector, NoValue> {
     if let Some(sight) = point.sight {
         return Ok(sight);
     }
-    let eye = place.eye.ok_or(NoValue::Missing("an eye"))?;
-    let position = place.position.ok_or(NoValue::Missing("a position"))?;
+    let eye = vertex.eye.ok_or(NoValue::Missing("an eye"))?;
+    let position = vertex.position.ok_or(NoValue::Missing("a position"))?;
     Ok((rules.sight)(eye, position))
 }
 
 /// Returns the unit vector from the eye to the vertex, or zero if they coincide (R-PAR-29).
 pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
-    let way = [0, 1, 2].map(|c| position[c] - eye[c]);
-    let length = length(way);
+    let direction = [0, 1, 2].map(|c| position[c] - eye[c]);
+    let length = length(direction);
     if length == 0.0 {
-        return way;
+        return direction;
     }
-    way.map(|c| c / length)
+    direction.map(|c| c / length)
 }
 
 /// Reflects the line of sight `i` at a surface with normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
 #[must_use]
 pub fn reflect(i: Vector, n: Vector) -> Vector {
-    let along = dot(n, i);
-    [0, 1, 2].map(|c| i[c] - 2.0 * along * n[c])
+    let projection = dot(n, i);
+    [0, 1, 2].map(|c| i[c] - 2.0 * projection * n[c])
 }
 
 /// Computes M·(s, 0), which rotates a direction without translation (ruling `reflection-matrix`).
@@ -174,11 +174,11 @@ pub(crate) fn half_turn_fraction(s: Vector) -> f64 {
 /// Maps x linearly to t0 (alternative reading of ruling `vrc-azimuth`).
 #[cfg(feature = "harness")]
 pub(crate) fn azimuth_proportional_to_x(s: Vector) -> f64 {
-    let around = s[0].hypot(s[2]);
-    if around == 0.0 {
+    let radius = s[0].hypot(s[2]);
+    if radius == 0.0 {
         return 0.0;
     }
-    f64::midpoint(1.0, s[0] / around)
+    f64::midpoint(1.0, s[0] / radius)
 }
 
 /// Maps a full turn of the azimuth to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).

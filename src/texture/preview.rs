@@ -1,8 +1,8 @@
-//! Preview of the effect of an entry: a plane or a ball with one map, under a nearby light.
+//! Preview of the effect of an entry: a plane or a sphere with one map, under a nearby light.
 //!
 //! Rendering is not part of the chapter. The preview is an aid for its readers. It runs the whole pipeline for each pixel:
 //! coordinates, orientation, depth from the footprint of the pixel, sampling, and composition with light that is computed
-//! from normals. An outline marks where coordinates leave 0…1.
+//! from normals. An outline marks the edge of the map, at coordinates 0 and 1.
 
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ use super::stage::stage;
 pub enum PreviewShape {
     /// Square that faces the eye.
     Plane,
-    /// Front of a ball.
+    /// Front half of a sphere.
     Sphere,
 }
 
@@ -41,8 +41,8 @@ pub struct Preview {
     pub light: (f64, f64),
     /// Color of the surface.
     pub color: Color,
-    /// Margin around the map: the coordinates of the shape range from −`around` to 1 + `around` in both directions.
-    pub around: f64,
+    /// Margin around the map: the coordinates of the shape range from −`margin` to 1 + `margin` in both directions.
+    pub margin: f64,
 }
 
 const EYE_POSITION: Vector = [0.0, 0.0, 4.0];
@@ -53,7 +53,7 @@ const BACKGROUND: Color = [0.13, 0.13, 0.15];
 /// Number of samples along each side of a pixel.
 const SAMPLES_PER_SIDE: usize = 2;
 
-/// Renders a preview, `side` pixels wide and high, as interleaved red, green and blue, top row first.
+/// Renders a preview of `side` × `side` pixels as interleaved red, green and blue, top row first.
 ///
 /// # Errors
 /// Returns an error if the coordinates of the entry cannot be derived for the shape.
@@ -62,12 +62,12 @@ pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>,
     for row in 0..side {
         for column in 0..side {
             let mut sum = [0.0; 3];
-            for fine in 0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE {
-                let at = |whole: usize, part: usize| {
-                    (whole as f64 + (part as f64 + 0.5) / SAMPLES_PER_SIDE as f64) / side as f64
+            for sample in 0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE {
+                let at = |pixel: usize, part: usize| {
+                    (pixel as f64 + (part as f64 + 0.5) / SAMPLES_PER_SIDE as f64) / side as f64
                 };
-                let x = 2.0 * at(column, fine % SAMPLES_PER_SIDE) - 1.0;
-                let y = 1.0 - 2.0 * at(row, fine / SAMPLES_PER_SIDE);
+                let x = 2.0 * at(column, sample % SAMPLES_PER_SIDE) - 1.0;
+                let y = 1.0 - 2.0 * at(row, sample / SAMPLES_PER_SIDE);
                 let color = color_at(preview, x, y, 2.0 / side as f64, rules)?;
                 sum = [0, 1, 2].map(|c| sum[c] + color[c].clamp(0.0, 1.0));
             }
@@ -85,7 +85,7 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
         return Ok(BACKGROUND);
     };
     let here = coordinates(preview, &point, rules)?;
-    // At the edge of a ball, where the map is hardly visible, the neighboring pixel may be outside the ball.
+    // At the edge of a sphere, where the map is hardly visible, the neighboring pixel may be outside the sphere.
     let neighbor = |x, y| match surface(preview, x, y) {
         Some(point) => coordinates(preview, &point, rules),
         None => Ok(here),
@@ -116,18 +116,18 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
     let lit = light_surface(preview, &point);
-    // Normals are interpolated, so texture and light are combined at every pixel.
+    // Normals are interpolated, so texture and light are combined at each pixel.
     let shade = stage(&maps, &lit, Interpolation::Normal, Frequency::Pixel, rules);
     Ok([0, 1, 2].map(|c| shade.alpha * shade.color[c] + (1.0 - shade.alpha) * BACKGROUND[c]))
 }
 
 /// Returns true if `here` and one of its neighbors are on different sides of the edge of the map.
 fn is_outline(preview: &Preview, here: Vector, next: [Vector; 2]) -> bool {
-    let inside = |t: Vector| {
+    let is_inside = |t: Vector| {
         let mut directions = t.iter().take(preview.map.dimensions());
         directions.all(|t| (0.0..=1.0).contains(t))
     };
-    next.into_iter().any(|next| inside(next) != inside(here))
+    next.into_iter().any(|t| is_inside(t) != is_inside(here))
 }
 
 fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector, NoValue> {
@@ -139,7 +139,7 @@ fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector
 fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     const MARGIN: f64 = 1.06;
     let (x, y) = (x * MARGIN, y * MARGIN);
-    let (position, normal, across) = match preview.shape {
+    let (position, normal, fractions) = match preview.shape {
         PreviewShape::Plane if x.abs() > 1.0 || y.abs() > 1.0 => return None,
         PreviewShape::Plane => (
             [x, y, 0.0],
@@ -149,21 +149,21 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
         PreviewShape::Sphere if x.hypot(y) > 1.0 => return None,
         PreviewShape::Sphere => {
             let z = (1.0 - x * x - y * y).sqrt();
-            let across = [x.atan2(z), y.asin()].map(|angle| angle / PI + 0.5);
-            ([x, y, z], [x, y, z], across)
+            let fractions = [x.atan2(z), y.asin()].map(|angle| angle / PI + 0.5);
+            ([x, y, z], [x, y, z], fractions)
         }
     };
-    let [u, v] = across.map(|c| c * (1.0 + 2.0 * preview.around) - preview.around);
-    let place = |position| VertexData {
+    let [u, v] = fractions.map(|c| c * (1.0 + 2.0 * preview.margin) - preview.margin);
+    let vertex = |position| VertexData {
         position: Some(position),
         eye: Some(EYE_POSITION),
         normal: Some(normal),
         geometric_normal: Some(normal),
     };
     Some(Point {
-        mc: place([u, v, f64::midpoint(position[2], 1.0)]),
-        wc: place(position),
-        vrc: place(position),
+        mc: vertex([u, v, f64::midpoint(position[2], 1.0)]),
+        wc: vertex(position),
+        vrc: vertex(position),
         fp_data: vec![u, v, f64::midpoint(position[2], 1.0)],
         spline: Some(SplinePoint {
             u,
@@ -175,16 +175,16 @@ fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     })
 }
 
-/// Computes ambient light, diffuse light and a highlight.
+/// Computes the ambient and diffuse light and the highlight.
 fn light_surface(preview: &Preview, point: &Point) -> LitPrimitive {
     let position = point.wc.position.unwrap_or_default();
     let normal = point.wc.normal.unwrap_or_default();
     let (lu, lv) = preview.light;
     let lw = (1.0 - lu * lu - lv * lv).max(0.0).sqrt();
-    let to_lamp = normalize([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
+    let to_light = normalize([0, 1, 2].map(|c| [lu, lv, lw][c] * LIGHT_DISTANCE - position[c]));
     let to_eye = normalize([0, 1, 2].map(|c| EYE_POSITION[c] - position[c]));
-    let halfway = normalize([0, 1, 2].map(|c| to_lamp[c] + to_eye[c]));
-    let diffuse = dot(normal, to_lamp).max(0.0);
+    let halfway = normalize([0, 1, 2].map(|c| to_light[c] + to_eye[c]));
+    let diffuse = dot(normal, to_light).max(0.0);
     let highlight = dot(normal, halfway).max(0.0).powi(60);
     LitPrimitive {
         surface: Shade {

@@ -14,7 +14,7 @@ use crate::evaluate::RelitImage;
 
 /// Reading of the chapter: one function per decision, in the order of the chapter.
 #[derive(Clone, Copy)]
-#[allow(missing_docs)] // each field is documented at the function in SPEC
+#[allow(missing_docs)] // each field is documented at its function in SPEC
 pub struct Rules {
     // table
     pub(crate) fallback_values: fn() -> Entry,
@@ -33,11 +33,11 @@ pub struct Rules {
     pub(crate) normal: fn(&VertexData) -> Option<Vector>,
     pub(crate) spline_parameters: fn(&Point) -> Vector,
     pub(crate) float_data: fn(&Point, usize, usize) -> Result<Vector, NoValue>,
-    pub(crate) vrc_place: fn(&Point) -> VertexData,
-    pub(crate) wc_place: fn(&Point) -> VertexData,
+    pub(crate) vrc_vertex: fn(&Point) -> VertexData,
+    pub(crate) wc_vertex: fn(&Point) -> VertexData,
     pub(crate) sight: fn(eye: Vector, position: Vector) -> Vector,
     pub(crate) reflect: fn(i: Vector, n: Vector) -> Vector,
-    pub(crate) turn: fn(&Matrix, Vector) -> Vector,
+    pub(crate) rotate: fn(&Matrix, Vector) -> Vector,
     pub(crate) vrc_azimuth: fn(Vector) -> f64,
     pub(crate) vrc_height: fn(Vector) -> f64,
     pub(crate) wc_azimuth: fn(Vector) -> f64,
@@ -63,7 +63,7 @@ pub struct Rules {
     pub(crate) method: fn(&Entry, magnify: bool) -> SampleMethod,
     pub(crate) closest: fn(Boundary, f64, usize, &Rules) -> usize,
     pub(crate) neighbors: fn(Boundary, f64, usize, &Rules) -> [(usize, f64); 2],
-    pub(crate) place: fn([usize; 3], [usize; 3]) -> usize,
+    pub(crate) offset: fn([usize; 3], [usize; 3]) -> usize,
     pub(crate) closest_level: fn(f64, usize) -> usize,
     pub(crate) levels: fn(f64, usize) -> (usize, usize, f64),
     // boundary conditions, clamp methods

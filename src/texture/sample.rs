@@ -1,4 +1,4 @@
-//! Sampling controls: sampling of a map at given coordinates and depth.
+//! Sampling controls: sampling a map at given coordinates and depth.
 //!
 //! There are six methods. They use the closest texel or a weighted average of the closest 2ⁿ texels, in the base level, in
 //! the closest level, or in the two closest levels with interpolation by depth (R-SMP-04 … R-SMP-11).
@@ -34,10 +34,10 @@ pub fn fetch(
             average(entry, map, &map.levels()[number.min(top)], t, rules)
         };
     let between = |average| {
-        let (lower, upper, share) = (rules.levels)(depth, top);
+        let (lower, upper, weight) = (rules.levels)(depth, top);
         let parts = [
-            (level(lower, average), 1.0 - share),
-            (level(upper, average), share),
+            (level(lower, average), 1.0 - weight),
+            (level(upper, average), weight),
         ];
         Texel::sum(map.kind(), parts.into_iter())
     };
@@ -72,7 +72,7 @@ fn closest_texel(
     for d in 0..map.dimensions() {
         at[d] = (rules.closest)((rules.condition)(entry, d), t[d], level.size[d], rules);
     }
-    level.texels[(rules.place)(level.size, at)]
+    level.texels[(rules.offset)(level.size, at)]
 }
 
 /// Returns the weighted average of the closest 2ⁿ texels of a level.
@@ -83,15 +83,15 @@ fn weighted_average(
     t: Vector,
     rules: &Rules,
 ) -> Texel {
-    let mut near = [[(0, 1.0), (0, 0.0)]; 3];
+    let mut neighbors = [[(0, 1.0), (0, 0.0)]; 3];
     for d in 0..map.dimensions() {
-        near[d] = (rules.neighbors)((rules.condition)(entry, d), t[d], level.size[d], rules);
+        neighbors[d] = (rules.neighbors)((rules.condition)(entry, d), t[d], level.size[d], rules);
     }
     let corners = (0..1_usize << map.dimensions()).map(|corner| {
-        let chosen = [0, 1, 2].map(|d| near[d][corner >> d & 1]);
-        let at = chosen.map(|(at, _)| at);
-        let weight = chosen.iter().map(|(_, weight)| weight).product();
-        (level.texels[(rules.place)(level.size, at)], weight)
+        let selected = [0, 1, 2].map(|d| neighbors[d][corner >> d & 1]);
+        let at = selected.map(|(at, _)| at);
+        let weight = selected.iter().map(|(_, weight)| weight).product();
+        (level.texels[(rules.offset)(level.size, at)], weight)
     });
     Texel::sum(map.kind(), corners)
 }
@@ -109,12 +109,12 @@ pub(crate) fn cells_around(
     rules: &Rules,
 ) -> [(usize, f64); 2] {
     let u = t * size as f64 - 0.5;
-    let (k, share) = (u.floor() as i64, u - u.floor());
+    let (k, weight) = (u.floor() as i64, u - u.floor());
     [
-        (fold_index(boundary, k, size, rules), 1.0 - share),
+        (fold_index(boundary, k, size, rules), 1.0 - weight),
         (
             fold_index(boundary, k.saturating_add(1), size, rules),
-            share,
+            weight,
         ),
     ]
 }

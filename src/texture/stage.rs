@@ -2,8 +2,8 @@
 //!
 //! Each map is applied to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
 //! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but texture
-//! per pixel, the split form is used: the light on the surface and the light on a white surface are passed on, and the maps
-//! are applied to these (R-CMP-20). All other cases use the direct form (R-CMP-21).
+//! per pixel, the split form is used: the light on the surface and the light on a white surface are computed first, and the
+//! maps are applied to both (R-CMP-20). All other cases use the direct form (R-CMP-21).
 //!
 //! Format notes
 //! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A stage
@@ -36,10 +36,10 @@ pub(crate) fn apply_all_maps(
     frequency: Frequency,
     rules: &Rules,
 ) -> Shade {
-    let all = |control: RenderingControl, input: Shade, white: Color| {
-        let with = maps.iter();
-        let with = with.filter(|(entry, _)| entry.rendering_control == control);
-        with.fold(input, |input, (entry, fetched)| {
+    let apply = |control: RenderingControl, input: Shade, white: Color| {
+        let maps = maps.iter();
+        let maps = maps.filter(|(entry, _)| entry.rendering_control == control);
+        maps.fold(input, |input, (entry, fetched)| {
             compose(entry, fetched, input, white, rules)
         })
     };
@@ -48,14 +48,14 @@ pub(crate) fn apply_all_maps(
             color: multiply(lit.white, lit.surface.color),
             ..lit.surface
         };
-        let textured = all(RenderingControl::PreLight, diffuse, lit.white);
+        let textured = apply(RenderingControl::PreLight, diffuse, lit.white);
         // CS is added only at the end (R-CMP-12, R-CMP-13).
         (rules.add_specular)(textured, lit.specular)
     } else {
-        let textured = all(RenderingControl::PreLight, lit.surface, [1.0; 3]);
+        let textured = apply(RenderingControl::PreLight, lit.surface, [1.0; 3]);
         (rules.light)(textured, lit)
     };
-    all(RenderingControl::PostLight, lit, [1.0; 3])
+    apply(RenderingControl::PostLight, lit, [1.0; 3])
 }
 
 /// Returns true if light is computed per facet or vertex, but texture per pixel (R-CMP-20, R-CMP-23).

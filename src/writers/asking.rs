@@ -37,7 +37,7 @@ pub fn ask<V: RequestValues>(
     };
     let result = writer.write(&call, scratch);
     let answer = result.output.map_or_else(
-        |answer| (answer.decoded()).expect_err("the decoded values are those of the file it wrote"),
+        |answer| (answer.decoded()).expect_err("only a written file is a decoded answer"),
         |bytes| Answer::Decoded(WrittenFile(bytes)),
     );
     Reply {
@@ -61,9 +61,9 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
     let is_unsupported = |reply: &Reply<_>| matches!(reply.answer, Answer::Unsupported);
     run.not_a_decoder = Some(match first.clone().find(violates) {
         _ if first.all(is_unsupported) => {
-            "the writer answers every first request with 69 (unsupported)".to_owned()
+            "the writer answered every first request with 69 (unsupported)".to_owned()
         }
-        None => "the writer refuses all first requests".to_owned(),
+        None => "the writer refused all first requests".to_owned(),
         Some(Reply { answer, stderr, .. }) => {
             let stderr = match stderr.is_empty() {
                 true => String::new(),
@@ -71,7 +71,7 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
             };
             let answer = answer.describe();
             format!(
-                "the writer writes none of the first files; its first answer is: {answer}{stderr}"
+                "the writer wrote none of the first files; its first answer was: {answer}{stderr}"
             )
         }
     });

@@ -27,7 +27,7 @@ use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues};
 /// Embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
-/// Request to a writer. Its values are the contents of the requested file.
+/// Request to a writer. Its values are the requested contents of the file.
 pub type WriterCase = FileCase<Recipe>;
 
 /// Request as written in YAML. With `for_each`, it expands to one case for every combination of the listed words.
@@ -60,11 +60,11 @@ impl Suite<WriterCase> {
             let record: RequestRecord = record;
             for words in Words::combinations(&record.for_each) {
                 let id = words.id(&record.id);
-                let named = |error| format!("requests.yaml: line {line}: {id}: {error}");
+                let locate = |error| format!("requests.yaml: line {line}: {id}: {error}");
                 if cases.iter().any(|case| case.id == id) {
-                    return Err(named("duplicate request".to_owned()));
+                    return Err(locate("duplicate request".to_owned()));
                 }
-                cases.push(record.case(&words).map_err(named)?);
+                cases.push(record.case(&words).map_err(locate)?);
             }
         }
         Ok(Suite { cases })
@@ -75,8 +75,8 @@ impl RequestRecord {
     fn case(&self, words: &Words) -> Result<WriterCase, String> {
         let mut recipe = self.make.recipe(words)?;
         if recipe.format.has_table() {
-            // Use every entry in the planes, if there are enough texels.
-            recipe.indices = Indices::These((0..recipe.entries).collect());
+            // Use every entry in the planes if there are enough texels.
+            recipe.indices = Indices::List((0..recipe.entries).collect());
         }
         recipe.compression.residuals = Residuals::Natural;
         let id = words.id(&self.id);
@@ -94,7 +94,7 @@ impl RequestRecord {
 }
 
 impl WriterCase {
-    /// Returns the request, with the placeholder `{planes}` as the path of the planes.
+    /// Returns the request, with the placeholder `{planes}` for the path of the planes.
     #[must_use]
     pub fn request(&self) -> WriteRequest {
         self.values.build(self.format).request

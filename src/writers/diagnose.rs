@@ -1,8 +1,8 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file has the
-//! values that such a reader gets from the right file. A correctly written file contradicts the mistake if such a reader would
-//! misread the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
+//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file contains
+//! the values that this reader gets from the reference's file. A correct file contradicts the mistake if this reader misreads
+//! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -18,33 +18,33 @@ use crate::session::outcome::Outcome;
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 use crate::writers::fault::WriterFault;
+use crate::writers::misread_file::{MisreadFile, explains, is_right_only_with};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::WriteRequest;
-use crate::writers::seen::{MisreadFile, explains, is_right_under};
 use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 
-/// Maximum size in bytes of a file that is searched.
+/// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format that are searched first, smallest first. A mistake must explain one of them.
+/// Number of wrong files per format for screening, smallest first. Mistakes that explain none of these files are skipped.
 const SCREENED_FILES: usize = 3;
 
 /// Number of unexplained files for which pairs of mistakes are tried, smallest first.
 const PAIR_SEARCHED_FILES: usize = 4;
 
-/// Cause of a writer's failures.
+/// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
 /// Request and the file that was written for it.
-struct Exhibit {
+struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.
     right: Vec<u8>,
     file: Vec<u8>,
 }
 
-/// Exhibits that are small enough to be searched, by case index.
-type Exhibits = BTreeMap<usize, Exhibit>;
+/// Attempts that are small enough to search, by case index.
+type Attempts = BTreeMap<usize, Attempt>;
 
 /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
 #[must_use]
@@ -57,15 +57,17 @@ pub fn diagnose(
     if failing.is_empty() {
         return Vec::new();
     }
-    let exhibit = |place: usize| exhibit(suite, run, place);
-    let exhibits = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &exhibit);
-    let exhibits = exhibits.into_iter().enumerate();
-    let exhibits: Exhibits = exhibits.filter_map(|(i, one)| Some((i, one?))).collect();
+    let attempt = |index: usize| attempt(suite, run, index);
+    let attempts = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &attempt);
+    let attempts = attempts.into_iter().enumerate();
+    let attempts: Attempts = attempts
+        .filter_map(|(i, attempt)| Some((i, attempt?)))
+        .collect();
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
-    let single = single_mistakes(&exhibits, &failing, &passing, threads);
+    let single = single_mistakes(&attempts, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
-    let pairs = mistake_pairs(&exhibits, &failing, threads);
+    let pairs = mistake_pairs(&attempts, &failing, threads);
     diagnoses.extend(cover(pairs, &mut failing).into_iter().map(|pair| {
         let (misreading, second) = pair.cause;
         let cause = Cause::Misreading {
@@ -79,31 +81,31 @@ pub fn diagnose(
     diagnoses
 }
 
-/// Returns the exhibit for a request, or `None` if the file is too large or missing.
-fn exhibit(
+/// Returns the attempt for a request, or `None` if the file is too large or missing.
+fn attempt(
     suite: &Suite<FileCase<Recipe>>,
     run: &Run<FileCase<Recipe>>,
-    place: usize,
-) -> Option<Exhibit> {
-    let request = suite.cases[place].request();
+    index: usize,
+) -> Option<Attempt> {
+    let request = suite.cases[index].request();
     let right = write_requested_file(&request).ok()?;
-    let wrong = wrong_file(run.observations[place].as_ref());
+    let wrong = wrong_file(run.observations[index].as_ref());
     let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
     let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
-    is_small.then_some(Exhibit {
+    is_small.then_some(Attempt {
         request,
         right,
         file,
     })
 }
 
-/// Returns the smallest files of failing requests, at most [`SCREENED_FILES`] per format.
-fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a Exhibit> {
-    let mut smallest: Vec<&Exhibit> = failing.iter().filter_map(|i| exhibits.get(i)).collect();
-    smallest.sort_by_key(|exhibit| exhibit.right.len());
+/// Returns the attempts of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
+fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a Attempt> {
+    let mut smallest: Vec<&Attempt> = failing.iter().filter_map(|i| attempts.get(i)).collect();
+    smallest.sort_by_key(|attempt| attempt.right.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
-    smallest.retain(|exhibit| {
-        let count = counts.entry(exhibit.request.format).or_default();
+    smallest.retain(|attempt| {
+        let count = counts.entry(attempt.request.format).or_default();
         *count += 1;
         *count <= SCREENED_FILES
     });
@@ -112,25 +114,25 @@ fn smallest_exhibits<'a>(exhibits: &'a Exhibits, failing: &[usize]) -> Vec<&'a E
 
 /// Returns single mistakes that explain failures and that no passing case contradicts.
 fn single_mistakes(
-    exhibits: &Exhibits,
+    attempts: &Attempts,
     failing: &[usize],
     passing: &[usize],
     threads: usize,
 ) -> Vec<CoverCandidate<&'static Miswriting>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let screen = smallest_exhibits(exhibits, failing);
+    let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |one: &Exhibit| explains(&one.request, &one.right, &one.file, mistake.at);
-        // If a reader with this mistake misreads the right file, a writer with the mistake would have written another file.
-        let contradicts = |Exhibit { request, right, .. }: &Exhibit| {
+        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.at);
+        // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
+        let contradicts = |Attempt { request, right, .. }: &Attempt| {
             !MisreadFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
         };
-        if !screen.iter().any(|exhibit| explains(exhibit)) {
+        if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
         }
-        let explains = |place: usize| exhibits.get(&place).is_some_and(explains);
-        let contradicts = |place: usize| exhibits.get(&place).is_some_and(contradicts);
+        let explains = |index: usize| attempts.get(&index).is_some_and(explains);
+        let contradicts = |index: usize| attempts.get(&index).is_some_and(contradicts);
         CoverCandidate::new(mistake, failing, explains, passing, contradicts)
     };
     let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &candidate);
@@ -139,56 +141,56 @@ fn single_mistakes(
 
 /// Returns pairs of mistakes that explain the smallest failing files.
 fn mistake_pairs(
-    exhibits: &Exhibits,
+    attempts: &Attempts,
     failing: &[usize],
     threads: usize,
 ) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let explains = |Exhibit { request, file, .. }: &Exhibit, pair: [&Miswriting; 2]| {
-        is_right_under(request, file, &pair.map(|mistake| mistake.at))
+    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&Miswriting; 2]| {
+        is_right_only_with(request, file, &pair.map(|mistake| mistake.at))
     };
-    let pair = |exhibit: &Exhibit| {
+    let pair = |attempt: &Attempt| {
         let with_first = |i: usize| {
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                can_combine(first.at, second.at) && explains(exhibit, [first, second])
+                can_combine(first.at, second.at) && explains(attempt, [first, second])
             });
             second.map(|second| (first, second))
         };
         let found = map_in_parallel(mistakes.len(), threads, &|_, _| (), &with_first);
         let (first, second) = found.into_iter().flatten().next()?;
-        let is_explained = |exhibit: &Exhibit| explains(exhibit, [first, second]);
-        let explains = |place: usize| exhibits.get(&place).is_some_and(is_explained);
+        let is_explained = |attempt: &Attempt| explains(attempt, [first, second]);
+        let explains = |index: usize| attempts.get(&index).is_some_and(is_explained);
         CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
-    let smallest = smallest_exhibits(exhibits, failing).into_iter();
+    let smallest = smallest_attempts(attempts, failing).into_iter();
     smallest
         .take(PAIR_SEARCHED_FILES)
         .filter_map(pair)
         .collect()
 }
 
-/// Describes the failures that no mistake of the catalog explains, grouped by the clause of the first difference.
+/// Describes the failures that no mistake in the catalog explains, grouped by the clause of the first difference.
 pub(super) fn describe_differences<V: RequestValues>(
     suite: &Suite<FileCase<V>>,
     run: &Run<FileCase<V>>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
-    for &place in failing {
-        if let Some((_, fault)) = wrong_file(run.observations[place].as_ref()) {
+    for &index in failing {
+        if let Some((_, fault)) = wrong_file(run.observations[index].as_ref()) {
             let group = groups.entry(&fault.clause).or_default();
-            group.push((place, fault));
+            group.push((index, fault));
         }
     }
     let mut diagnoses: Vec<WriterDiagnosis> = groups
         .into_iter()
         .map(|(clause, faults)| {
-            let (place, fault) = faults[0];
-            let example = format!("for example {}: {fault}", suite.cases[place].id);
+            let (index, fault) = faults[0];
+            let example = format!("for example {}: {fault}", suite.cases[index].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);
-            Diagnosis::new(cause, faults.iter().map(|&(place, _)| place).collect())
+            Diagnosis::new(cause, faults.iter().map(|&(index, _)| index).collect())
         })
         .collect();
     diagnoses.sort_by_key(|diagnosis| Reverse(diagnosis.explains.len()));
@@ -216,19 +218,17 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
         "1.0/1" => "fits the images worse than the best map",
-        "2.2/1" => "writes another format than requested",
+        "2.2/1" => "writes a different format than requested",
         "2.3/1" => "writes a different size than requested",
-        "2.4/3" => "writes other scales than requested",
-        "2.4/4" => "writes other biases than requested",
-        "2.6/2" => "writes another matrix than requested",
-        "2.9.1/1" => {
-            "loses more than the compression parameter allows, or writes another parameter"
-        }
+        "2.4/3" => "writes different scales than requested",
+        "2.4/4" => "writes different biases than requested",
+        "2.6/2" => "writes a different matrix than requested",
+        "2.9.1/1" => "exceeds the loss that the parameter allows, or writes a different parameter",
         "2.9.8/4" => {
             "writes no side information for texels that wrap around because of lossy compression"
         }
         "2.9.8/8" => "writes wrong values into side information",
-        _ => "writes other values than requested",
+        _ => "writes different values than requested",
     };
     let fix = match clause {
         "refused" => "check the byte that the example names",
@@ -236,8 +236,8 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
         "2.4/3" => "write all digits of the six scales, in the order of the coefficients",
-        "2.4/4" => "write the six biases unchanged, whatever their sign and size",
-        "2.6/2" => "write the sixteen numbers in the order of the request, with all their digits",
+        "2.4/4" => "write the six biases unchanged, including their signs",
+        "2.6/2" => "write all digits of the sixteen numbers, in the order of the request",
         "2.9.1/1" => {
             "predict from the planes that a decoder has, with the parameter of the request"
         }

@@ -1,7 +1,7 @@
 //! Comparison of a written file with the requested values.
 //!
 //! The reference must be able to decode the file, and `lint` must find no error. Header and planes must equal the request.
-//! For planes of lossy formats, the tolerance depends on the quality.
+//! For planes of lossy formats, the tolerance depends on the compression parameter.
 
 use std::fmt::Write;
 
@@ -41,27 +41,27 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
         Some(first) if first.severity == Severity::Error => {
-            let what = format!("{} ({})", first.says, first.found);
-            let says = format!("lint {} at byte {}: {what}", first.code, first.offset);
+            let problem = format!("{} ({})", first.says, first.found);
+            let says = format!("lint {} at byte {}: {problem}", first.code, first.offset);
             Err(WriterFault::new(first.clause, says))
         }
         _ => Ok(()),
     }
 }
 
-/// Describes why the reference refuses a file, including the bytes at the error.
+/// Describes why the reference refuses a file. Includes the bytes at the error.
 pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
-    let from = error.offset().min(file.len());
-    let shown = &file[from..file.len().min(from + 16)];
-    let bytes = match shown.is_empty() {
+    let start = error.offset().min(file.len());
+    let excerpt = &file[start..file.len().min(start + 16)];
+    let bytes = match excerpt.is_empty() {
         true => "the file ends there".to_owned(),
-        false => format!("the bytes there: \"{}\"", shown.escape_ascii()),
+        false => format!("the bytes there are \"{}\"", excerpt.escape_ascii()),
     };
     let says = format!("the reference refuses the file: {error}; {bytes}");
     WriterFault::new(error.clause(), says)
 }
 
-/// Compares format and size (2.2 and 2.3).
+/// Compares the format and size (2.2 and 2.3).
 pub(super) fn compare_map(format: Format, size: Size, ptm: &Ptm) -> Result<(), WriterFault> {
     let found = &ptm.header;
     if found.format != format {
@@ -102,9 +102,9 @@ fn compare_numbers(
     let Some(i) = (0..wanted.len()).find(differs) else {
         return Ok(());
     };
-    let [all, instead] = [found, wanted].map(|numbers| join_texts(numbers, " "));
+    let [all, expected] = [found, wanted].map(|numbers| join_texts(numbers, " "));
     let says = format!(
-        "{name} {i}: expected {}, the file has {} (all values: {all} instead of {instead})",
+        "{name} {i}: expected {}, found {} (all values: {all} instead of {expected})",
         wanted[i], found[i],
     );
     Err(WriterFault::new(clause, says))
@@ -114,7 +114,7 @@ pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
     (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
-/// Compares the compression parameters (2.9.1).
+/// Compares the compression parameter (2.9.1).
 fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<(), WriterFault> {
     let wanted = request.header.quality.or(request.header.near);
     match (wanted, dissection.number(Role::Parameter)) {
@@ -145,7 +145,7 @@ fn compare_planes(
     let name = channel_name(channels, channel);
     let (wanted, found) = (wanted[first], found[first]);
     let mut says = format!(
-        "texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}; {count} of {all} values differ"
+        "texel ({x}, {y}), {name}: expected {wanted}, found {found}; {count} of {all} values differ"
     );
     if let Some(at) = value_offset(request, dissection, (x, y), channel) {
         let byte = dissection.file.get(at).copied().unwrap_or_default();
@@ -178,7 +178,7 @@ fn value_offset(
 }
 
 impl WriteRequest {
-    /// Returns true if the planes may be stored with a loss.
+    /// Returns true if the compression of the planes may be lossy.
     #[must_use]
     pub fn is_lossy(&self) -> bool {
         self.header.quality.is_some() || self.header.near.is_some_and(|near| near > 0)

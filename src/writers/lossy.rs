@@ -1,12 +1,12 @@
 //! Tolerances for the requested planes in lossy formats.
 //!
 //! In JPEG, the error of a DCT coefficient is at most half its quantization step, and the transform preserves the sum of
-//! squares. The sum of squared errors of a block is therefore at most a quarter of the sum of squared steps, for every
-//! encoder. In JPEG-LS, no sample is off by more than NEAR.
+//! squares. For every encoder, the sum of squared errors of a block is therefore at most a quarter of the sum of squared
+//! steps. In JPEG-LS, no sample is off by more than NEAR.
 //!
 //! Format notes
-//! - Residuals wrap around, so errors are measured modulo 256. A texel that wraps to the other end of the range is
-//!   nevertheless wrong, and a record of side information must correct it (clause 2.9.8/4).
+//! - Residuals wrap around, so errors are measured modulo 256. However, a texel that wraps to the other end of the range
+//!   is wrong, and a record of side information must correct it (clause 2.9.8/4).
 //! - A corrected texel has exactly the requested value.
 
 use std::collections::HashSet;
@@ -17,7 +17,7 @@ use crate::ptm::channel_name;
 use crate::writers::fault::WriterFault;
 use crate::writers::request::WriteRequest;
 
-/// Additional tolerance per sample for rounding in the integer transforms of encoder and decoder.
+/// Additional tolerance per sample for rounding in the integer transforms of the encoder and the decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;
 
 /// Returns true if the samples equal the requested samples within the loss of the format. Ignores side information.
@@ -38,11 +38,11 @@ pub(super) fn check<'a>(
     side: impl Fn(usize) -> &'a [u8],
 ) -> Result<(), WriterFault> {
     (0..request.format.channels()).try_for_each(|plane| {
-        let lossy = LossyPlane::new(request, plane, decoded, side(plane));
-        lossy.check_wraparound()?;
+        let plane = LossyPlane::new(request, plane, decoded, side(plane));
+        plane.check_wraparound()?;
         match request.header.quality {
-            Some(quality) => lossy.check_blocks(quality),
-            None => lossy.check_near(request.header.near.unwrap_or_default()),
+            Some(quality) => plane.check_blocks(quality),
+            None => plane.check_near(request.header.near.unwrap_or_default()),
         }
     })
 }
@@ -64,7 +64,7 @@ struct LossyPlane<'a> {
     wanted: Vec<u8>,
     /// Samples that the reference decodes, in stored order.
     found: Vec<u8>,
-    /// Indices of texels that have a record of side information.
+    /// Indices of texels with a record of side information.
     corrected: HashSet<usize>,
 }
 
@@ -85,7 +85,7 @@ impl<'a> LossyPlane<'a> {
         let pairs = self.wanted.iter().zip(&self.found).enumerate();
         for (index, (&wanted, &found)) in pairs {
             if self.corrected.contains(&index) && wanted != found {
-                let why = "the record of side information for the texel has another value";
+                let why = "the record of side information for the texel has a different value";
                 return Err(self.fault("2.9.8/8", index, why));
             }
             if wanted.abs_diff(found) > 128 {
@@ -107,23 +107,23 @@ impl<'a> LossyPlane<'a> {
     /// Checks that no block of a JPEG plane is off by more than the quantization steps of `quality` allow.
     fn check_blocks(&self, quality: u8) -> Result<(), WriterFault> {
         let steps = scaled_steps(quality, false).map(f64::from);
-        let of_steps = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
-        let allowed = (of_steps.sqrt() + 8.0 * ROUNDING_TOLERANCE).powi(2);
+        let quarter_sum = steps.iter().map(|step| step * step / 4.0).sum::<f64>();
+        let allowed = (quarter_sum.sqrt() + 8.0 * ROUNDING_TOLERANCE).powi(2);
         let width = self.request.header.width as usize;
         let columns = width.div_ceil(8);
         let rows = (self.request.header.height as usize).div_ceil(8);
-        let mut lost = vec![0.0; columns * rows];
+        let mut errors = vec![0.0; columns * rows];
         for (index, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
             let block = index / width / 8 * columns + index % width / 8;
-            lost[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
+            errors[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
-        let Some(block) = lost.iter().position(|&lost| lost > allowed) else {
+        let Some(block) = errors.iter().position(|&error| error > allowed) else {
             return Ok(());
         };
         let index = block / columns * 8 * width + block % columns * 8;
-        let [lost, allowed] = [lost[block], allowed].map(|sum| (sum / 64.0).sqrt());
+        let [error, allowed] = [errors[block], allowed].map(|sum| (sum / 64.0).sqrt());
         let why = format!(
-            "the block of 8 × 8 samples is off by {lost:.1} (root mean square), and quality {quality} allows {allowed:.1}"
+            "the RMS error of the block of 8 × 8 samples is {error:.1}, and quality {quality} allows {allowed:.1}"
         );
         Err(self.fault("2.9.1/1", index, &why))
     }
@@ -137,12 +137,12 @@ impl<'a> LossyPlane<'a> {
         let name = channel_name(self.request.format.channels(), self.plane);
         WriterFault::new(
             clause,
-            format!("texel ({x}, {y}), {name}: expected {wanted}, the file gives {found}: {why}"),
+            format!("texel ({x}, {y}), {name}: expected {wanted}, found {found}: {why}"),
         )
     }
 }
 
-/// Returns the distance of two values modulo 256.
+/// Returns the distance between two values modulo 256.
 fn distance_modulo_256(a: u8, b: u8) -> u8 {
     a.wrapping_sub(b).min(b.wrapping_sub(a))
 }

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! REQUEST is a JSON file with the values of the header and the path of the planes ([`request`]). OUT is the path of the
-//! PTM file to write. The exit status is 0 if the file was written, 69 if the program does not support such files, and 65
-//! if no file can represent the values.
+//! PTM file to write. The exit status is 0 if the program wrote the file, 69 if it does not support the requested kind of
+//! file, and 65 if no file can represent the values.
 //!
-//! A file is right if the reference decodes it to the requested values ([`judge`]). The catalog of misreadings explains wrong
+//! A file is correct if the reference decodes it to the requested values ([`judge`]). The catalog of misreadings explains wrong
 //! files (`diagnose`): if only a reader with a misreading gets the right values from a file, the writer makes the same mistake.
 
 #[cfg(unix)]
@@ -21,11 +21,11 @@ pub mod fault;
 pub mod fitting;
 pub mod judge;
 mod lossy;
+mod misread_file;
 #[cfg(unix)]
 pub mod probe;
 pub mod reference;
 pub mod request;
-mod seen;
 #[cfg(unix)]
 pub mod test_case;
-pub mod wrong;
+pub mod wrong_files;

@@ -10,11 +10,11 @@ use crate::suite::cases::Suite;
 use crate::writers::asking;
 use crate::writers::cases::WriterCase;
 use crate::writers::judge::judge;
+use crate::writers::misread_file::explains;
 use crate::writers::reference::write_requested_file;
-use crate::writers::seen::explains;
 use crate::writers::test_case::WrittenFile;
 
-/// Runs all steps of the checklist with `writer`.
+/// Runs all steps of the checklist against `writer`.
 ///
 /// # Errors
 /// Returns an error if the embedded requests cannot be loaded.
@@ -34,7 +34,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 list.add_bad(format!("{format}: {says}"), next);
             }
         }
-        // A program that cannot be started or that hangs does so for every format.
+        // A program that cannot be started, or hangs, fails in the same way for every format.
         if matches!(reply.answer, Answer::NotStarted(_) | Answer::Hung(_)) {
             return Ok(list);
         }
@@ -49,18 +49,20 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     Ok(list)
 }
 
-/// Adds a step to the checklist: the file is right, or has a fault with a likely cause.
+/// Adds a step to the checklist: the file is correct, or it has a fault with a likely cause.
 fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     list.answers = true;
     let (request, format) = (case.request(), case.format.short_name());
     let fault = match judge(&request, &file.0) {
-        Ok(()) => return list.add_good(format!("{format}: the file has the values")),
+        Ok(()) => {
+            return list.add_good(format!("{format}: the file contains the requested values"));
+        }
         Err(fault) => fault,
     };
     let right = write_requested_file(&request).unwrap_or_default();
-    let mistake = writing::all().find(|one| explains(&request, &right, &file.0, one.at));
+    let mistake = writing::all().find(|m| explains(&request, &right, &file.0, m.at));
     let next = match mistake.map(|mistake| (mistake.effect, mistake.fix)) {
-        Some((effect, fix)) => format!("a writer that {effect} produces such a file: {fix}"),
+        Some((effect, fix)) => format!("a writer that {effect} would produce this file: {fix}"),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),
     };
     list.add_bad(format!("{format}: {fault}"), next);
@@ -76,17 +78,15 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         Answer::Crashed(_) => "exit with 0, 65 or 69; any other status counts as a crash",
         Answer::Hung(_) => "exit after writing the file, without waiting for input",
         Answer::Rejected => {
-            "the request is ordinary, so it must be written; fix the error that the writer prints to standard error"
+            "the request is ordinary, so the writer must not refuse it; fix the error that the writer prints to standard error"
         }
-        Answer::Flooded(_) => "write only this file",
+        Answer::Flooded(_) => "write only the requested file",
         Answer::OutOfMemory(_) => "allocate buffers for the sizes in the request",
         Answer::Tampered(_) => "open the request and the planes for reading only",
         _ => "run the writer by hand from another directory",
     };
-    let what = reply.answer.violation().unwrap_or(reply.answer.name());
+    let problem = reply.answer.violation().unwrap_or(reply.answer.name());
     let last = last_message(&reply.stderr);
-    let last = last.map_or(String::new(), |line| {
-        format!("\nits standard error ends: {line}")
-    });
-    (format!("{what}{last}"), next)
+    let last = last.map(|line| format!("\nits standard error ends: {line}"));
+    (format!("{problem}{}", last.unwrap_or_default()), next)
 }

@@ -8,9 +8,9 @@ use crate::writers::request::WriteRequest;
 /// Reason why a file was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NotWritten {
-    /// No file can represent these values; exit status 65.
+    /// No file can represent the values; exit status 65.
     Impossible(String),
-    /// The reference does not support such a file; exit status 69.
+    /// The reference cannot write the file; exit status 69.
     Unsupported(String),
 }
 
@@ -27,11 +27,11 @@ pub fn write_requested_file(request: &WriteRequest) -> Result<Vec<u8>, NotWritte
 /// Converts a request to a recipe for the generator.
 ///
 /// # Errors
-/// Returns the reason why the reference does not support such a file.
+/// Returns the reason why the reference cannot write the file.
 pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     let WriteRequest { header, format, .. } = request;
     let mut recipe = Recipe::ordinary(*format, request.size());
-    let numbers = "numbers were written";
+    let numbers = "formatted numbers can be parsed";
     let (scale, bias) = (
         header.scale.map(format_decimal),
         header.bias.map(|bias| bias.to_string()),
@@ -61,14 +61,14 @@ fn compression(request: &WriteRequest, format: Format) -> Result<Compression, No
         plan.motion_y.clone_from(&prediction.motion_y);
         let channels = format.channels();
         if [plan.references.len(), plan.order.len()] != [channels; 2] {
-            let says = format!("every list of {format} must have {channels} numbers");
+            let says = format!("every prediction list of {format} must have {channels} numbers");
             return Err(NotWritten::Impossible(says));
         }
     }
     Ok(plan)
 }
 
-/// Formats a number with all significant digits, without an exponent if the result is readable.
+/// Formats a number with all significant digits. Uses an exponent only for very small and very large numbers.
 fn format_decimal(number: f64) -> String {
     match number.abs() {
         0.0 | 1e-20..1e20 => number.to_string(),

@@ -11,8 +11,8 @@
 //!
 //! - `matrix`: sixteen numbers in file order, for LUM only.
 //! - `quality`: 20 to 100, for JPEG formats. `near`: maximum error, 0 for lossless, for JPEG-LS formats.
-//! - `prediction`: an optional prediction between planes that a writer may use. It consists of five lists with a number per
-//!   plane, `references`, `order`, `transforms`, `motion_x` and `motion_y`, with the meanings of 2.9.2 to 2.9.5.
+//! - `prediction`: an optional prediction between planes that a writer may use. Its five lists, `references`, `order`,
+//!   `transforms`, `motion_x` and `motion_y`, have one number per plane and the meanings of 2.9.2 to 2.9.5.
 //! - `planes`: path of the stored values, height × width × channels, u8, top row first.
 
 use serde::{Deserialize, Serialize};
@@ -39,9 +39,9 @@ pub struct WriteRequest {
 pub struct RequestHeader {
     /// Format name from 2.2.
     pub format: String,
-    /// Number of texels per row.
+    /// Width in texels.
     pub width: u32,
-    /// Number of rows.
+    /// Height in texels.
     pub height: u32,
     /// Six scales (2.4).
     pub scale: [f64; 6],
@@ -80,7 +80,7 @@ pub struct PredictionAdvice {
 }
 
 impl RequestHeader {
-    /// Creates a header without the values that only some formats have, and with the placeholder `{planes}` as the path.
+    /// Creates a header without the format-specific values, and with the placeholder `{planes}` for the path.
     pub(super) fn new(format: Format, size: Size, set: &ScaleBias) -> RequestHeader {
         RequestHeader {
             format: format.name().to_owned(),
@@ -120,13 +120,13 @@ impl RequestHeader {
         let frame = npy::read(array, ViewKind::Raw);
         let frame = frame.map_err(|error| format!("the planes: {error}"))?;
         let Samples::U8(samples) = frame.samples else {
-            return Err("the planes: the type is not u8".to_owned());
+            return Err("the planes: the element type is not u8".to_owned());
         };
         let shape = (frame.height, frame.width, frame.channels);
         let expected = (header.height, header.width, format.channels() as u32);
         if shape != expected {
             return Err(format!(
-                "the planes have shape {shape:?}, but the request needs {expected:?}"
+                "the planes: expected shape {expected:?}, found {shape:?}"
             ));
         }
         header.validate(format)?;
@@ -139,15 +139,15 @@ impl RequestHeader {
 
     /// Checks that the header has exactly the values that its format needs.
     fn validate(&self, format: Format) -> Result<(), String> {
-        let has = |coding| format.coding() == Some(coding);
+        let has_coding = |coding| format.coding() == Some(coding);
         for (key, needed, given) in [
             ("matrix", format == Format::Lum, self.matrix.is_some()),
-            ("quality", has(Coding::Jpeg), self.quality.is_some()),
-            ("near", has(Coding::JpegLs), self.near.is_some()),
+            ("quality", has_coding(Coding::Jpeg), self.quality.is_some()),
+            ("near", has_coding(Coding::JpegLs), self.near.is_some()),
         ] {
             match (needed, given) {
-                (true, false) => return Err(format!("{format} needs \"{key}\"")),
-                (false, true) => return Err(format!("{format} has no \"{key}\"")),
+                (true, false) => return Err(format!("{format} requires \"{key}\"")),
+                (false, true) => return Err(format!("{format} does not allow \"{key}\"")),
                 _ => {}
             }
         }
@@ -158,9 +158,7 @@ impl RequestHeader {
             return Err("a scale must be a finite number".to_owned());
         }
         if self.prediction.is_some() && format.coding().is_none() {
-            return Err(format!(
-                "{format} has no planes that can be predicted from each other"
-            ));
+            return Err(format!("{format} does not allow \"prediction\""));
         }
         Ok(())
     }
@@ -177,7 +175,7 @@ pub(super) fn new_map(
     let shape = format
         .shape()
         .with_matrix(|| matrix.map(ColorMatrix).ok_or(()))
-        .expect("the matrix of a LUM map");
+        .expect("a LUM map has a matrix");
     Ptm {
         header: Header {
             format,

@@ -1,4 +1,4 @@
-//! Test cases whose answer is a file: requests to writers and to fitters, with the parts that only reports need.
+//! Test cases whose answer is a file: requests to writers and fitters, including the parts that only reports use.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -37,7 +37,7 @@ impl fmt::Display for WriteView {
     }
 }
 
-/// File that a writer wrote.
+/// File written by the program under test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WrittenFile(pub Vec<u8>);
 
@@ -66,7 +66,7 @@ pub struct FileCase<V> {
     pub because: String,
     /// Expected result: a file with the values, or a refusal.
     pub expect: Expect,
-    /// True if the case is requested before all others.
+    /// True if the case runs before all other cases.
     pub first: bool,
     /// True if the case is in the smoke subset.
     pub smoke: bool,
@@ -76,11 +76,11 @@ pub struct FileCase<V> {
     pub values: V,
 }
 
-/// Request in the form in which it is sent.
+/// Request in the form in which the program receives it.
 pub struct BuiltRequest<R> {
     /// Request with all values.
     pub request: R,
-    /// JSON of the request, with names in braces as placeholders for the paths of attachments.
+    /// JSON of the request. Names in braces are placeholders for the paths of attachments.
     pub json: String,
     /// Size of the requested map.
     pub size: Size,
@@ -95,7 +95,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     const SUITE: SuiteName;
     /// Verb on the command line of the program.
     const VERB: &'static str;
-    /// Expected result, unless it is a refusal.
+    /// Description of the expected result, unless it is a refusal.
     const EXPECTED: &'static str;
 
     /// Returns the embedded suite.
@@ -103,7 +103,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// # Errors
     /// Returns a message that names the line or the request with the error.
     fn suite() -> Result<Suite<FileCase<Self>>, String>;
-    /// Returns the number of distinct polynomials in the planes for formats with a table, or `None` for other formats.
+    /// Returns the number of distinct polynomials for formats with a table, or `None` for other formats.
     fn entries(&self) -> Option<u32> {
         None
     }
@@ -273,7 +273,7 @@ impl<V: RequestValues> Reported for FileCase<V> {
             p.label { (caption) }
             pre.bytes tabindex="0" { (text) }
             @if let Some(file) = file {
-                p.label { "The file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { ", its beginning" } }
+                p.label { "Written file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { " (the beginning)" } }
                 pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
                 (download(&format!("{}.ptm", self.id), file))
             }

@@ -2,7 +2,7 @@
 
 use ptm_conform::Reading;
 use ptm_conform::formula::Edit;
-use ptm_conform::misreadings::{self, At, Misreading, Symptom};
+use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
@@ -33,7 +33,7 @@ pub fn computing(edits: Vec<Edit>) -> Misreading {
         fix: "",
         shows: Symptom::Values,
         seen: Vec::new(),
-        at: At::Edits(edits.leak()),
+        at: Hook::Edits(edits.leak()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! T.81 A.3.3: the common part of the forward and the inverse DCT
+//! T.81 A.3.3: the part shared by the forward and the inverse DCT
 //!
 //! The standard defines the transform by cosines and does not specify its arithmetic. The integer arithmetic here is that of the
 //! Independent JPEG Group's accurate transform ("islow"), based on the factorization of Loeffler, Ligtenberg and Moschytz (ICASSP

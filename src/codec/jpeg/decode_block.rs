@@ -1,4 +1,4 @@
-//! T.81 F.2.2: decoding of one block of coefficients
+//! T.81 F.2.2: decoding a block of coefficients
 //!
 //! A coefficient is coded in two parts: a Huffman code for its *size*, which is the number of bits of its magnitude,
 //! and as many additional bits, which select a number of this size. The code of an AC coefficient also contains the
@@ -16,15 +16,15 @@
 //! 011 00           size 2, bits 00              −3
 //! 1111110111 101   run 2, size 3, bits 101      5 after two zeros
 //! 1010             EOB                          zeros to the end of the block
-//! 11               padding                      in all 67 EF 6B
+//! 11               padding                      all bytes: 67 EF 6B
 //! ```
 //!
 //! Format notes
 //! - A run has at most fifteen zeros. ZRL (RUN 15, SIZE 0) represents sixteen zeros. A run that extends past the end
 //!   of the block is malformed, even if it consists of ZRL only.
 //! - A block whose last coefficient is nonzero has no EOB.
-//! - For samples of 8 bits, differences have at most 11 bits (Table F.1) and AC coefficients at
-//!   most 10 (Table F.2).
+//! - For 8-bit samples, differences have at most 11 bits (Table F.1), and AC coefficients have at most 10
+//!   (Table F.2).
 
 use super::huffman::ReadSymbols;
 use super::zigzag::ZIGZAG;

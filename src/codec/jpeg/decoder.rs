@@ -1,4 +1,4 @@
-//! T.81 B.2.1: reading of a stream
+//! T.81 B.2.1: reading a stream
 //!
 //! ```text
 //! SOI  [tables]  SOF0 or SOF1  [tables]  SOS  entropy-coded data  [tables]  EOI
@@ -25,8 +25,8 @@ const SOF1: u8 = 0xC1;
 ///
 /// # Errors
 ///
-/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has another
-/// size or another number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for the
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has a
+/// different size or number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for the
 /// processes of T.81 other than sequential Huffman coding with 8 bits.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;

@@ -1,6 +1,6 @@
-//! T.81 B.2.1: writing of a stream
+//! T.81 B.2.1: writing a stream
 //!
-//! This is the inverse of `decoder` and its neighbors, and works like libjpeg: with the default options every byte
+//! This is the inverse of `decoder` and its neighbors. It works like libjpeg: with the default options, every byte
 //! equals the output of `cjpeg -baseline -dct int -grayscale -quality Q`.
 //!
 //! ```text
@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Format notes
-//! - The samples that are returned with the stream are computed by `inverse_dct`, because other planes are predicted
-//!   from the samples of the decoder.
+//! - The samples returned with the stream are computed by `inverse_dct`, because other planes are predicted from
+//!   decoded samples.
 //! - libjpeg writes each Huffman table in a separate segment, followed by the restart interval.
 //! - Unused tables are legal. Here, the quantization steps of unused tables are all 1, and unused Huffman tables have
 //!   a single code, the bit 0 for the symbol 0.
@@ -27,10 +27,10 @@ use crate::codec::writer::{Encoded, Writer, check_size};
 pub struct JpegOptions {
     /// Quality, 1 … 100, as defined by the Independent JPEG Group.
     pub quality: u8,
-    /// Limits quantization steps to 255, so that the frame is baseline (SOF0) at every quality. Otherwise, a quality
+    /// Limits quantization steps to 255, so that the frame is baseline (SOF0) at every quality. Without it, a quality
     /// below 24 requires 16-bit tables and an extended sequential frame (SOF1).
     pub baseline: bool,
-    /// Optimizes the Huffman tables for the image, instead of using those of Annex K.
+    /// Optimizes the Huffman tables for the image instead of using the tables of Annex K.
     pub optimized: bool,
     /// Number of blocks between restart markers, or 0 for no restart markers.
     pub restart_interval: u16,
@@ -76,8 +76,8 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     let legal = (1..=4).contains(&h) && (1..=4).contains(&v);
     assert!(legal, "sampling factors {h} x {v}");
     let [quantization, dc, ac] = options.table_numbers.unwrap_or_default();
-    let numbered = quantization < 4 && dc < 4 && ac < 4;
-    assert!(numbered, "tables {quantization}, {dc} and {ac}");
+    let valid_indices = quantization < 4 && dc < 4 && ac < 4;
+    assert!(valid_indices, "tables {quantization}, {dc} and {ac}");
     let steps = match options.step {
         Some(step) => [step; 64],
         None => scaled_steps(quality, options.baseline),

@@ -1,13 +1,13 @@
 //! T.81 A.3.3: the forward DCT of the Independent JPEG Group
 //!
-//! This is the mirror of `inverse_dct`: all rows, then all columns, each by the transpose of the one-dimensional
-//! inverse. The results are too large by a factor of eight, which the quantization removes.
+//! This is the mirror image of `inverse_dct`: it transforms all rows, then all columns, each by the transpose of the
+//! one-dimensional inverse. The results are too large by a factor of eight, which the quantization removes.
 //!
 //! Worked example: 64 samples of 131, which is 3 above gray.
 //!
 //! ```text
-//! rows     8 · 3 · 2¹³, less 11 bits:  96 in column 0 of each row
-//! columns  8 · 96 · 2¹³, less 15 bits: 192 in row 0, which is 8 times DC = 24
+//! rows     (8 · 3 · 2¹³) >> 11 = 96 in column 0 of each row
+//! columns  (8 · 96 · 2¹³) >> 15 = 192 in row 0, which is 8 times DC = 24
 //! ```
 //!
 //! Format notes
@@ -69,7 +69,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// The mirror of the worked example of the inverse transform: 64 samples of 3 above gray have the DC coefficient 24.
+    /// Checks the worked example above: 64 samples of 3 above gray have the DC coefficient 24.
     #[test]
     fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];

@@ -1,4 +1,4 @@
-//! T.81 F.2.2.3: decoding of a Huffman code
+//! T.81 F.2.2.3: decoding a Huffman code
 //!
 //! Codes of equal length are consecutive numbers, so a decoder needs only the first code of each length, the number
 //! of codes, and the index of the first symbol. It appends bits until the number is a code of its length.
@@ -8,7 +8,7 @@
 //! ```text
 //! bits 110…   length  first  count   code
 //!             1       0      0       1      no code of this length
-//!             2       0      3       11     0 + 3 = 11: beyond the last
+//!             2       0      3       11     0 + 3 = 11: past the last code
 //!             3       110    1       110    the first code: symbol 08
 //! ```
 

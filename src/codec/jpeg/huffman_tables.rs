@@ -118,8 +118,8 @@ fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
         let (Some(first), Some(second)) = (first, lightest(&weights, first)) else {
             return lengths;
         };
-        let joined = std::mem::take(&mut trees[second]);
-        trees[first].extend(joined);
+        let merged = std::mem::take(&mut trees[second]);
+        trees[first].extend(merged);
         weights[first] += std::mem::take(&mut weights[second]);
         for &symbol in &trees[first] {
             lengths[symbol] += 1;

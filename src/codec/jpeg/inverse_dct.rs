@@ -1,14 +1,14 @@
 //! T.81 A.3.3: the inverse DCT of the Independent JPEG Group
 //!
 //! The standard does not specify the inverse transform exactly; it allows all transforms that are accurate enough. However, PTM
-//! planes contain differences modulo 256, where an error of one turns 255 into 0. So this implementation is exact: it is the
-//! integer transform "islow", which HP's encoder and nearly every decoder use (ruling `jpeg-samples`).
+//! planes contain differences modulo 256, where an error of one turns 255 into 0. This implementation is therefore exact: it
+//! is the integer transform "islow", which HP's encoder and nearly every decoder use (ruling `jpeg-samples`).
 //!
 //! Worked example: a block whose only coefficient is DC = 24.
 //!
 //! ```text
-//! columns  24 · 2¹³, less 11 bits:  96 in each row of column 0
-//! rows     96 · 2¹³, less 18 bits:  3
+//! columns  (24 · 2¹³) >> 11 = 96 in each row of column 0
+//! rows     (96 · 2¹³) >> 18 = 3
 //! samples  3 + 128 = 131
 //! ```
 //!

@@ -85,7 +85,7 @@ mod tests {
         })
     }
 
-    /// Creates a legal table. Limits the counts so that the code of all ones stays free.
+    /// Creates a legal table. Limits the counts so that the code of all ones stays unassigned.
     fn table(wanted: &[u8], symbols: Vec<u8>) -> HuffmanTable {
         let mut counts = [0; 16];
         let (mut free, mut left) = (1_usize, symbols.len());

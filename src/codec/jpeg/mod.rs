@@ -3,7 +3,7 @@
 //! The image is divided into blocks of 8 × 8 samples, from left to right and from top to bottom. The discrete cosine
 //! transform (DCT) converts each block to 64 coefficients. Each coefficient is divided by its quantization step and
 //! rounded. The quotients are written in zigzag order with Huffman codes: the first (DC) as the difference from the
-//! DC of the previous block, the others (AC) as pairs of a run of zeros and a value.
+//! DC of the previous block, and the others (AC) as pairs of a run of zeros and a value.
 //!
 //! ```text
 //! decode  scan → decode_block → (dequantization) → inverse_dct → samples
@@ -19,8 +19,8 @@
 //!
 //! Format notes
 //! - Tables must precede the scan header that names them, but not the frame header.
-//! - libjpeg writes 16-bit quantization tables under SOF1 if the quality is below 24. A sentence in B.2.4.1 forbids
-//!   them with 8-bit samples. This decoder accepts them nevertheless, under SOF0 as well.
+//! - libjpeg writes 16-bit quantization tables under SOF1 if the quality is below 24. B.2.4.1 forbids them with
+//!   8-bit samples. This decoder nevertheless accepts them, even under SOF0.
 //! - Decoded samples are exact: see `inverse_dct`.
 
 mod zigzag;

@@ -1,6 +1,6 @@
 //! T.81 A.3.4, K.1: quantization of coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded. This is the only loss of the format. The steps of
+//! A coefficient is divided by its quantization step and rounded. This is the lossy step of the format. The steps of
 //! Annex K correspond to quality 50. Other qualities scale them by a percentage. This is a convention of the
 //! Independent JPEG Group, not part of the standard.
 //!
@@ -64,11 +64,11 @@ pub(super) fn quantize_image(
             blocks.push(ZIGZAG.map(|i| quantized[usize::from(i)] as i16));
 
             let dequantized = std::array::from_fn(|i| quantized[i] * i32::from(steps[i]));
-            let back = inverse_dct(&dequantized);
-            let inside = (width - left).min(8);
+            let reconstructed = inverse_dct(&dequantized);
+            let visible = (width - left).min(8);
             for y in top..(top + 8).min(height) {
-                let row = &back[8 * (y - top)..][..inside];
-                decoded[y * width + left..][..inside].copy_from_slice(row);
+                let row = &reconstructed[8 * (y - top)..][..visible];
+                decoded[y * width + left..][..visible].copy_from_slice(row);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! T.81 E.2.3, E.2.4: decoding of a scan: all blocks of the image, in independent intervals
+//! T.81 E.2.3, E.2.4: decoding a scan: all blocks of the image, in independent intervals
 //!
 //! Worked example: two intervals of one block each, with the DC codes 00 for size 0 and 01 for size 4, and the AC
 //! code 0 for the end of the block.
@@ -82,11 +82,11 @@ fn read_restart<'a>(bits: &impl ReadSymbols<'a>, number: u8) -> StreamResult<usi
     Ok(stream.at)
 }
 
-/// Copies the part of a block that is inside the image. (x, y) is the position of the top left sample.
+/// Copies the part of a block that is inside the image. (x, y) is the position of the top-left sample.
 fn copy_block(samples: &mut [u8], width: usize, x: usize, y: usize, block: &[u8; 64]) {
-    let inside = (width - x).min(8);
+    let visible = (width - x).min(8);
     let rows = samples.chunks_exact_mut(width).skip(y);
     for (row, decoded) in rows.zip(block.chunks_exact(8)) {
-        row[x..x + inside].copy_from_slice(&decoded[..inside]);
+        row[x..x + visible].copy_from_slice(&decoded[..visible]);
     }
 }

@@ -1,9 +1,9 @@
 //! T.81 F.1.2: conversion of quantized blocks to symbols, and of symbols to bits
 //!
-//! This is the mirror of `decode_block` and `scan`. It works in two steps, because optimized Huffman tables depend on
+//! This is the mirror image of `decode_block` and `scan`. It works in two steps, because optimized Huffman tables depend on
 //! all symbols.
 //!
-//! Worked example: the block of `decode_block`, DC −3 and then 0 0 5 and sixty zeros.
+//! Worked example: the block of `decode_block`: DC −3, then 0 0 5 and sixty zeros.
 //!
 //! ```text
 //! DC  size 2, bits 00          −3 is the first two-bit number
@@ -92,7 +92,7 @@ pub(super) fn write_symbols(stream: &mut Writer, symbols: &[Symbol], tables: &[H
     out.finish(1);
 }
 
-/// Returns code and length by symbol. Symbols without a code have length 0.
+/// Returns the code and its length for each symbol. Symbols without a code have length 0.
 fn codes_by_symbol(table: &HuffmanTable) -> [(u32, u32); 256] {
     let mut codes = [(0, 0); 256];
     for code in table.codes() {

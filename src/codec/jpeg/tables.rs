@@ -13,7 +13,7 @@
 //!
 //! Format notes
 //! - A segment may contain several tables.
-//! - Precision and class are in the high four bits of the byte before the table, and the index in the low four bits.
+//! - The byte before a table contains its precision or class in the high four bits and its index in the low four bits.
 //! - DC and AC tables have separate indices: DC table 0 and AC table 0 are different tables.
 
 use super::huffman_table::HuffmanTable;
@@ -73,8 +73,8 @@ impl Tables {
             for step in &mut table {
                 let at = segment.at;
                 *step = match precision {
-                    0 => u16::from(segment.read_byte("64 quantization steps")?),
-                    _ => segment.read_u16("64 quantization steps")?,
+                    0 => u16::from(segment.read_byte("the 64 quantization steps")?),
+                    _ => segment.read_u16("the 64 quantization steps")?,
                 };
                 if *step == 0 {
                     return Err(malformed(at, "a quantization step is zero"));
@@ -99,7 +99,7 @@ impl Tables {
         let [dc_tables, ac_tables] = &self.huffman;
         let (number, dc, ac) = (frame.quantization_table, scan.tables >> 4, scan.tables & 15);
         let undefined = |kind: &'static str, number: u8| {
-            // At the offset of the table indices in the scan header.
+            // The error is at the offset of the table indices in the scan header.
             move || malformed(scan.at, format!("{kind} {number} was not defined"))
         };
         let quantization = find_table(&self.quantization, number);
@@ -122,7 +122,7 @@ fn read_precision_and_index(segment: &mut Cursor, kind: &str) -> StreamResult<(u
     let byte = segment.read_byte(kind)?;
     let (precision, number) = (byte >> 4, byte & 15);
     if precision > 1 || number > 3 {
-        let what = format!("no {kind} has precision or class {precision} and number {number}");
+        let what = format!("illegal {kind}: precision or class {precision}, number {number}");
         return Err(malformed(at, what));
     }
     Ok((precision, usize::from(number)))
@@ -133,11 +133,11 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     let at = segment.at;
     let mut counts = [0; 16];
     for count in &mut counts {
-        *count = segment.read_byte("16 numbers of codes")?;
+        *count = segment.read_byte("the 16 code counts")?;
     }
     let total: usize = counts.iter().map(|&count| usize::from(count)).sum();
     if total > 256 {
-        let what = format!("a Huffman table of {total} codes has more than 256");
+        let what = format!("a Huffman table has {total} codes, more than 256");
         return Err(malformed(at, what));
     }
     let mut symbols = Vec::with_capacity(total);

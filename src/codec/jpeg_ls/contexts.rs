@@ -1,6 +1,6 @@
 //! T.87 A.2.1, A.4.2, A.5.1, A.5.2, A.6: the statistics of a context
 //!
-//! A context keeps four numbers: the count N of errors so far, the sum A of their magnitudes, the sum B of the errors
+//! A context has four numbers: the count N of errors so far, the sum A of their magnitudes, the sum B of the errors
 //! themselves, and the correction C of the prediction. A / N is the mean magnitude, which determines the parameter k
 //! of the Golomb code. B / N is the mean error, which C absorbs in steps of one.
 //!
@@ -10,7 +10,7 @@
 //!         A   B   C  N   k
 //! fresh   4   0   0  1   2   1 · 2² ≥ 4
 //! −3      7  −1  −1  2   2   B = −3 is at most −N = −2, so C decreases and B increases by N
-//! −2      9   0  −2  3   2   the same
+//! −2      9   0  −2  3   2   C decreases again
 //!  0      9   0  −2  4   2   predictions are now corrected by −2
 //! ```
 //!
@@ -25,7 +25,7 @@ use super::parameters::Parameters;
 pub(super) struct Context {
     /// Sum of the magnitudes of errors.
     a: i32,
-    /// Sum of the errors, less the part that C has absorbed.
+    /// Sum of the errors, minus the part that C has absorbed.
     b: i32,
     /// Correction of the prediction, −128 … 127.
     c: i32,

@@ -1,7 +1,7 @@
 //! T.87 Annex F: bits → samples
 //!
 //! Decodes every sample in order. The template selects one of two modes: regular mode codes one sample, and run mode
-//! any number of equal samples and the sample after them.
+//! codes any number of equal samples and the sample after them.
 //!
 //! Worked example: an image with a single sample, in the byte 70 (bits 0111 0000).
 //!
@@ -126,8 +126,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         }
         run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
-            let what =
-                format!("the line has {left} samples left, too few to interrupt a run of {run}");
+            let what = format!("interrupted run of {run} samples, but the line has {left} left");
             return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)

@@ -1,4 +1,4 @@
-//! T.87 C.2: reading of a stream
+//! T.87 C.2: reading a stream
 //!
 //! ```text
 //! SOI  [LSE]  SOF55  [LSE]  SOS  entropy-coded data  [LSE]  EOI
@@ -8,7 +8,7 @@
 //! - Preset parameters may precede either header. The last ones before the scan header apply.
 //! - LSE has thirteen types. Only type 1 applies to an image with one component of 8 bits and no mapping table. T.870
 //!   added types 5 to 13.
-//! - An APP8 segment may name a color space. It is skipped like any other.
+//! - An APP8 segment may name a color space. It is skipped like any other application segment.
 
 use super::decode_scan::decode_scan;
 use super::parameters::{Parameters, PresetParameters};
@@ -25,8 +25,8 @@ const LSE: u8 = 0xF8;
 ///
 /// # Errors
 ///
-/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has another
-/// size or another number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has a
+/// different size or number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other
 /// precisions, mapping tables, point transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
@@ -45,11 +45,11 @@ pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
 /// Sample precisions that the standard allows but this decoder does not implement.
 const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
 
-/// Converts the scan header to parameters: no mapping table, NEAR, the interleave mode, the point transform (C.2.3).
+/// Converts the scan header to parameters: mapping table, NEAR, interleave mode and point transform (C.2.3).
 fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {
-        let what = "samples that a mapping table translates are not implemented";
+        let what = "mapping tables are not implemented";
         return Err(unsupported(scan.at, what));
     }
     if interleave != 0 {
@@ -63,7 +63,7 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
     Parameters::new(&presets.parameters, presets.at, near, scan.at + 1)
 }
 
-/// Preset coding parameters at some position in the stream.
+/// Preset coding parameters that apply at the current position in the stream.
 #[derive(Default)]
 struct StoredPresets {
     parameters: PresetParameters,

@@ -1,9 +1,9 @@
 //! T.87 Annex A: samples → bits
 //!
-//! This is the mirror of `decode_scan`. The neighbors are the samples of the decoder, which differ from the image if
-//! NEAR is not 0. An encoder that predicts from the image itself drifts away from its decoder.
+//! This is the mirror image of `decode_scan`. The neighbors are decoded samples, which differ from the image if NEAR is
+//! not 0. An encoder that predicts from the image itself drifts away from its decoder.
 //!
-//! Worked example: a line of seven samples 0 and a sample 1, in the bytes FB 40.
+//! Worked example: a line of seven zeros and a one, in the bytes FB 40.
 //!
 //! ```text
 //! 1 1 1 1 1    run mode: four segments of one sample, one of two
@@ -13,7 +13,7 @@
 //! ```
 //!
 //! Format notes
-//! - If the last byte is 0xFF, a byte of seven zero bits follows. Otherwise a decoder would read the marker as data.
+//! - If the last byte is 0xFF, a byte of seven zero bits follows. Without it, a decoder would read the marker as data.
 
 use super::contexts::{Context, fresh_contexts};
 use super::gradients::context_number;
@@ -141,13 +141,13 @@ impl ScanEncoder<'_, '_> {
     /// Writes a limited-length Golomb code (A.5.3).
     fn put_golomb(&mut self, mapped: i32, k: u32, limit: u32) {
         let (number, qbpp) = (mapped as u32, self.parameters.qbpp);
-        let longest = limit - qbpp - 1;
+        let max_zeros = limit - qbpp - 1;
         let zeros = number >> k;
-        if zeros < longest {
+        if zeros < max_zeros {
             self.bits.put_bits(0, zeros);
             self.bits.put_bits(1 << k | number & ((1 << k) - 1), 1 + k);
         } else {
-            self.bits.put_bits(0, longest);
+            self.bits.put_bits(0, max_zeros);
             self.bits.put_bits(1 << qbpp | (number - 1), 1 + qbpp);
         }
     }

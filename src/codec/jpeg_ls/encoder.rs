@@ -1,4 +1,4 @@
-//! T.87 C.2: writing of a stream
+//! T.87 C.2: writing a stream
 
 use super::encode_scan::encode_scan;
 use super::parameters::{Parameters, PresetParameters};
@@ -26,7 +26,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
         .unwrap_or_else(|error| panic!("{error}"));
     let maxval = parameters.maxval;
     if let Some(sample) = samples.iter().find(|&&sample| i32::from(sample) > maxval) {
-        panic!("sample {sample} is over MAXVAL {maxval}");
+        panic!("sample {sample} exceeds MAXVAL {maxval}");
     }
 
     let mut stream = Writer::new();

@@ -14,7 +14,7 @@ use crate::codec::stream_error::StreamResult;
 impl<'a> ReadGolomb<'a> for BitBuffer<'a, 7> {
     #[inline]
     fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32> {
-        // Longer than any code that is not limited: its zeros, a one and k bits.
+        // An unlimited code (its zeros, a one and k bits) is never longer than this.
         self.require(48);
         let zeros = self.peek_window().leading_zeros();
         if zeros >= limit - qbpp - 1 {

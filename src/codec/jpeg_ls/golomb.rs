@@ -1,14 +1,14 @@
 //! T.87 A.5.3: decoding of limited-length Golomb codes
 //!
-//! A number is coded in two parts: all bits above the low k bits, as that many zeros and a one, then the low k bits. The codes of
-//! large numbers are limited: after LIMIT − qbpp − 1 zeros and a one, the number minus one follows in qbpp bits.
+//! A number is coded in two parts: number >> k in unary, as that many zeros and a one, then the low k bits. The codes of large
+//! numbers are limited: LIMIT − qbpp − 1 zeros and a one are followed by number − 1 in qbpp bits.
 //!
 //! Worked example, with k = 2, LIMIT 32 and qbpp 8:
 //!
 //! ```text
 //! 3     1 11                   no zeros, low bits 11
 //! 13    0001 01                13 = 3 · 4 + 1
-//! 200   (23 zeros) 1 11000111  200 / 4 exceeds 22: the number 199 in 8 bits
+//! 200   (23 zeros) 1 11000111  200 >> 2 exceeds 22, so 199 in 8 bits
 //! ```
 
 use crate::codec::bits::{Bits, ReadBits};
@@ -35,16 +35,16 @@ pub(super) fn decode_golomb<'a>(
     qbpp: u32,
 ) -> StreamResult<i32> {
     let start = bits.plain_bits();
-    let longest = limit - qbpp - 1;
+    let max_zeros = limit - qbpp - 1;
     let mut zeros = 0;
     while bits.receive(1)? == 0 {
         zeros += 1;
-        if zeros > longest {
-            let what = format!("a code begins with more than {longest} zeros");
+        if zeros > max_zeros {
+            let what = format!("a code begins with more than {max_zeros} zeros");
             return Err(malformed(start.offset(), what));
         }
     }
-    let number = if zeros < longest {
+    let number = if zeros < max_zeros {
         zeros << k | bits.receive(k)?
     } else {
         bits.receive(qbpp)? + 1

@@ -2,7 +2,7 @@
 //!
 //! The gradients d − b, b − c and c − a measure the slope of the neighborhood. Each is quantized to one of nine regions, −4 … 4,
 //! by the thresholds T1, T2, T3 and NEAR. A neighborhood and its mirror image (with all signs inverted) share a context, with
-//! errors of opposite sign. Of 9³ = 729 triples, one is flat, and the others form 364 pairs.
+//! errors of opposite sign. One of the 9³ = 729 triples is flat, and the others form 364 pairs.
 //!
 //! Worked example: lossless coding with the thresholds 3, 7, 21.
 //!

@@ -73,15 +73,15 @@ impl Parameters {
         }
         let mut thresholds = default_thresholds(maxval, near);
         // Each threshold must be between the previous one and MAXVAL.
-        let (mut least, stored) = (near + 1, [presets.t1, presets.t2, presets.t3]);
+        let (mut min, stored) = (near + 1, [presets.t1, presets.t2, presets.t3]);
         for (i, threshold) in thresholds.iter_mut().enumerate() {
             *threshold = value_or_default(stored[i], *threshold);
-            if !(least..=maxval).contains(threshold) {
+            if !(min..=maxval).contains(threshold) {
                 let name = i + 1;
-                let what = format!("T{name} must be within {least} to {maxval}, found {threshold}");
+                let what = format!("T{name} must be within {min} to {maxval}, found {threshold}");
                 return Err(malformed(presets_at + 2 * name, what));
             }
-            least = *threshold;
+            min = *threshold;
         }
         let reset = value_or_default(presets.reset, 64);
         if !(3..=255).contains(&reset) {
@@ -118,7 +118,7 @@ fn bit_width(values: i32) -> u32 {
     (values - 1).ilog2() + 1
 }
 
-/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, otherwise scaled by MAXVAL and NEAR (C.2.4.1.1.1).
+/// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, and scaled values for other MAXVAL and NEAR (C.2.4.1.1.1).
 ///
 /// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
 pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
@@ -140,15 +140,15 @@ pub(crate) fn unlimited_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     }
 }
 
-/// Limits thresholds: one that is above MAXVAL or below the previous one (NEAR + 1 for the first) is replaced by the
+/// Limits thresholds: replaces a threshold above MAXVAL or below the previous one (NEAR + 1 for the first) by the
 /// previous one.
-pub(crate) fn limit_thresholds(wanted: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
-    let mut least = near + 1;
-    wanted.map(|threshold| {
-        if (least..=maxval).contains(&threshold) {
-            least = threshold;
+pub(crate) fn limit_thresholds(thresholds: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
+    let mut min = near + 1;
+    thresholds.map(|threshold| {
+        if (min..=maxval).contains(&threshold) {
+            min = threshold;
         }
-        least
+        min
     })
 }
 

@@ -1,7 +1,7 @@
 //! T.87 A.4: prediction, its error and the reconstructed sample
 //!
-//! The prediction is the *median edge detector*: b or a at an edge, otherwise the plane through a, b and c. Errors
-//! are numbers modulo RANGE, so two errors give the same sample, and the one nearer to zero is coded.
+//! The prediction is the *median edge detector*: b or a at an edge, and a + b − c elsewhere. Errors are numbers modulo
+//! RANGE, so two errors give the same sample, and the one nearer to zero is coded.
 //!
 //! Worked example: a = 5, b = 12 and the sample 250, in lossless coding.
 //!
@@ -29,8 +29,8 @@ pub(crate) fn predict(neighbors: Neighbors) -> i32 {
 }
 
 impl Parameters {
-    /// Returns the error in units of the step. Of the errors that give the same sample, returns the one nearest to
-    /// zero (A.4.4, A.4.5).
+    /// Returns the error in units of the step. If several errors give the same sample, returns the one nearest to zero
+    /// (A.4.4, A.4.5).
     #[cfg(feature = "generate")]
     pub fn quantize_error(&self, error: i32) -> i32 {
         let quantized = (error + self.near * error.signum()) / self.step;
@@ -45,12 +45,12 @@ impl Parameters {
         -(self.range / 2) <= error && error < (self.range + 1) / 2
     }
 
-    /// Reconstructs the sample from a prediction and an error (A.4.4), like the decoder.
+    /// Reconstructs the sample from a prediction and an error (A.4.4), as the decoder does.
     #[inline]
     pub fn reconstruct(&self, predicted: i32, error: i32) -> i32 {
         let modulus = self.range * self.step;
         let sample = predicted + error * self.step;
-        // Branchless, because branches are unpredictable in noise.
+        // Avoid branches, which are unpredictable in noise.
         let below = i32::from(sample < -self.near);
         let above = i32::from(sample > self.maxval + self.near);
         (sample + (below - above) * modulus).clamp(0, self.maxval)

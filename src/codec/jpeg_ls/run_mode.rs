@@ -1,7 +1,7 @@
-//! T.87 A.7: run mode, the common part of decoder and encoder
+//! T.87 A.7: run mode, the part shared by the decoder and the encoder
 //!
 //! If all gradients are flat, samples equal to a are counted until a sample differs or the line ends. A run is written in
-//! segments of 2^J samples, with a bit 1 for each, and J grows with `RUNindex` while runs continue. A bit 0, followed by the rest
+//! segments of 2^J samples, with a 1 bit for each, and J grows with `RUNindex` while runs continue. A 0 bit, followed by the rest
 //! of the run in J bits, means that a sample interrupts the run. That sample is predicted and coded separately.
 //!
 //! Worked example: a run of 7 samples and an interruption, starting with `RUNindex` 0.
@@ -20,7 +20,7 @@
 use super::contexts::{golomb_parameter, initial_error_sum};
 use super::parameters::Parameters;
 
-/// J by `RUNindex`: a bit 1 in the stream means 2^J samples (A.2.1).
+/// J by `RUNindex`: a 1 bit in the stream means 2^J samples (A.2.1).
 pub(crate) const J: [u32; 32] = [
     0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13,
     14, 15,
@@ -48,7 +48,7 @@ pub(super) struct Interruption {
     pub predicted: i32,
     /// Sign of prediction errors, 1 or −1.
     pub sign: i32,
-    /// `RItype`: 1 if |a − b| ≤ NEAR, otherwise 0.
+    /// `RItype`: 1 if |a − b| ≤ NEAR, else 0.
     pub kind: i32,
 }
 
@@ -79,7 +79,7 @@ impl RunMode {
         &mut self.contexts[interruption.kind as usize]
     }
 
-    /// Returns the number of bits of the longest code for an interrupting sample.
+    /// Returns the length in bits of the longest code for an interrupting sample.
     pub fn limit(&self, parameters: &Parameters) -> u32 {
         parameters.limit - self.segment_bits() - 1
     }

@@ -5,10 +5,10 @@ fn terms([u, v]: [f64; 2]) -> [f64; 6] {
     [u * u, v * v, u * v, u, v, 1.0]
 }
 
-/// Minimum eigenvalue, relative to the largest, of a direction that the lights determine.
+/// Minimum ratio of an eigenvalue to the largest one. Directions with smaller eigenvalues are ignored.
 const MIN_EIGENVALUE_RATIO: f64 = 1e-10;
 
-/// Least-squares solver for a fixed set of lights. If there are several solutions, returns the one with the smallest norm.
+/// Least-squares solver for a fixed set of lights. If there are several solutions, it returns the one with the smallest norm.
 #[derive(Debug)]
 pub(super) struct LeastSquares {
     /// Pseudoinverse: for each light, the contribution of its value to each coefficient.
@@ -25,13 +25,13 @@ impl LeastSquares {
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
         let (values, vectors) = eigen(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let kept = |k: &usize| values[*k] > MIN_EIGENVALUE_RATIO * largest;
+        let is_significant = |k: &usize| values[*k] > MIN_EIGENVALUE_RATIO * largest;
         let row = |light: &[f64; 6]| {
             let mut row = [0.0; 6];
-            for k in (0..6).filter(kept) {
-                let along: f64 = (0..6).map(|i| vectors[i][k] * light[i]).sum();
+            for k in (0..6).filter(is_significant) {
+                let projection: f64 = (0..6).map(|i| vectors[i][k] * light[i]).sum();
                 for (i, value) in row.iter_mut().enumerate() {
-                    *value += vectors[i][k] * along / values[k];
+                    *value += vectors[i][k] * projection / values[k];
                 }
             }
             row
@@ -78,12 +78,12 @@ fn rotate<const N: usize>(
     let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
     let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
     let sine = tangent * cosine;
-    let turn = |a: f64, b: f64| (cosine * a - sine * b, sine * a + cosine * b);
+    let rotate_pair = |a: f64, b: f64| (cosine * a - sine * b, sine * a + cosine * b);
     for row in matrix.iter_mut().chain(vectors) {
-        (row[p], row[q]) = turn(row[p], row[q]);
+        (row[p], row[q]) = rotate_pair(row[p], row[q]);
     }
     let (above, below) = matrix.split_at_mut(q);
     for (a, b) in above[p].iter_mut().zip(&mut below[0]) {
-        (*a, *b) = turn(*a, *b);
+        (*a, *b) = rotate_pair(*a, *b);
     }
 }

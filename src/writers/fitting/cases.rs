@@ -15,33 +15,33 @@ use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
-use crate::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
+use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
 
 /// Set of photographs to be fitted in a format.
 pub type FitCase = FileCase<ImageSource>;
 
-/// Source of the photographs of a case.
+/// Source of the photographs for a case.
 #[derive(Clone, Debug)]
 pub enum ImageSource {
-    /// Photographs that are generated.
+    /// Generated photographs.
     Generated(&'static SetPlan),
-    /// Photographs of the user.
-    Given(ImageSet),
+    /// Photographs provided by the user.
+    Provided(ImageSet),
 }
 
 impl Suite<FitCase> {
     /// Creates a suite with the generated photographs and, optionally, the user's photographs.
     #[must_use]
     pub fn load_fitter_requests(own: Option<&ImageSet>) -> Suite<FitCase> {
-        let made = SETS.iter().map(ImageSource::Generated);
-        let sources = made.chain(own.cloned().map(ImageSource::Given));
+        let generated = SETS.iter().map(ImageSource::Generated);
+        let sources = generated.chain(own.cloned().map(ImageSource::Provided));
         let cases = sources.flat_map(|source| {
-            const OWN: &str = "The request contains the images that --lp names.";
+            const OWN: &str = "The request contains the images that --lp lists.";
             let (name, because, clause) = match &source {
                 ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
-                ImageSource::Given(_) => ("own", OWN, "1.0/1"),
+                ImageSource::Provided(_) => ("own", OWN, "1.0/1"),
             };
             FORMATS.map(|format| FitCase {
                 id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
@@ -64,7 +64,7 @@ impl ImageSource {
     fn photographs(&self, format: Format) -> ImageSet {
         match self {
             ImageSource::Generated(plan) => plan.make(format),
-            ImageSource::Given(set) => set.clone(),
+            ImageSource::Provided(set) => set.clone(),
         }
     }
 }
@@ -102,10 +102,10 @@ impl RequestValues for ImageSource {
             bytes: built.request.lp().into_bytes(),
         }];
         let images = built.request.photographs.iter().enumerate();
-        attachments.extend(images.map(|(k, of)| Attachment {
+        attachments.extend(images.map(|(k, photograph)| Attachment {
             name: format!("picture-{k}"),
-            file_name: of.name.clone(),
-            bytes: of.png(built.size),
+            file_name: photograph.name.clone(),
+            bytes: photograph.png(built.size),
         }));
         attachments
     }
@@ -132,24 +132,24 @@ impl RequestValues for ImageSource {
         _: usize,
     ) -> Vec<Diagnosis<&'static Misreading>> {
         let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
-        let wrong = |place: usize| wrong_file(run.observations[place].as_ref());
+        let wrong_map = |index: usize| wrong_file(run.observations[index].as_ref());
         let mut evidence: BTreeMap<usize, WrongMap> = BTreeMap::new();
-        for &place in &failing {
-            let (case, file) = (&suite.cases[place], wrong(place).map(|(file, _)| file));
+        for &index in &failing {
+            let (case, file) = (&suite.cases[index], wrong_map(index).map(|(file, _)| file));
             let map = |file| WrongMap::new(case.values.photographs(case.format), case.format, file);
-            evidence.extend(file.and_then(map).map(|map| (place, map)));
+            evidence.extend(file.and_then(map).map(|map| (index, map)));
         }
         let candidates = MISTAKES.iter().filter_map(|mistake| {
-            let shows = |place: usize| evidence.get(&place).is_some_and(|of| of.matches(mistake));
+            let shows = |index: usize| evidence.get(&index).is_some_and(|map| map.matches(mistake));
             CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
         });
         let mut diagnoses = Vec::new();
-        for chosen in cover(candidates.collect(), &mut failing) {
-            let (mistake, first) = (chosen.cause, chosen.explains[0]);
-            let fault = wrong(first).map_or("", |(_, fault)| &fault.says);
+        for candidate in cover(candidates.collect(), &mut failing) {
+            let (mistake, first) = (candidate.cause, candidate.explains[0]);
+            let fault = wrong_map(first).map_or("", |(_, fault)| &fault.says);
             let example = format!("for example {}: {fault}", suite.cases[first].id);
             let cause = describe(&mistake.clause, (&mistake.effect, &mistake.fix), example);
-            diagnoses.push(Diagnosis::new(cause, chosen.explains));
+            diagnoses.push(Diagnosis::new(cause, candidate.explains));
         }
         diagnoses.extend(describe_differences(suite, run, &failing));
         diagnoses

@@ -1,18 +1,18 @@
 //! Comparison of a fitted map with the photographs.
 //!
-//! Under each light, the root mean square error is compared with the error of the least-squares optimum, quantized to the
-//! same format. There is a tolerance, because another fit may be better under one light and worse under another, and may be
-//! rounded differently.
+//! Under each light, the root-mean-square error is compared with the error of the least-squares optimum, quantized to the
+//! same format. A tolerance allows for fits that are better under one light and worse under another, or that are rounded
+//! differently.
 
 use crate::decode::decode;
 use crate::ptm::Format;
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::optimum::optimum;
-use crate::writers::fitting::pictures::ImageSet;
+use crate::writers::fitting::photographs::ImageSet;
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
-/// Tolerance of the error: factor, and additional number of levels.
+/// Tolerance of the error: factor, and additional 8-bit levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
 
 /// Returns the maximum allowed error, given the error of the optimum.
@@ -27,14 +27,14 @@ pub(super) fn max_error(best: f64) -> f64 {
 pub fn judge(set: &ImageSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
     let ptm = decode(file).map_err(|error| refusal(file, &error))?;
     compare_map(format, set.size, &ptm)?;
-    let found = Polynomials::new(&ptm).expect("not LUM");
+    let found = Polynomials::new(&ptm).expect("the format is not LUM");
     compare_errors(set, format, &found)?;
     check_lint(file)
 }
 
 /// Compares the error under each light with the error of the optimum.
 fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
-    let best = Polynomials::new(&optimum(set, format)).expect("RGB or LRGB");
+    let best = Polynomials::new(&optimum(set, format)).expect("the format is not LUM");
     let (errors, best) = (found.errors(set), best.errors(set));
     let excess = |k: &usize| errors[*k] - max_error(best[*k]);
     let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));
@@ -47,8 +47,8 @@ fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result
     let (error, best) = (errors[worst], best[worst]);
     let allowed = max_error(best);
     let says = format!(
-        "under light {u:.3}, {v:.3} ({name}) the map is off by {error:.2} (root mean square), the least-squares optimum by \
-         {best:.2}, and {allowed:.2} is allowed; {over} of {lights} lights are worse than allowed"
+        "under light {u:.3}, {v:.3} ({name}), the RMS error of the map is {error:.2}; the least-squares optimum has {best:.2}, \
+         and {allowed:.2} is allowed; the error is too large under {over} of {lights} lights"
     );
     Err(WriterFault::new("1.0/1", says))
 }

@@ -1,8 +1,8 @@
 //! Detection of mistakes of fitters by reproducing them.
 //!
-//! A mistake in the use of photographs or lights leads to a different optimum. A map near that optimum was fitted with the
-//! mistake. A mistake in the file format results in a map that is right if its numbers are interpreted differently. If a
-//! map is near the optimum up to quantization, its quantization steps are too wide or its range is too small.
+//! - A mistake in the use of photographs or lights leads to a different optimum. A map near that optimum has the mistake.
+//! - A mistake in the file format results in a map that is right if its numbers are interpreted differently.
+//! - If a map differs from the optimum only by quantization, its quantization steps are too wide or its range is too small.
 
 use std::sync::LazyLock;
 
@@ -14,18 +14,18 @@ use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::algebra::LeastSquares;
 use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 use crate::writers::judge::compare_map;
 
-/// Mistake of a fitter, as stated in `spec-cases/writers/fitting-mistakes.yaml`.
+/// Mistake of a fitter, as defined in `spec-cases/writers/fitting-mistakes.yaml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FitMistake {
     slug: String,
     /// Clause that the mistake violates.
     pub clause: String,
-    /// Effect of the mistake, as a sentence without its subject.
+    /// Effect of the mistake, as a sentence without a subject.
     pub effect: String,
     /// Suggested fix.
     pub fix: String,
@@ -43,7 +43,7 @@ enum Criterion {
     Photographs(fn(&mut ImageSet)),
     /// The map is near the best fit under lights with these directions.
     Lights(fn(&Photograph) -> [f64; 2]),
-    /// The map is right if its coefficients are in this order and are this function of raw value, scale and bias.
+    /// The map is right if its coefficients are read in this order and computed with this function of raw value, scale and bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// The numbers of the map satisfy this predicate.
     Map(fn(&WrongMap) -> bool),
@@ -72,7 +72,7 @@ impl WrongMap {
         })
     }
 
-    /// Returns true if a fitter with this mistake would produce such a map.
+    /// Returns true if a fitter with this mistake would produce this map.
     pub fn matches(&self, mistake: &FitMistake) -> bool {
         match mistake.criterion() {
             Criterion::Photographs(change) => {
@@ -86,7 +86,7 @@ impl WrongMap {
                 self.is_equivalent(&Fitted::new(&self.set, &lights, self.format))
             }
             Criterion::Numbers(order, value) => self.is_right(order, value),
-            Criterion::Map(shows) => shows(self),
+            Criterion::Map(predicate) => predicate(self),
         }
     }
 
@@ -101,13 +101,13 @@ impl WrongMap {
     fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
         let best = self.best.polynomials().errors(&self.set);
         Polynomials::with_values(&self.ptm, order, value).is_some_and(|found| {
-            // The tolerance is larger because an integer offset causes larger rounding errors than a bias.
+            // The tolerance is larger because integer offsets cause larger rounding errors than biases.
             let mut pairs = found.errors(&self.set).into_iter().zip(best);
             pairs.all(|(found, best)| found <= max_error(best) + 2.0)
         })
     }
 
-    /// Returns, for coefficient `i` of each texel, the raw value and the right value under the scale and bias of the file.
+    /// Returns the raw value and the expected raw value of coefficient `i` of each texel, for the scale and bias of the file.
     fn raw_and_expected_values(&self, i: usize) -> Vec<(f64, f64)> {
         let set = &self.ptm.header.scale_bias;
         let channels = self.ptm.planes.shape.channels();
@@ -123,15 +123,15 @@ impl WrongMap {
                 pairs.push((f64::from(raw[i]), best[brightest][i] * 255.0 / color));
             }
         }
-        let in_raw = |(raw, best): (f64, f64)| (raw, best / set.scale[i] + set.bias[i]);
-        pairs.into_iter().map(in_raw).collect()
+        let to_raw = |(raw, best): (f64, f64)| (raw, best / set.scale[i] + set.bias[i]);
+        pairs.into_iter().map(to_raw).collect()
     }
 }
 
 /// Order of the coefficients in clause 1.0/1.
 const CLAUSE_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
 
-/// Returns true if a quantization step is too wide, but all values are within a step of the right ones.
+/// Returns true if a quantization step is too wide, but the RMS error of each coefficient is less than 0.75 steps.
 fn has_wide_steps(evidence: &WrongMap) -> bool {
     let best = evidence.best.scale_bias();
     let scale = evidence.ptm.header.scale_bias.scale;
@@ -143,26 +143,26 @@ fn has_wide_steps(evidence: &WrongMap) -> bool {
     is_wide && (0..6).all(is_near)
 }
 
-/// Returns true if values at the ends of the byte range should be outside the range, and all others are about right.
+/// Returns true if some values of 0 or 255 should be outside the byte range, and all other values are approximately right.
 fn has_clamped_values(evidence: &WrongMap) -> bool {
-    let mut cut = 0;
+    let mut clamped_count = 0;
     let others_are_near = (0..6).all(|i| {
         let pairs = evidence.raw_and_expected_values(i);
-        let is_cut = |&(raw, wanted): &(f64, f64)| {
+        let is_clamped = |&(raw, wanted): &(f64, f64)| {
             (raw == 0.0 && wanted < -1.0) || (raw == 255.0 && wanted > 256.0)
         };
-        cut += pairs.iter().filter(|pair| is_cut(pair)).count();
-        let others = pairs.iter().filter(|pair| !is_cut(pair));
+        clamped_count += pairs.iter().filter(|pair| is_clamped(pair)).count();
+        let others = pairs.iter().filter(|pair| !is_clamped(pair));
         root_mean_square(others.map(|(raw, wanted)| raw - wanted)) < 1.5
     });
-    cut > 0 && others_are_near
+    clamped_count > 0 && others_are_near
 }
 
 /// Returns true if the lights do not determine all coefficients, and some coefficients are extremely large.
 fn has_huge_coefficients(evidence: &WrongMap) -> bool {
-    let largest = |of: &Polynomials| {
-        let all = of.0.iter().flatten().flatten();
-        all.fold(0.0_f64, |most, a| most.max(a.abs()))
+    let largest = |map: &Polynomials| {
+        let all = map.0.iter().flatten().flatten();
+        all.fold(0.0_f64, |largest, a| largest.max(a.abs()))
     };
     let least_squares = LeastSquares::new(&directions(&evidence.set));
     !least_squares.is_determined
@@ -170,7 +170,7 @@ fn has_huge_coefficients(evidence: &WrongMap) -> bool {
 }
 
 fn map_pixels(set: &mut ImageSet, change: fn(f64) -> f64) {
-    for pixel in set.photographs.iter_mut().flat_map(|of| &mut of.pixels) {
+    for pixel in set.photographs.iter_mut().flat_map(|p| &mut p.pixels) {
         *pixel = (change(f64::from(*pixel) / 255.0) * 255.0).round() as u8;
     }
 }
@@ -192,7 +192,7 @@ fn swap_red_and_blue(set: &mut ImageSet) {
 }
 
 fn sort_by_name(set: &mut ImageSet) {
-    let lights: Vec<[f64; 3]> = set.photographs.iter().map(|of| of.light).collect();
+    let lights: Vec<[f64; 3]> = set.photographs.iter().map(|p| p.light).collect();
     set.photographs.sort_by(|a, b| a.name.cmp(&b.name));
     for (photograph, light) in set.photographs.iter_mut().zip(lights) {
         photograph.light = light;
@@ -204,12 +204,12 @@ impl FitMistake {
     fn criterion(&self) -> Criterion {
         use Criterion::{Lights, Map, Numbers, Photographs};
         match self.slug.as_str() {
-            "v-negated" => Lights(|of| [of.direction()[0], -of.direction()[1]]),
-            "u-negated" => Lights(|of| [-of.direction()[0], of.direction()[1]]),
-            "u-and-v-exchanged" => Lights(|of| [of.direction()[1], of.direction()[0]]),
-            "light-not-normalized" => Lights(|of| [of.light[0], of.light[1]]),
-            "light-normalized-in-the-plane" => Lights(|of| {
-                let [x, y, _] = of.light;
+            "v-negated" => Lights(|p| [p.direction()[0], -p.direction()[1]]),
+            "u-negated" => Lights(|p| [-p.direction()[0], p.direction()[1]]),
+            "u-and-v-exchanged" => Lights(|p| [p.direction()[1], p.direction()[0]]),
+            "light-not-normalized" => Lights(|p| [p.light[0], p.light[1]]),
+            "light-normalized-in-the-plane" => Lights(|p| {
+                let [x, y, _] = p.light;
                 [x, y].map(|c| c / x.hypot(y).max(1e-12))
             }),
             "images-sorted-by-name" => Photographs(sort_by_name),

@@ -4,10 +4,10 @@
 //! FITTER [ARG…] fit REQUEST OUT
 //! ```
 //!
-//! REQUEST names the format and an `.lp` file, which lists the number of images and the name and light direction of each
-//! image. The map of a fitter is compared with the least-squares [`optimum`] of the same images, light by light. The bytes
-//! of the files are not compared ([`judge`]). Mistakes are found by reproducing them: a fitter makes a mistake if its map
-//! is near the optimum with that mistake (`mistakes`).
+//! REQUEST names the format and an `.lp` file, which contains the number of images and the name and light direction of each
+//! image. The suite compares the fitted map with the least-squares [`optimum`] for the same images, light by light. It does
+//! not compare the bytes of the files ([`judge`]). Mistakes are found by reproducing them: a fitter makes a mistake if its
+//! map is near the optimum with that mistake (`mistakes`).
 
 mod algebra;
 #[cfg(unix)]
@@ -19,6 +19,6 @@ pub mod judge;
 )]
 mod mistakes;
 pub mod optimum;
-pub mod pictures;
+pub mod photographs;
 pub mod polynomials;
 pub mod sets;

@@ -3,12 +3,12 @@
 //! Format notes
 //! - RGB uses three fits per texel. LRGB uses the best product of a luminance and a color: the fitted values of all
 //!   channels, one row per light, are projected onto the color direction with the largest sum of squares.
-//! - Each scale and bias applies to the whole map, so it is chosen for the range of its coefficient.
+//! - Each scale and bias applies to the whole map, so it is chosen for the range of its coefficient over all texels.
 
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};
 use crate::writers::fitting::algebra::{LeastSquares, eigen};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
 use crate::writers::request::new_map;
 
@@ -43,7 +43,7 @@ impl Fitted {
         for texel in 0..set.size.texels() {
             let channels = [0, 1, 2].map(|channel| {
                 let values = set.photographs.iter();
-                least_squares.fit(values.map(|of| f64::from(of.pixels[3 * texel + channel])))
+                least_squares.fit(values.map(|p| f64::from(p.pixels[3 * texel + channel])))
             });
             if format == Format::Rgb {
                 fitted.polynomials.extend(channels);
@@ -66,7 +66,7 @@ impl Fitted {
         Polynomials(texels.collect())
     }
 
-    /// Chooses scales and biases for the range of each coefficient.
+    /// Chooses the scale and bias of each coefficient for its range.
     pub fn scale_bias(&self) -> ScaleBias {
         let mut set = ScaleBias {
             scale: [0.0; 6],
@@ -92,24 +92,24 @@ impl Fitted {
             std::array::from_fn(|i| (a[i] / scale_bias.scale[i] + scale_bias.bias[i]).round() as u8)
         };
         let mut samples = Vec::new();
-        for (at, coefficients) in self.polynomials.iter().enumerate() {
+        for (texel, coefficients) in self.polynomials.iter().enumerate() {
             samples.extend(raw(coefficients));
-            samples.extend(self.colors.get(at).into_iter().flatten());
+            samples.extend(self.colors.get(texel).into_iter().flatten());
         }
         new_map(format, set.size, scale_bias, None, samples)
     }
 }
 
-/// Approximates three polynomials by a luminance polynomial and a color that are optimal under `lights`.
+/// Approximates three polynomials by the product of a luminance polynomial and a color that is optimal under `lights`.
 fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
-    let shown = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
+    let value = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| -> f64 {
         let lights = lights.iter().copied();
-        lights.map(|light| shown(i, light) * shown(j, light)).sum()
+        lights.map(|light| value(i, light) * value(j, light)).sum()
     };
     let (values, vectors) = eigen([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
     let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));
-    let best = best.expect("three of them");
+    let best = best.expect("there are three eigenvalues");
     let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();
     let color = [0, 1, 2].map(|i| (vectors[i][best] * sign).max(0.0));
     let largest = color.into_iter().fold(0.0, f64::max);
@@ -120,8 +120,8 @@ fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8
     let color = color.map(|c| (c / largest * 255.0).round());
     let square: f64 = color.iter().map(|c| c * c).sum();
     let luminance = std::array::from_fn(|k| {
-        let along: f64 = (0..3).map(|i| channels[i][k] * color[i]).sum();
-        along / square * 255.0
+        let projection: f64 = (0..3).map(|i| channels[i][k] * color[i]).sum();
+        projection / square * 255.0
     });
     (luminance, color.map(|c| c as u8))
 }

@@ -1,10 +1,10 @@
-//! Uniform representation of maps for evaluation under lights: three polynomials per texel.
+//! Uniform representation of maps for evaluation: three polynomials per texel.
 
 use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 
-/// Final coefficients of red, green and blue of each texel, top row first. For LRGB, coefficients of the products of
+/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, the coefficients of the product of
 /// luminance and color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
@@ -42,17 +42,17 @@ impl Polynomials {
         values.map(move |a| clamp(polynomial(a, u, v)))
     }
 
-    /// Returns the root mean square error for each photograph.
+    /// Returns the root-mean-square error for each photograph.
     #[must_use]
     pub fn errors(&self, set: &ImageSet) -> Vec<f64> {
-        let error = |of: &Photograph| {
-            let pairs = self.evaluate(of.direction()).zip(&of.pixels);
+        let error = |photo: &Photograph| {
+            let pairs = self.evaluate(photo.direction()).zip(&photo.pixels);
             root_mean_square(pairs.map(|(a, &pixel)| a - f64::from(pixel)))
         };
         set.photographs.iter().map(error).collect()
     }
 
-    /// Returns the root mean square difference between two maps under the lights of a set.
+    /// Returns the root-mean-square difference between two maps under the lights of a set.
     pub(super) fn distance(&self, other: &Polynomials, set: &ImageSet) -> f64 {
         let lights = set.photographs.iter().map(Photograph::direction);
         root_mean_square(lights.flat_map(|light| {

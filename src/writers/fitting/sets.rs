@@ -1,4 +1,4 @@
-//! Generated photographs: renderings of a map with known coefficients, with typical defects of photographs.
+//! Generated photographs: renderings of a map with known coefficients and with typical defects of photographs.
 
 use std::sync::LazyLock;
 
@@ -7,11 +7,11 @@ use serde::Deserialize;
 use crate::generate::{Model, Recipe};
 use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
-use crate::writers::fitting::pictures::{ImageSet, Photograph};
+use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::Polynomials;
 use crate::writers::request::new_map;
 
-/// Parameters from which a set of photographs is generated, as stated in `spec-cases/writers/fitting-sets.yaml`.
+/// Parameters of a generated set of photographs, as defined in `spec-cases/writers/fitting-sets.yaml`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SetPlan {
@@ -19,18 +19,18 @@ pub struct SetPlan {
     pub name: String,
     /// Purpose of the set, in a sentence.
     pub because: String,
-    /// Clause that the set is about.
+    /// Clause that the set tests.
     pub clause: String,
     size: (u32, u32),
     /// Number of lights.
     lights: usize,
-    /// True if all lights are on the right side.
+    /// True if all lights are to the right of the object.
     is_one_sided: bool,
-    /// Scale of a5, which determines the brightness.
+    /// Scale of `a5`, which determines the brightness.
     brightness: f64,
     /// Maximum noise of a pixel value.
     noise: u8,
-    /// True if the vectors in the `.lp` file do not have length 1.
+    /// True if the vectors in the `.lp` file are not unit vectors.
     has_long_vectors: bool,
     /// True if the `.lp` file does not list the images in alphabetical order.
     is_shuffled: bool,
@@ -53,7 +53,7 @@ impl Default for SetPlan {
     }
 }
 
-/// All sets. The first one is used for first contact.
+/// All sets. The first one is for the first contact with a fitter.
 pub static SETS: LazyLock<Vec<SetPlan>> = LazyLock::new(|| {
     let yaml = include_str!("../../../spec-cases/writers/fitting-sets.yaml");
     from_yaml(yaml).expect("a list of sets")
@@ -65,7 +65,7 @@ impl SetPlan {
     pub fn make(&self, format: Format) -> ImageSet {
         let (width, height) = self.size;
         let size = Size { width, height };
-        let map = Polynomials::new(&self.map(size, format)).expect("a map of RGB or LRGB");
+        let map = Polynomials::new(&self.map(size, format)).expect("the format is not LUM");
         let photograph = |k: usize| {
             // No number of lights is a multiple of 7, so every name occurs once.
             let number = match self.is_shuffled {
@@ -78,8 +78,8 @@ impl SetPlan {
                 pixels: Vec::new(),
             };
             let noise = self.generate_noise(size, k);
-            let shown = map.evaluate(photograph.direction()).zip(noise);
-            let pixels = shown.map(|(value, noise)| (value + noise).round() as u8);
+            let values = map.evaluate(photograph.direction()).zip(noise);
+            let pixels = values.map(|(value, noise)| (value + noise).round() as u8);
             photograph.pixels = pixels.collect();
             photograph
         };
@@ -103,29 +103,29 @@ impl SetPlan {
     fn light(&self, k: usize) -> [f64; 3] {
         // Multiples of the golden angle never coincide, and the heights are distributed evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
-        let around = GOLDEN_ANGLE * k as f64;
+        let angle = GOLDEN_ANGLE * k as f64;
         let angle = if self.is_one_sided {
-            around.sin()
+            angle.sin()
         } else {
-            around
+            angle
         };
         let z = 0.2 + 0.75 * (k as f64 + 0.5) / self.lights as f64;
-        let away = (1.0 - z * z).sqrt();
+        let radius = (1.0 - z * z).sqrt();
         let length = match self.has_long_vectors {
             true => 1.5 + 0.5 * (k % 4) as f64,
             false => 1.0,
         };
-        [away * angle.cos(), away * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
+        [radius * angle.cos(), radius * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
     }
 
     /// Generates noise for each value of photograph `k`.
     fn generate_noise(&self, size: Size, k: usize) -> Vec<f64> {
         let mut recipe = Recipe::ordinary(Format::Lrgb, size);
         recipe.seed = 1000 + k as u32;
-        let painted = Model::paint(&recipe).samples;
-        let most = f64::from(self.noise);
-        let values = painted.iter().step_by(3);
-        let noise = values.map(|&value| (f64::from(value) / 127.5 - 1.0) * most);
+        let samples = Model::paint(&recipe).samples;
+        let max_noise = f64::from(self.noise);
+        let values = samples.iter().step_by(3);
+        let noise = values.map(|&value| (f64::from(value) / 127.5 - 1.0) * max_noise);
         noise.collect()
     }
 }

@@ -104,14 +104,14 @@ SOI FF | byte 3: the stream ends before the code of a marker
 SOI 00 | byte 2: expected a marker, found byte 00
 SOI EOI | byte 2: expected a frame header, found marker FFD9
 SOI FF FE 00 | byte 5: the stream ends before the length of a segment
-SOI FF FE 00 01 | byte 4: a comment or application segment has length 1, which does not cover itself
+SOI FF FE 00 01 | byte 4: a comment or application segment has length 1, which is less than 2
 SOI FF FE 00 03 | byte 4: a comment or application segment of 3 bytes extends past the end of the stream
 SOI FF F7 | byte 2: expected a frame header, found a JPEG-LS frame
 SOI DQT WIDE | byte 76: expected 8 x 8 samples, found 16 x 8
 SOI DQT FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00 | byte 80: expected one component, found 3
-SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits are not allowed here
-SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors 1 x 5 are not within 1 to 4
-SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors 0 x 1 are not within 1 to 4
+SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits are not allowed
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors must be within 1 to 4, found 1 x 5
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors must be within 1 to 4, found 0 x 1
 SOI DQT FF C0 00 0A 08 00 08 00 08 01 01 11
   | byte 83: the frame header ends before the quantization table of the component
 SOI DQT FF C0 00 0C 08 00 08 00 08 01 01 11 00 00 | byte 84: the frame header is 1 bytes too long
@@ -124,16 +124,16 @@ SOI DQT FF C1 00 0B 0C 00 08 00 08 01 01 11 00 | byte 75: samples of 12 bits are
 SOI DQT FF C0 00 0B 08 00 00 00 08 01 01 11 00 | byte 76: a height defined by DNL is not implemented
 SOI DQT SOF DHT0 DHT1 SOS DATA FF DC 00 04 00 08 EOI
   | byte 139: a height defined by DNL (marker FFDC) is not implemented
-SOI FF DB 00 03 20 | byte 6: no quantization table has precision or class 2 and number 0
-SOI FF DB 00 03 04 | byte 6: no quantization table has precision or class 0 and number 4
-SOI FF DB 00 03 00 | byte 7: the quantization table segment ends before 64 quantization steps
+SOI FF DB 00 03 20 | byte 6: illegal quantization table: precision or class 2, number 0
+SOI FF DB 00 03 04 | byte 6: illegal quantization table: precision or class 0, number 4
+SOI FF DB 00 03 00 | byte 7: the quantization table segment ends before the 64 quantization steps
 SOI FF DB 00 43 00 01*63 00 | byte 70: a quantization step is zero
-SOI DQT SOF FF C4 00 03 20 | byte 88: no Huffman table has precision or class 2 and number 0
-SOI DQT SOF FF C4 00 03 04 | byte 88: no Huffman table has precision or class 0 and number 4
-SOI DQT SOF FF C4 00 03 00 | byte 89: the Huffman table segment ends before 16 numbers of codes
+SOI DQT SOF FF C4 00 03 20 | byte 88: illegal Huffman table: precision or class 2, number 0
+SOI DQT SOF FF C4 00 03 04 | byte 88: illegal Huffman table: precision or class 0, number 4
+SOI DQT SOF FF C4 00 03 00 | byte 89: the Huffman table segment ends before the 16 code counts
 SOI DQT SOF FF C4 00 13 00 01 00*15 | byte 105: the Huffman table segment ends before the symbols of a Huffman table
 SOI DQT SOF FF C4 00 15 00 02 00*15 00 01 | byte 89: a Huffman table has too many codes of 1 bits
-SOI DQT SOF FF C4 00 13 00 00*14 FF FF | byte 89: a Huffman table of 510 codes has more than 256
+SOI DQT SOF FF C4 00 13 00 00*14 FF FF | byte 89: a Huffman table has 510 codes, more than 256
 SOI DQT SOF DHT0 DHT1 FF DD 00 03 00 | byte 133: the restart interval segment ends before the restart interval
 SOI DQT SOF DHT0 DHT1 FF DD 00 05 00 00 00 | byte 134: the restart interval segment is 1 bytes too long
 SOI SOF DHT0 DHT1 SOS | byte 65: quantization table 0 was not defined
@@ -143,11 +143,11 @@ SOI DQT SOF DHT0 DHT1 DATA | byte 128: expected a marker, found byte 3F
 SOI DQT SOF DHT0 DHT1 EOI | byte 128: expected the scan header, found marker FFD9
 SOI DQT SOF DHT0 DHT1 SOF | byte 128: expected the scan header, found marker FFC0
 SOI DQT SOF DHT0 DHT1 FF DA 00 0A 02 01 00 02 00 00 3F 00 | byte 132: expected one component, found 2
-SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: the scan is for component 2, but the frame has only 1
+SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: expected a scan of component 1, found 2
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 00 00 3E 00
   | byte 135: expected parameters 0 63 0 of a sequential scan, found 0 62 0
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 40 00 3F 00 | byte 134: DC Huffman table 4 was not defined
-SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before its parameters
+SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before the parameters of the scan
 SOI DQT SOF DHT0 DHT1 SOS EOI | byte 138: the entropy-coded segment ends too early
 SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits are not a code of the Huffman table
 SOI DQT SOF DHT0 DHT1 SOS 3F 00 EOI | byte 139: the entropy-coded segment continues after the last sample
@@ -218,7 +218,7 @@ SOI SOF SOS DATA SOS | byte 26: expected the end of the image, found marker FFDA
 SOI SOF SOS DATA FF DC | byte 26: a height defined by DNL is not implemented
 SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 | byte 7: expected 4 x 1 samples, found 5 x 1
 SOI FF F7 00 0B 08 00 01 00 04 03 01 11 00 | byte 11: expected one component, found 3
-SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits are not allowed here
+SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits are not allowed
 SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: samples of 12 bits are not implemented
 SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
 SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
@@ -236,8 +236,8 @@ SOI SOF FF F8 00 06 04 02 00 00 | byte 19: sizes over 65,535 are not implemented
 SOI SOF FF F8 00 03 05 | byte 19: the extensions of T.870 are not implemented
 SOI SOF FF DD 00 04 00 01 | byte 19: restart intervals in JPEG-LS are not implemented
 SOI SOF FF DA 00 08 02 01 00 00 00 00 | byte 19: expected one component, found 2
-SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: the scan is for component 7, but the frame has only 1
-SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: samples that a mapping table translates are not implemented
+SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: expected a scan of component 1, found 7
+SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: mapping tables are not implemented
 SOI SOF FF DA 00 08 01 01 00 80 00 00 | byte 22: NEAR 128 is more than half of MAXVAL 255
 SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: one component cannot be interleaved, found ILV 1
 SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: a point transform is not implemented
@@ -258,7 +258,7 @@ fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 1, 1, interrupted);
     // Four samples, then a run that ends: one more sample, and another one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
-        | byte 25: the line has 5 samples left, too few to interrupt a run of 5";
+        | byte 25: interrupted run of 5 samples, but the line has 5 left";
     check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";

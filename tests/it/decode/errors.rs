@@ -48,8 +48,8 @@ LRGB | 0123456789ab01234 | texel data (§2.7), byte 64: the texels need 6 bytes,
 none | PTM_1.2\nPTM_FORMAT_RGB\n4294967295\n4294967295\n1 1 1 1 1 1\n0 0 0 0 0 0\n
   | texel data (§2.7), byte 69: the texels need more bytes than can be counted, 0 remain
 PTM_C_LUT | 0\n | lookup table indices (§2.8.1), byte 59: the indices need 2 bytes, 0 remain
-PTM_C_LUT | 0\n\0\0 | lookup table indices (§2.8), byte 59: index 0 into a table of 0 entries
-PTM_C_LUT | 1\n012345678\0\1 | lookup table indices (§2.8), byte 69: index 1 into a table of 1 entries
+PTM_C_LUT | 0\n\0\0 | lookup table indices (§2.8), byte 59: index 0, but the table has 0 entries
+PTM_C_LUT | 1\n012345678\0\1 | lookup table indices (§2.8), byte 69: index 1, but the table has 1 entries
 JPEGLS_LRGB | | compressed data (§2.9.1), byte 59: expected a compression parameter, found the end of the file
 JPEGLS_LRGB | best\n | compressed data (§2.9.1), byte 59: expected a compression parameter, found "best"
 JPEGLS_LRGB | 0\n0 0 x | compressed data (§2.9.2), byte 65: expected a transform, found "x"
@@ -96,9 +96,9 @@ const STREAM: &str =
 /// Malformed compressed files: changes to a file with one texel and nine planes, and the message. A change sets a
 /// number in a list, or the bytes of a stream or of side information in hexadecimal.
 const COMPRESSED_WITNESSES: &str = r#"
-transforms 2 4 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
-transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
-transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not read
+transforms 2 4 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
+transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
+transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
 references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, the last plane is 8
 references 0 3 | compressed data (§2.9.4), byte 133:
   plane 0 of rank 0 is predicted from plane 3 of rank 0, which is not decoded before it

@@ -7,7 +7,7 @@ use arbitrary::Unstructured;
 use proptest::prelude::*;
 use ptm_conform::diagnose::can_affect_file;
 use ptm_conform::fuzz::draft::Draft;
-use ptm_conform::fuzz::draws::DraftGenerator;
+use ptm_conform::fuzz::generator::DraftGenerator;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::capabilities::Capabilities;
@@ -53,7 +53,7 @@ fn decoder_with(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply +
 fn fuzzing_the_reference_finds_nothing() {
     let outcomes = fuzz_misreadings(&[], 3000);
     let names: Vec<String> = outcomes
-        .finds
+        .findings
         .iter()
         .map(|find| format!("{} {:?}", find.cause.name(), find.small))
         .collect();
@@ -66,12 +66,12 @@ fn finds_are_named_and_reduced() {
     for slug in ["width-by-largest-index", "rows-top-down"] {
         let outcomes = fuzz_misreadings(&[slug], 5000);
         let names: Vec<String> = outcomes
-            .finds
+            .findings
             .iter()
             .map(|find| find.cause.name())
             .collect();
         assert_eq!(names[0], slug);
-        let small = &outcomes.finds[0].small;
+        let small = &outcomes.findings[0].small;
         assert!(small.width * small.height <= 2, "{small:?}");
     }
 }
@@ -158,7 +158,7 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
                 plan.stop.store(true, Ordering::Relaxed);
             }
         });
-        let Some(find) = outcomes.finds.first() else {
+        let Some(find) = outcomes.findings.first() else {
             panic!("{slug} is not found");
         };
         let small = last(&find.small).expect("it was written");

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::Path;
 
-use ptm_conform::misreadings::{self, At};
+use ptm_conform::misreadings::{self, Hook};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_conform::suite::cases::{Case, Suite};
@@ -56,7 +56,7 @@ fn slugs_with_functions(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn functions_are_in_the_order_of_the_catalog() {
-    let own = misreadings::all().filter(|one| !matches!(one.at, At::Edits(_)));
+    let own = misreadings::all().filter(|one| !matches!(one.at, Hook::Edits(_)));
     let slugs: Vec<&str> = own.map(|one| one.slug).collect();
     let sections = [
         "header.rs",

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use ptm_conform::Reading;
 use ptm_conform::decode::fields;
-use ptm_conform::fuzz::draws;
+use ptm_conform::fuzz::generator;
 use ptm_conform::misreadings::{self, Misreading, answer};
 use ptm_conform::protocol::frame::View;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
@@ -119,7 +119,7 @@ fn any_two_misreadings_terminate() {
 #[ignore = "runs for half an hour"]
 fn any_misreading_after_another_returns_on_random_files() {
     let suite = Suite::load().expect("the suite loads");
-    let draws = draws::DraftGenerator::new(&suite);
+    let draws = generator::DraftGenerator::new(&suite);
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     let tries = AtomicUsize::new(0);

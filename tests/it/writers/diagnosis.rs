@@ -16,7 +16,7 @@ use ptm_conform::writers::diagnose::diagnose;
 use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
-use ptm_conform::writers::wrong::write_with_mistake;
+use ptm_conform::writers::wrong_files::write_with_mistake;
 
 use crate::common::{Workspace, edited, have, repository_text, rows};
 

@@ -21,7 +21,7 @@ fn python_writer_passes_for_its_formats() {
 #[test]
 fn template_calls_a_program_with_other_options() {
     let checked = check_writer("--format LRGB --cmd 'cp {planes} {out}'");
-    checked.ends(1, "the bytes there: \"\\x93NUMPY");
+    checked.ends(1, "the bytes there are \"\\x93NUMPY");
     check_writer("--cmd 'cp {planes} x'").ends(2, "{out}");
 }
 
@@ -38,10 +38,10 @@ fn probe_tests_a_writer_step_by_step() {
     let swap = format!("{PROGRAM} reference write \"$2\" x && sed '3{{h;d}};4{{G}}' x > \"$3\"");
     here.write("exchanges-sizes.sh", swap);
     let table = r#"
-0 | PROBE PROGRAM reference | JPEGLS_LRGB: the file has the values
+0 | PROBE PROGRAM reference | JPEGLS_LRGB: the file contains the requested values
 3 | PROBE sh -c "printf 'PTM_1.2\n'" | not to standard output
 3 | PROBE sh -c 'exit 69' | write at least one format
-1 | PROBE sh exchanges-sizes.sh | produces such a file"#;
+1 | PROBE sh exchanges-sizes.sh | would produce this file"#;
     let table = table.replace("PROBE", "probe --writer --");
     here.assert_lines(&table.replace("PROGRAM", PROGRAM));
 }

@@ -7,7 +7,7 @@ use ptm_conform::decode;
 use ptm_conform::ptm::Format;
 use ptm_conform::writers::fitting::judge::judge;
 use ptm_conform::writers::fitting::optimum::optimum;
-use ptm_conform::writers::fitting::pictures::{FORMATS, FitRequest, ImageSet};
+use ptm_conform::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
 use ptm_conform::writers::reference::write_requested_file;
@@ -82,7 +82,7 @@ fn image_sets_round_trip_through_files() {
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
     let error = ImageSet::read(&lp).expect_err("one is missing");
     assert!(
-        error.ends_with("the first line announces 2 images, but the file lists 1"),
+        error.ends_with("expected 2 images according to the first line, found 1"),
         "{error}"
     );
 }

@@ -18,9 +18,9 @@ pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
 pub struct FitRequest {
     /// Format name from 2.2, for RGB or LRGB.
     pub format: String,
-    /// Number of texels, and of pixels, per row.
+    /// Width of the map and of the photographs.
     pub width: u32,
-    /// Number of rows.
+    /// Height of the map and of the photographs.
     pub height: u32,
     /// Path of the `.lp` file, which refers to images in the same directory.
     pub lp: String,
@@ -31,7 +31,7 @@ pub struct FitRequest {
 pub struct Photograph {
     /// File name in the `.lp` file.
     pub name: String,
-    /// Vector to the light as listed, of arbitrary length: right, up, toward the camera.
+    /// Vector to the light as listed: right, up, toward the camera. Its length is arbitrary.
     pub light: [f64; 3],
     /// Red, green and blue of each pixel, top row first.
     pub pixels: Vec<u8>,
@@ -74,7 +74,7 @@ impl Photograph {
     #[must_use]
     pub fn png(&self, size: Size) -> Vec<u8> {
         let image = rgb(size, self.pixels.clone());
-        encode_image(image, ImageFormat::Png).expect("a small image")
+        encode_image(image, ImageFormat::Png).expect("the image is small")
     }
 }
 
@@ -82,9 +82,9 @@ impl ImageSet {
     /// Returns the text of the `.lp` file.
     #[must_use]
     pub fn lp(&self) -> String {
-        let line = |of: &Photograph| {
-            let [x, y, z] = of.light;
-            format!("{} {x} {y} {z}\n", of.name)
+        let line = |photograph: &Photograph| {
+            let [x, y, z] = photograph.light;
+            format!("{} {x} {y} {z}\n", photograph.name)
         };
         let lines: String = self.photographs.iter().map(line).collect();
         format!("{}\n{lines}", self.photographs.len())
@@ -95,53 +95,53 @@ impl ImageSet {
     /// # Errors
     /// Returns a message that names the file or line and the error.
     pub fn read(path: &Path) -> Result<ImageSet, String> {
-        let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let text = fs::read_to_string(path).map_err(|error| at(&error))?;
+        let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        let text = fs::read_to_string(path).map_err(|error| locate(&error))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut lines = text.lines().filter(|line| !line.trim().is_empty());
         let count = lines.next().and_then(|line| line.trim().parse().ok());
         let count: usize =
-            count.ok_or_else(|| at(&"the first line is not the number of images"))?;
+            count.ok_or_else(|| locate(&"the first line is not the number of images"))?;
         let (mut size, mut photographs) = (None, Vec::new());
         for line in lines {
             let photograph = read_photograph(line, folder, &mut size);
-            photographs.push(photograph.map_err(|error| at(&error))?);
+            photographs.push(photograph.map_err(|error| locate(&error))?);
         }
         match (size, photographs.len()) {
             (Some(size), listed) if listed == count => Ok(ImageSet { size, photographs }),
-            (_, listed) => Err(at(&format!(
-                "the first line announces {count} images, but the file lists {listed}"
+            (_, listed) => Err(locate(&format!(
+                "expected {count} images according to the first line, found {listed}"
             ))),
         }
     }
 }
 
-/// Reads the photograph that a line describes with a name, which may contain spaces, and three numbers. Returns an error if
-/// its size differs from `size`.
+/// Reads the photograph in a line, which consists of a name, possibly with spaces, and three numbers. Returns an error if the
+/// size of the photograph differs from `size`.
 fn read_photograph(
     line: &str,
     folder: &Path,
     size: &mut Option<Size>,
 ) -> Result<Photograph, String> {
-    let wrong = || format!("expected a name and three numbers, found {line:?}");
+    let invalid = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
     let mut light = [0.0; 3];
     for number in light.iter_mut().rev() {
         let parsed = words.next().and_then(|word| word.parse().ok());
-        *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(wrong)?;
+        *number = parsed.filter(|n: &f64| n.is_finite()).ok_or_else(invalid)?;
     }
     if light == [0.0; 3] {
         return Err(format!("{line:?}: a light must have a direction"));
     }
-    let name = words.next().ok_or_else(wrong)?.trim();
-    let named = |error: &dyn std::fmt::Display| format!("{name}: {error}");
-    let bytes = fs::read(folder.join(name)).map_err(|error| named(&error))?;
-    let image = image::load_from_memory(&bytes).map_err(|error| named(&error))?;
+    let name = words.next().ok_or_else(invalid)?.trim();
+    let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
+    let bytes = fs::read(folder.join(name)).map_err(|error| with_name(&error))?;
+    let image = image::load_from_memory(&bytes).map_err(|error| with_name(&error))?;
     let (width, height) = (image.width(), image.height());
-    let found = Size { width, height };
-    if *size.get_or_insert(found) != found {
+    let actual = Size { width, height };
+    if *size.get_or_insert(actual) != actual {
         let says = "the size of the image differs from that of the first image";
-        return Err(named(&says));
+        return Err(with_name(&says));
     }
     let (name, pixels) = (name.to_owned(), image.into_rgb8().into_raw());
     Ok(Photograph {

@@ -1,4 +1,4 @@
-//! A mistake found by fuzzing, with its cause and the smallest failing file.
+//! Findings of the fuzzer: mistakes with their causes and the smallest failing files.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use arbitrary::Unstructured;
 
 use super::draft::Draft;
-use super::draws::random_bytes;
-use super::minimise::minimise;
+use super::generator::random_bytes;
+use super::minimize::minimize;
 use crate::diagnose::equal_up_to_rounding;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
@@ -22,7 +22,7 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Maximum number of files that are generated to distinguish suspects. Fewer are requested.
+/// Maximum numbers of files that are generated, and requested, to distinguish suspects.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
@@ -30,17 +30,17 @@ const MAX_REQUESTED_FILES: usize = 24;
 pub struct KnownDecoder<'a> {
     /// Sends a request to the decoder.
     pub ask: &'a Ask<'a>,
-    /// Offer of the decoder.
+    /// Views and features that the decoder offers.
     pub offer: Offer,
     /// Spelling in which tables are sent.
     pub table: TableSpelling,
-    /// Readings of open questions.
+    /// The decoder's readings of open questions.
     pub reading: Reading,
 }
 
 /// A request for a generated file.
 pub(super) struct DraftRequest {
-    /// The case of the draft; for a damaged draft, the damaged case.
+    /// The case of the draft. For a damaged draft, this is the damaged case.
     pub case: Case,
     /// File of the case.
     pub built: Arc<Built>,
@@ -50,7 +50,7 @@ pub(super) struct DraftRequest {
 
 impl KnownDecoder<'_> {
     /// Returns the request for a draft, or `None` if the file cannot be written or none of its views is offered.
-    pub(super) fn question(&self, draft: &Draft) -> Option<DraftRequest> {
+    pub(super) fn request(&self, draft: &Draft) -> Option<DraftRequest> {
         let case = draft.cases("draft").ok()?.pop()?;
         let view = self.offer.chosen_view(&case)?.clone();
         let built = case.build(self.table);
@@ -58,36 +58,36 @@ impl KnownDecoder<'_> {
     }
 
     /// Returns the decoder's answer.
-    pub(super) fn answer(&self, question: &DraftRequest) -> Answer {
-        let texels = (question.case.recipe()).map(|recipe| recipe.size.texels());
-        let request = Request {
-            name: &question.case.id,
-            view: &question.view,
-            file: &question.built.file,
-            max_frame_bytes: 72 * texels.unwrap_or(0) + question.built.file.len(),
+    pub(super) fn answer(&self, request: &DraftRequest) -> Answer {
+        let texels = (request.case.recipe()).map(|recipe| recipe.size.texels());
+        let message = Request {
+            name: &request.case.id,
+            view: &request.view,
+            file: &request.built.file,
+            max_frame_bytes: 72 * texels.unwrap_or(0) + request.built.file.len(),
             timeout_factor: 1,
             needs_new_process: false,
         };
-        (self.ask)(&request, 0).answer
+        (self.ask)(&message, 0).answer
     }
 
-    /// Returns the answer of a decoder with these mistakes and this decoder's readings of open questions.
-    fn answer_with(&self, mistakes: &[&Misreading], question: &DraftRequest) -> Answer {
-        misreadings::answer(mistakes, self.reading, &question.built.file, &question.view)
+    /// Predicts the answer of a decoder with these mistakes and with this decoder's readings of open questions.
+    fn answer_with(&self, mistakes: &[&Misreading], request: &DraftRequest) -> Answer {
+        misreadings::answer(mistakes, self.reading, &request.built.file, &request.view)
     }
 
-    /// Returns true if the answer is right in the dialect of this decoder.
-    fn is_right(&self, question: &DraftRequest, answer: &Answer) -> bool {
+    /// Returns true if the answer is correct in the dialect of this decoder.
+    fn is_right(&self, request: &DraftRequest, answer: &Answer) -> bool {
         match answer {
-            Answer::Decoded(_) if question.case.damage().is_some() => false,
+            Answer::Decoded(_) if request.case.damage().is_some() => false,
             Answer::Decoded(frame) => {
-                let (built, view) = (&question.built, &question.view);
+                let (built, view) = (&request.built, &request.view);
                 let is_equal = |expected: Expected| expected.compare(frame).is_none();
                 Expected::new(&built.values, view).is_some_and(is_equal)
                     || Expected::from_file(&built.file, view, &self.reading).is_some_and(is_equal)
             }
-            Answer::Rejected => question.case.damage().is_some(),
-            Answer::Unsupported => question.case.expect == Expect::Refuse,
+            Answer::Rejected => request.case.damage().is_some(),
+            Answer::Unsupported => request.case.expect == Expect::Refuse,
             _ => false,
         }
     }
@@ -95,11 +95,11 @@ impl KnownDecoder<'_> {
 
 /// Reason why a file fails.
 pub enum Explanation {
-    /// Any of these misreadings, the most likely first.
+    /// One of these misreadings, the most likely first.
     Misreading(Vec<&'static Misreading>),
     /// The decoder accepts a file with this damage.
     Accepts(&'static str),
-    /// A failure that no misreading explains: an image, a refusal, or a crash with its message.
+    /// A symptom that no misreading explains: a wrong image, a refusal, or a crash with its message.
     Other(String),
 }
 
@@ -107,26 +107,26 @@ impl Explanation {
     pub(super) fn find(
         draft: &Draft,
         observation: &Observation,
-        passed: &[&Draft],
+        passing: &[&Draft],
         decoder: &KnownDecoder,
     ) -> Explanation {
         if let (Some(damage), Response::Image { .. }) = (draft.damage, &observation.response) {
             return Explanation::Accepts(damage.name);
         }
         let other = Explanation::Other(response_symptom(&observation.response));
-        let Some(question) = decoder.question(draft) else {
+        let Some(request) = decoder.request(draft) else {
             return other;
         };
         let mut suspects: Vec<&'static Misreading> = misreadings::all()
-            .filter(|suspect| explains(suspect, &question, observation, decoder))
+            .filter(|suspect| explains(suspect, &request, observation, decoder))
             .collect();
-        let passed = passed.iter().take(MAX_WITNESSES);
-        for question in passed.filter_map(|draft| decoder.question(draft)) {
+        let passing = passing.iter().take(MAX_WITNESSES);
+        for request in passing.filter_map(|draft| decoder.request(draft)) {
             if suspects.is_empty() {
                 break;
             }
-            let made = |suspect: &_| decoder.answer_with(&[suspect], &question);
-            suspects.retain(|suspect| decoder.is_right(&question, &made(suspect)));
+            let predicted = |suspect: &_| decoder.answer_with(&[suspect], &request);
+            suspects.retain(|suspect| decoder.is_right(&request, &predicted(suspect)));
         }
         match suspects.is_empty() {
             true => other,
@@ -134,7 +134,7 @@ impl Explanation {
         }
     }
 
-    /// Returns true if another failure has the same cause, and removes the suspects that do not explain that failure.
+    /// Returns true if this explanation also explains another failure. If so, removes the suspects that do not.
     pub(super) fn explains_failure(
         &mut self,
         draft: &Draft,
@@ -143,12 +143,12 @@ impl Explanation {
     ) -> bool {
         match self {
             Explanation::Accepts(damage) => {
-                draft.damage.is_some_and(|shown| shown.name == *damage)
+                draft.damage.is_some_and(|other| other.name == *damage)
                     && matches!(observation.response, Response::Image { .. })
             }
-            Explanation::Misreading(suspects) => decoder.question(draft).is_some_and(|question| {
+            Explanation::Misreading(suspects) => decoder.request(draft).is_some_and(|request| {
                 let explains =
-                    |suspect: &&Misreading| explains(suspect, &question, observation, decoder);
+                    |suspect: &&Misreading| explains(suspect, &request, observation, decoder);
                 let is_explained = suspects.iter().any(explains);
                 suspects.retain(|suspect| !is_explained || explains(suspect));
                 is_explained
@@ -157,7 +157,7 @@ impl Explanation {
         }
     }
 
-    /// Returns a short description.
+    /// Returns a short name.
     #[must_use]
     pub fn name(&self) -> String {
         match self {
@@ -168,48 +168,48 @@ impl Explanation {
     }
 }
 
-/// Describes an unexplained behavior independently of the file.
+/// Describes an unexplained answer independently of the file.
 fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
         "decoded" => "a wrong image".to_owned(),
         "rejected" => "refuses a legal file".to_owned(),
-        "unsupported" => "exits with 69 on a file of a kind it decodes".to_owned(),
+        "unsupported" => "exits with 69 for a file of a kind that it decodes".to_owned(),
         "crash" => format!("crash: {}", words.unwrap_or_default()),
         other => other.to_owned(),
     }
 }
 
-fn response_symptom(shown: &Response) -> String {
-    let words = match shown {
+fn response_symptom(response: &Response) -> String {
+    let words = match response {
         Response::Violation(answer) => answer.violation(),
         _ => None,
     };
-    symptom(shown.name(), words)
+    symptom(response.name(), words)
 }
 
 fn explains(
     suspect: &Misreading,
-    question: &DraftRequest,
+    request: &DraftRequest,
     observation: &Observation,
     decoder: &KnownDecoder,
 ) -> bool {
-    let made = decoder.answer_with(&[suspect], question);
-    match (&observation.response, made) {
-        (Response::Image { frame, .. }, Answer::Decoded(made)) => match frame {
-            Some(shown) => equal_up_to_rounding(shown, &made),
-            // The image of a file that must be refused is not kept, because accepting the file is the mistake.
-            None => question.case.damage().is_some(),
+    let predicted = decoder.answer_with(&[suspect], request);
+    match (&observation.response, predicted) {
+        (Response::Image { frame, .. }, Answer::Decoded(predicted)) => match frame {
+            Some(frame) => equal_up_to_rounding(frame, &predicted),
+            // The image of a file that must be refused is not stored, because accepting the file is the mistake.
+            None => request.case.damage().is_some(),
         },
         (Response::Rejected, Answer::Rejected) => true,
         _ => false,
     }
 }
 
-/// A mistake and the smallest failing file.
-pub struct Find {
+/// A mistake and the smallest file that reveals it.
+pub struct Finding {
     /// The cause of the failure.
     pub cause: Explanation,
-    /// The cause that the diagnosis finds, if the failure is not explained otherwise.
+    /// The cause from the diagnosis, if no misreading or damage explains the failure.
     pub diagnosis: Option<LikelyCause>,
     /// The original file.
     pub drawn: Draft,
@@ -222,68 +222,68 @@ pub struct Find {
     /// The received frame, if any.
     pub received: Option<Frame>,
     /// Number of generated files with the same failure.
-    pub seen: usize,
+    pub count: usize,
 }
 
-impl Find {
+impl Finding {
     pub(super) fn new(
         draft: &Draft,
         mut cause: Explanation,
         decoder: &KnownDecoder,
         stop: &AtomicBool,
-    ) -> Find {
+    ) -> Finding {
         distinguish_suspects(draft, &mut cause, decoder);
-        let small = minimise(draft, decoder.table, stop, &|smaller| {
+        let small = minimize(draft, decoder.table, stop, &|smaller| {
             fails_for_same_reason(smaller, &cause, decoder)
         });
-        let question = decoder.question(&small);
-        let answer = question.as_ref().map(|question| decoder.answer(question));
-        Find {
+        let request = decoder.request(&small);
+        let answer = request.as_ref().map(|request| decoder.answer(request));
+        Finding {
             cause,
             diagnosis: None,
             drawn: draft.clone(),
-            view: question.map(|question| question.view),
+            view: request.map(|request| request.view),
             answer: answer.as_ref().map_or("", Answer::name).to_owned(),
             received: answer.and_then(|answer| answer.decoded::<()>().ok()),
             small,
-            seen: 1,
+            count: 1,
         }
     }
 }
 
-/// Requests files for which the suspects differ, until one suspect is left or no such file is found.
+/// Requests files for which the suspects predict different answers, until one suspect is left or no more files are found.
 fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
     let Explanation::Misreading(suspects) = cause else {
         return;
     };
-    let mut asked = 0;
+    let mut request_count = 0;
     for number in 0..MAX_GENERATED_FILES {
-        if suspects.len() == 1 || asked == MAX_REQUESTED_FILES {
+        if suspects.len() == 1 || request_count == MAX_REQUESTED_FILES {
             return;
         }
         let bytes = random_bytes(0x7e11, number);
         let other = Draft::draw(&mut Unstructured::new(&bytes)).ok();
         let other = other.filter(|other| other.width * other.height <= 4096);
-        let question = other.and_then(|mut other| {
+        let request = other.and_then(|mut other| {
             other.views.clone_from(&draft.views);
-            decoder.question(&other)
+            decoder.request(&other)
         });
-        let Some(question) = question else { continue };
-        let made = |suspect: &&Misreading| decoder.answer_with(&[suspect], &question);
-        let answers: Vec<Answer> = suspects.iter().map(made).collect();
+        let Some(request) = request else { continue };
+        let predicted = |suspect: &&Misreading| decoder.answer_with(&[suspect], &request);
+        let answers: Vec<Answer> = suspects.iter().map(predicted).collect();
         if answers.windows(2).all(|pair| are_equal(&pair[0], &pair[1])) {
             continue;
         }
-        asked += 1;
-        let answer = decoder.answer(&question);
-        if answers.iter().any(|made| are_equal(made, &answer)) {
-            let mut made = answers.iter();
-            suspects.retain(|_| made.next().is_some_and(|made| are_equal(made, &answer)));
+        request_count += 1;
+        let answer = decoder.answer(&request);
+        if answers.iter().any(|a| are_equal(a, &answer)) {
+            let mut answers = answers.iter();
+            suspects.retain(|_| answers.next().is_some_and(|a| are_equal(a, &answer)));
         }
     }
 }
 
-/// Returns true if two answers are equal.
+/// Returns true if two answers are equal up to rounding.
 fn are_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => equal_up_to_rounding(a, b),
@@ -297,25 +297,25 @@ pub(super) fn fails_for_same_reason(
     cause: &Explanation,
     decoder: &KnownDecoder,
 ) -> bool {
-    let Some(question) = decoder.question(draft) else {
+    let Some(request) = decoder.request(draft) else {
         return false;
     };
     match cause {
         Explanation::Misreading(suspects) => {
-            // Most smaller files no longer fail, which the suspect predicts without a request.
-            let made = decoder.answer_with(&suspects[..1], &question);
-            !decoder.is_right(&question, &made) && are_equal(&made, &decoder.answer(&question))
+            // Most smaller files no longer fail. The suspect predicts this without a request.
+            let wrong = decoder.answer_with(&suspects[..1], &request);
+            !decoder.is_right(&request, &wrong) && are_equal(&wrong, &decoder.answer(&request))
         }
         Explanation::Accepts(_) => {
-            let mut whole = draft.clone();
-            whole.damage = None;
-            let accepts = |asked: &_| matches!(decoder.answer(asked), Answer::Decoded(_));
-            accepts(&question) && decoder.question(&whole).as_ref().is_some_and(accepts)
+            let mut legal = draft.clone();
+            legal.damage = None;
+            let accepts = |request: &_| matches!(decoder.answer(request), Answer::Decoded(_));
+            accepts(&request) && decoder.request(&legal).as_ref().is_some_and(accepts)
         }
         Explanation::Other(known) => {
-            let answer = decoder.answer(&question);
+            let answer = decoder.answer(&request);
             let is_known = *known == symptom(answer.name(), answer.violation());
-            is_known && !decoder.is_right(&question, &answer)
+            is_known && !decoder.is_right(&request, &answer)
         }
     }
 }

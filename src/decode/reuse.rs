@@ -2,11 +2,11 @@
 //!
 //! Most open points of §2.9 concern steps after a stream is decoded: how its plane is predicted, and which records
 //! correct it. To find out whether another decoder would decode a file differently, prediction and correction are
-//! repeated. The streams are decoded only once, because this takes most of the time.
+//! repeated. The streams are decoded only once, because decoding takes most of the time.
 //!
 //! ```text
 //! stream ── codec ──> residuals ──┬── Reading::SPEC ──> planes of the reference
-//!                                 ├── another one ────> planes of another reader
+//!                                 ├── alternative ────> planes of another reader
 //!                                 └── …
 //! ```
 
@@ -17,7 +17,7 @@ use crate::ptm::Shape;
 use crate::reading::Reading;
 
 impl Streams<'_> {
-    /// Returns the map under a reading that differs from the first only in steps after the streams are decoded.
+    /// Returns the map under a reading that differs from the original one only in steps after the streams are decoded.
     pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
@@ -29,7 +29,7 @@ impl Streams<'_> {
             header: self.header,
             shape,
             parts,
-            // Offset of the end of the last plane, for the error if the map is too large.
+            // The end of the last plane is the offset of the error if the map is too large.
             at: self.at + self.payload.len(),
             reading,
         })

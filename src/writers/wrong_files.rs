@@ -1,16 +1,16 @@
-//! Generation of wrong files for tests, as written by a writer with a misreading.
+//! Generation of wrong files for tests, as a writer with a misreading would write them.
 //!
-//! Three rules cover all misreadings. If none produces a file that reveals the misreading, there is no such file.
+//! Three rules cover all misreadings. If none of them produces a file that reveals the misreading, no such file exists.
 //!
 //! - *Lost*: the writer writes the values that a reader with this misreading gets from the right file.
-//! - *Moved*: the writer puts each value where such a reader looks for it.
-//! - *Repaired*: the writer corrects each number by the error of such a reader, until the reader has the right ones.
+//! - *Moved*: the writer stores each value at the position where this reader looks for it.
+//! - *Repaired*: the writer corrects each number by the error of this reader, until the reader gets the right numbers.
 
 use crate::misreadings::Misreading;
 use crate::ptm::Ptm;
+use crate::writers::misread_file::{MisreadFile, edit_bytes, explains};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
-use crate::writers::seen::{MisreadFile, edit_bytes, explains};
 
 /// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
 const MAX_REPAIRS: usize = 20;
@@ -30,20 +30,20 @@ pub fn write_with_mistake(request: &WriteRequest, mistake: &Misreading) -> Optio
     let repaired = |start: &fn(&mut RequestHeader)| repair_values(request, *start, mistake);
     let is_right =
         |file: &[u8]| MisreadFile::new(file, &[]).is_some_and(|seen| seen.is_right(request));
-    let shows = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
-    let found = edit_bytes(&right, mistake).filter(shows);
-    let found = found.or_else(|| lost().filter(shows));
-    let found = found.or_else(|| move_values(request, mistake).filter(shows));
-    found.or_else(|| STARTING_HEADERS.iter().filter_map(repaired).find(shows))
+    let reveals = |file: &Vec<u8>| !is_right(file) && explains(request, &right, file, mistake);
+    let found = edit_bytes(&right, mistake).filter(reveals);
+    let found = found.or_else(|| lost().filter(reveals));
+    let found = found.or_else(|| move_values(request, mistake).filter(reveals));
+    found.or_else(|| STARTING_HEADERS.iter().filter_map(repaired).find(reveals))
 }
 
-/// Returns the file of the reference for a request, if there is one.
+/// Returns the reference's file for a request, or `None` if it cannot be written.
 fn reference_file(request: &WriteRequest) -> Option<Vec<u8>> {
     let is_finite = request.header.scale.iter().all(|scale| scale.is_finite());
     is_finite.then(|| write_requested_file(request).ok())?
 }
 
-/// Returns the map that a reader with this mistake gets from the file of the reference.
+/// Returns the map that a reader with this mistake gets from the reference's file.
 fn read_with_mistake(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
     let map = MisreadFile::new(&reference_file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
@@ -62,17 +62,17 @@ fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
 fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let count = request.samples.len();
     let mut other = request.clone();
-    // Determine the source of each value with three files that contain the bytes of the addresses.
-    let mut from = vec![0; count];
+    // Determine the source index of each value with three files whose values are the bytes of their indices.
+    let mut sources = vec![0; count];
     for shift in [0, 8, 16] {
         other.samples = (0..count).map(|i| (i >> shift) as u8).collect();
         let bytes = read_with_mistake(&other, mistake)?.planes.samples;
-        for (from, byte) in from.iter_mut().zip(bytes) {
-            *from |= usize::from(byte) << shift;
+        for (source, byte) in sources.iter_mut().zip(bytes) {
+            *source |= usize::from(byte) << shift;
         }
     }
-    for (&from, value) in from.iter().zip(&request.samples) {
-        *other.samples.get_mut(from)? = *value;
+    for (&source, value) in sources.iter().zip(&request.samples) {
+        *other.samples.get_mut(source)? = *value;
     }
     reference_file(&other)
 }

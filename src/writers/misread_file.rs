@@ -1,12 +1,12 @@
 //! Comparison of requested values with a file as seen by a reader with mistakes.
 //!
-//! A writer can misread a clause in the same way as a reader. Then either only such a reader gets the right values from the
-//! file, or the file has the values that such a reader gets from the right file.
+//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake gets the right
+//! values from the file, or the file contains the values that this reader gets from the right file.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
 use crate::misreadings::{
-    Anatomy, At, EditedFile, Misreading, Stage, formula_edits, plane_edits, read,
+    Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
 };
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
@@ -39,11 +39,11 @@ pub(super) fn explains(
     file: &[u8],
     mistake: &Misreading,
 ) -> bool {
-    is_right_under(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
+    is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader with these mistakes, and only such a reader, gets the right values from `file`.
-pub(super) fn is_right_under(
+/// Returns true if a reader gets the right values from `file` with these mistakes but not without them.
+pub(super) fn is_right_only_with(
     request: &WriteRequest,
     file: &[u8],
     mistakes: &[&Misreading],
@@ -51,18 +51,18 @@ pub(super) fn is_right_under(
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that a reader with this mistake, and only such a reader, gets from the right file.
+/// Returns true if `file` contains the values that a reader gets from the right file with this mistake but not without it.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)
         && payload(&seen) == payload(file)
     {
-        // The payload is misplaced only if the header is complete up to the last bias.
+        // The payload counts as moved only if the header is complete up to the last bias.
         let (fields, _) = fields(file);
         let biases = fields.iter().filter(|field| field.clause == "2.4/4");
         return biases.count() == 6;
     }
-    // For a decoding mistake, applying it twice is the same as undoing it.
+    // Applying a decoding mistake twice undoes it.
     mistake.at.stage() != Stage::Decoding
         && requires_mistakes(right, &[mistake], |seen| seen.is_written_as_seen(file))
 }
@@ -81,11 +81,10 @@ fn requires_mistakes(
     !plain.as_ref().is_some_and(predicate)
 }
 
-/// Returns the bytes that a reader with this mistake sees instead of the file. Returns `None` if the mistake does not act
-/// on bytes.
+/// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
     match mistake.at {
-        At::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
+        Hook::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
             EditedFile::File(bytes) => Some(bytes),
             EditedFile::Refused => None,
         },
@@ -99,7 +98,7 @@ fn payload(file: &[u8]) -> &[u8] {
 }
 
 impl MisreadFile {
-    /// Reads `file` with these mistakes. Returns `None` if such a reader refuses the file.
+    /// Reads `file` with these mistakes. Returns `None` if a reader with these mistakes refuses the file.
     pub fn new(file: &[u8], mistakes: &[&Misreading]) -> Option<MisreadFile> {
         let (mut ptm, reading) = read(mistakes, Reading::SPEC, file).ok()?;
         for edit in plane_edits(mistakes) {
@@ -114,8 +113,8 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if the values equal the values of `request`. Compares stored values, or derived values if a mistake
-    /// takes effect later.
+    /// Returns true if the values equal those of `request`. Compares stored values, or derived values if a mistake takes
+    /// effect at a later stage.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
@@ -131,7 +130,7 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if both have the same size and, depending on `stage`, the same header numbers or the same derived values.
+    /// Returns true if both maps have the same size and, depending on `stage`, the same header numbers or derived values.
     fn has_equal_numbers(&self, other: &MisreadFile, stage: Stage) -> bool {
         self.ptm.header.size == other.ptm.header.size
             && match stage {
@@ -141,16 +140,16 @@ impl MisreadFile {
             }
     }
 
-    /// Returns the map with effective scales and biases, which relate the raw values to the final coefficients of this reader.
+    /// Returns the map with the effective scales and biases, which map raw values to the final coefficients of this reader.
     pub fn into_effective_map(self) -> Ptm {
         let mut map = self.ptm;
         if self.stage == Stage::Coefficients {
-            let finals_of = |raw: u8| {
+            let uniform_finals = |raw: u8| {
                 let mut uniform = map.clone();
                 uniform.planes.samples.fill(raw);
                 formula::finals(&uniform, &self.reading, Edits(&self.edits)).values
             };
-            let [zeros, ones] = [0, 1].map(finals_of);
+            let [zeros, ones] = [0, 1].map(uniform_finals);
             for i in 0..6 {
                 let (zero, one) = (zeros[i], ones[i]);
                 map.header.scale_bias.scale[i] = one - zero;
@@ -176,11 +175,11 @@ impl MisreadFile {
         }
     }
 
-    /// Returns true if both give the same values in a view, up to rounding to `f32`.
+    /// Returns true if both maps have the same values in a view, up to rounding.
     fn equals_in_view(&self, other: &MisreadFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
         let [one, other] = [self, other]
-            .map(|of| Frame::render_edited(&of.ptm, &view, &of.reading, Edits(&of.edits)).samples);
+            .map(|it| Frame::render_edited(&it.ptm, &view, &it.reading, Edits(&it.edits)).samples);
         match (one, other) {
             (Samples::U8(one), Samples::U8(other)) => {
                 (one.iter().zip(&other)).all(|(a, b)| a.abs_diff(*b) <= 1)

@@ -1,14 +1,14 @@
 //! Fast displacement of a plane
 //!
-//! In the interior of a plane, where most texels are, there are no edges to handle, so whole rows are computed from
-//! four slices of the plane. The border, which is as wide as the displacement, is computed texel by texel as in
-//! [`super::predict`]. A test compares the two.
+//! The interior of a plane contains most texels and has no edges to handle, so whole rows are computed from four slices
+//! of the plane. The border, which is as wide as the displacement, is computed texel by texel as in [`super::predict`].
+//! A test compares the two versions.
 
 use std::ops::Range;
 
 use crate::ptm::Size;
 
-/// Computes the displaced plane. In the interior, combines the four nearest samples with `mean`; at the border, calls `sample`.
+/// Displaces a plane. In the interior, combines the four nearest samples with `mean`. At the border, calls `sample`.
 pub(super) fn displace_rows(
     plane: &[u8],
     size: Size,
@@ -17,24 +17,24 @@ pub(super) fn displace_rows(
     sample: impl Fn(i64, i64) -> u8,
 ) -> Vec<u8> {
     let width = size.width as usize;
-    let (across, down) = (
+    let (x_axis, y_axis) = (
         DisplacedAxis::new(mx, size.width),
         DisplacedAxis::new(my, size.height),
     );
     let row = |y: i64| &plane[y as usize * width..][..width];
     let mut texels = Vec::with_capacity(plane.len());
     for y in 0..i64::from(size.height) {
-        let run = if down.inside.contains(&y) {
-            across.inside.clone()
+        let run = if y_axis.interior.contains(&y) {
+            x_axis.interior.clone()
         } else {
             0..0
         };
         // The left border, or the whole row if one of the two rows is outside.
         texels.extend((0..run.start).map(|x| sample(x, y)));
         if !run.is_empty() {
-            // a and b are in the first row, c and d in the second: the order that `mean` expects.
-            let [first, second] = down.tap_positions(y).map(row);
-            let [left, right] = across.tap_positions(run.start).map(|x| x as usize);
+            // a and b are in the first row, and c and d in the second, in the order that `mean` expects.
+            let [first, second] = y_axis.tap_positions(y).map(row);
+            let [left, right] = x_axis.tap_positions(run.start).map(|x| x as usize);
             let length = (run.end - run.start) as usize;
             let [a, c] = [first, second].map(|row| &row[left..][..length]);
             let [b, d] = [first, second].map(|row| &row[right..][..length]);
@@ -47,22 +47,22 @@ pub(super) fn displace_rows(
 
 /// One axis of a plane, and the displacement along it.
 struct DisplacedAxis {
-    /// Offsets of the first and the second of two samples.
+    /// Offsets of the two nearest samples.
     offsets: [i64; 2],
     /// Positions at which both samples are inside the plane.
-    inside: Range<i64>,
+    interior: Range<i64>,
 }
 
 impl DisplacedAxis {
     fn new(displacement: i64, length: u32) -> DisplacedAxis {
-        // A half position lies between a texel and the next one, so the second sample never precedes the first.
+        // A half position is between a texel and the next one, so the second sample never precedes the first.
         let length = i64::from(length);
         let first = displacement.div_euclid(2);
         let second = first + displacement.rem_euclid(2);
         let start = first.saturating_neg().clamp(0, length);
         DisplacedAxis {
             offsets: [first, second],
-            inside: start..length.saturating_sub(second).clamp(start, length),
+            interior: start..length.saturating_sub(second).clamp(start, length),
         }
     }
 
@@ -96,7 +96,7 @@ mod tests {
             let size = Size { width, height };
             let plane = &samples[..size.texels()];
             let (mx, my) = [near, far, (near.0, far.1), (far.0, near.1)][which as usize];
-            // Asymmetric, to detect swapped samples.
+            // The function is asymmetric, to detect swapped samples.
             let mean = |[a, b, c, d]: [u8; 4]| a ^ b.rotate_left(1) ^ c.rotate_left(2) ^ d.rotate_left(3);
             let sample = |x: i64, y: i64| {
                 let (x, y) = (mx.saturating_add(2 * x), my.saturating_add(2 * y));

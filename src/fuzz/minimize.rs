@@ -7,8 +7,8 @@ use super::shrink::{shrink, smaller_sizes};
 use crate::ptm::Size;
 use crate::suite::cases::TableSpelling;
 
-/// Returns the smallest draft that steps from `draft` reach while it still `fails`.
-pub fn minimise(
+/// Simplifies `draft` step by step while it still `fails`, and returns the smallest draft.
+pub fn minimize(
     draft: &Draft,
     table: TableSpelling,
     stop: &AtomicBool,
@@ -18,18 +18,18 @@ pub fn minimise(
     shrink(draft.clone(), weigh, steps, stop, fails)
 }
 
-/// Returns the number of bytes of the file and of its description.
+/// Returns the sizes of the file and of its description, in bytes.
 fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
-    let case = draft.cases("weighed").ok()?.pop()?;
-    let words = draft.to_yaml("", "").len();
-    Some((case.build(table).file.len(), words))
+    let case = draft.cases("draft").ok()?.pop()?;
+    let description = draft.to_yaml("", "").len();
+    Some((case.build(table).file.len(), description))
 }
 
 /// Returns all drafts that are one step simpler.
 fn steps(draft: &Draft) -> Vec<Draft> {
     let (width, height) = (draft.width, draft.height);
     let sizes = smaller_sizes(Size { width, height }).into_iter();
-    // Records may be past the new end; such a file cannot be written and is skipped.
+    // A record may be past the new end. The file then cannot be written and is skipped.
     let mut all: Vec<Draft> = sizes
         .map(|Size { width, height }| Draft {
             width,
@@ -72,17 +72,17 @@ fn steps(draft: &Draft) -> Vec<Draft> {
 fn simpler_words(key: &str, word: &str) -> Vec<String> {
     let list: Vec<&str> = word.split(' ').collect();
     let mut all = Vec::new();
-    // Lists with a number for each plane, coefficient or element keep their length.
-    let fixed = ["scale", "bias", "matrix", "references", "order", "presets"].contains(&key);
-    for place in 0..list.len() {
+    // Lists with one number per plane, coefficient or element keep their length.
+    let is_fixed = ["scale", "bias", "matrix", "references", "order", "presets"].contains(&key);
+    for i in 0..list.len() {
         let mut replace = |words: &[&str]| {
-            let (before, after) = (&list[..place], &list[place + 1..]);
+            let (before, after) = (&list[..i], &list[i + 1..]);
             all.push([before, words, after].concat().join(" "));
         };
-        if !fixed && list.len() > 1 {
+        if !is_fixed && list.len() > 1 {
             replace(&[]);
         }
-        match (key, list[place].parse::<i64>()) {
+        match (key, list[i].parse::<i64>()) {
             ("references", Ok(plane)) if plane >= 0 => replace(&["-1"]),
             ("order" | "references" | "presets", _) => {}
             ("scale" | "matrix", _) => {
@@ -99,14 +99,14 @@ fn simpler_words(key: &str, word: &str) -> Vec<String> {
             }
             _ => {}
         }
-        if let Some((planes, texels)) = list[place].split_once(':') {
+        if let Some((planes, texels)) = list[i].split_once(':') {
             let simple = [
                 format!("0:{texels}"),
                 format!("{planes}:first"),
                 format!("{planes}:last"),
                 format!("{planes}:{}", texels.split('+').next().unwrap_or(texels)),
             ];
-            for simple in simple.iter().filter(|simple| **simple != list[place]) {
+            for simple in simple.iter().filter(|simple| **simple != list[i]) {
                 replace(&[simple]);
             }
         }
