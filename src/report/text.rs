@@ -184,7 +184,7 @@ impl<C: TestCase> Page<'_, C> {
             }
         }
         match last_message(&case.stderr) {
-            Some(line) => writeln!(out, "    its standard error ends: {line}"),
+            Some(line) => writeln!(out, "    last line of its standard error: {line}"),
             None => Ok(()),
         }
     }

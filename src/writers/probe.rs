@@ -87,6 +87,6 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
     };
     let problem = reply.answer.violation().unwrap_or(reply.answer.name());
     let last = last_message(&reply.stderr);
-    let last = last.map(|line| format!("\nits standard error ends: {line}"));
+    let last = last.map(|line| format!("\nlast line of its standard error: {line}"));
     (format!("{problem}{}", last.unwrap_or_default()), next)
 }

@@ -241,7 +241,7 @@ pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> 
     let stderr = &smallest.observation.stderr;
     let because = smallest.case.because.trim_end_matches('.');
     let message = last_message(stderr).map_or(String::new(), |line| {
-        format!("; its standard error ends: {line}")
+        format!("; last line of its standard error: {line}")
     });
     format!("for example {}: {because}{message}", smallest.case.id)
 }

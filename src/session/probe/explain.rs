@@ -9,7 +9,7 @@ use super::message::{ProbeFault, Slots, fault};
 /// Returns the last line of the decoder's standard error, on a separate line.
 fn last_stderr_line(reply: &Reply) -> String {
     last_message(&reply.stderr).map_or(String::new(), |line| {
-        format!("\nits standard error ends: {line}")
+        format!("\nlast line of its standard error: {line}")
     })
 }
 
