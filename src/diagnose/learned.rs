@@ -24,11 +24,7 @@ struct ShownValues {
 }
 
 /// Returns misreadings that explain wrong values in `left` by a table of all stored values or of stream samples.
-pub(super) fn learn_tables(
-    search: &Search,
-    set: &MistakeSet,
-    left: &[usize],
-) -> Vec<&'static Misreading> {
+pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
     let (streams, values): (Vec<usize>, Vec<usize>) = images.into_iter().partition(is_jpeg);

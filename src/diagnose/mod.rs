@@ -42,8 +42,7 @@ pub use words::arithmetic_steps;
 use std::time::Duration;
 
 use crate::misreadings::Misreading;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
 use answers::has_simple_explanation;
 use search::Search;

@@ -1,10 +1,8 @@
 //! Properties that describe a set of files. Each one was needed for a real decoder, or is a key of `make:` in the cases.
 
 use super::witness::{Facts, Property, Quantity, Witness};
-use crate::generate::Recipe;
-use crate::generate::plan::Compression;
-use crate::generate::planes::StoredPlane;
 use crate::generate::spelling::{Count, Line, Lists};
+use crate::generate::{Recipe, plan::Compression, planes::StoredPlane};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Coding, Field, Format};
 

@@ -11,8 +11,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::mistake::Mistake;
-use super::pair::partial_credit;
 pub(super) use super::tuning::REFUSAL_WORTH;
 use super::tuning::{
     CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
@@ -22,6 +20,7 @@ use super::tuning::{
 };
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
+use super::{mistake::Mistake, pair::partial_credit};
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::{self, Hook, Misreading};
 use crate::protocol::frame::Answer;

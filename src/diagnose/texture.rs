@@ -9,14 +9,11 @@ use super::cover::{CoverCandidate, cover};
 use super::diagnosis::Diagnosis;
 use crate::misreadings::texture::{Change, all};
 use crate::protocol::frame::Answer;
-use crate::session::observation::Response;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{observation::Response, outcome::Outcome, run::Run};
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::test_case::TestCase;
 use crate::suite::texture::cases::TextureCase;
-use crate::suite::texture::choices::CHOICES;
-use crate::suite::texture::compare::difference;
+use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::texture::Rules;
 
 /// Returns the fewest misreadings that explain the failures of `run`, the misreading with the most failures first.

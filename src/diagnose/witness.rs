@@ -15,8 +15,7 @@ use crate::ptm::{Field, Limits, Ptm};
 use crate::reading::Reading;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::{Built, Case, Expect, Suite};
 use crate::suite::choices::CHOICES;
 use crate::suite::compare::{Expected, is_close};
@@ -424,11 +423,7 @@ pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
 }
 
 /// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).
-pub(super) fn explains_a_view(
-    witnesses: &[Witness],
-    explained: &[usize],
-    changed: &[usize],
-) -> bool {
+pub fn explains_a_view(witnesses: &[Witness], explained: &[usize], changed: &[usize]) -> bool {
     ViewKind::ALL.into_iter().any(|view| {
         let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == view;
         let count = explained.iter().filter(has_view).count();

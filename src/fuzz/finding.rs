@@ -5,9 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use arbitrary::Unstructured;
 
-use super::draft::Draft;
-use super::generator::random_bytes;
-use super::minimize::minimize;
+use super::{draft::Draft, generator::random_bytes, minimize::minimize};
 use crate::diagnose::equal_up_to_rounding;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};

@@ -13,9 +13,8 @@ use crate::decode::{Alternative, decode, decode_as, fields};
 use crate::diagnose::diagnose;
 use crate::evaluate::{compute_coefficients, evaluate};
 use crate::fuzz::draft::Draft;
-use crate::generate::plan::Residuals;
-use crate::generate::spelling::Lists;
 use crate::generate::{Compression, Model, Recipe, Spelling, write};
+use crate::generate::{plan::Residuals, spelling::Lists};
 use crate::misreadings;
 use crate::protocol::frame::{Answer, Samples};
 use crate::protocol::frame::{Frame, View};
@@ -24,9 +23,8 @@ use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::{plan::RunPlan, run::check};
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::choices::CHOICES;
-use crate::suite::compare::Expected;
 use crate::suite::dialect::{Choice, Dialect};
+use crate::suite::{choices::CHOICES, compare::Expected};
 
 /// Maximum number of texels of a generated file, so that a target runs thousands of files per second.
 const MAX_TEXELS: u32 = 3000;

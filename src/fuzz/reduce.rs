@@ -8,9 +8,8 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 
 use super::shrink::{shrink, smaller_sizes};
-use crate::decode::indices::little_endian;
-use crate::decode::planes::parse_records;
 use crate::decode::{self, decode};
+use crate::decode::{indices::little_endian, planes::parse_records};
 use crate::generate::planes::{Compressed, StoredPlane};
 use crate::generate::{Model, Recipe, write};
 use crate::ptm::{Format, Size};

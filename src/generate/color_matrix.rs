@@ -2,9 +2,7 @@
 //!
 //! Sixteen numbers (clause 2.6/2) on one line, or with four or one per line (ruling `lum-layout`).
 
-use super::output::Output;
-use super::recipe::Numbers;
-use super::spelling::Line;
+use super::{output::Output, recipe::Numbers, spelling::Line};
 
 pub(super) fn write(matrix: &Numbers<16>, out: &mut Output) {
     for (i, line) in matrix.texts().chunks(out.spelling.matrix_line).enumerate() {

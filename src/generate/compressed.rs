@@ -3,10 +3,8 @@
 //! The parameter, six lists with one number per plane (two for motion vectors), and the planes (clause 2.9/1). Each list has
 //! its own line, and motion vectors have two lines (ruling `list-layout`). Ruling `list-lines` allows other line breaks.
 
-use super::model::Model;
-use super::output::Output;
-use super::planes::Compressed;
 use super::spelling::{Line, Lists};
+use super::{model::Model, output::Output, planes::Compressed};
 
 pub(super) fn write(model: &Model, out: &mut Output) {
     let compressed = model.compressed.as_ref();

@@ -11,10 +11,9 @@ use std::ops::Range;
 use serde::Deserialize;
 use serde::de::{IntoDeserializer, value};
 
-use super::model::Model;
-use super::output::Written;
 use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::stand_in::StandIn;
+use super::{model::Model, output::Written};
 use crate::ptm::{Coding, Format, Size};
 
 /// A named edit.

@@ -1,7 +1,6 @@
 //! §2.2 Format String
 
-use super::output::Output;
-use super::spelling::Line;
+use super::{output::Output, spelling::Line};
 use crate::ptm::Format;
 
 pub(super) fn write(format: Format, out: &mut Output) {

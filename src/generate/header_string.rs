@@ -1,7 +1,6 @@
 //! §2.1 Header String
 
-use super::output::Output;
-use super::spelling::Line;
+use super::{output::Output, spelling::Line};
 
 pub(super) fn write(out: &mut Output) {
     out.token("2.1/1", "version", "PTM_1.2");

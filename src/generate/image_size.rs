@@ -2,8 +2,7 @@
 //!
 //! One line or two (clauses 2.3/1–2).
 
-use super::output::Output;
-use super::spelling::Line;
+use super::{output::Output, spelling::Line};
 use crate::ptm::Size;
 
 pub(super) fn write(size: Size, out: &mut Output) {

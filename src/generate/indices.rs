@@ -2,9 +2,7 @@
 //!
 //! One-byte indices for up to 256 entries, or two-byte indices, low byte first (2.8.1/2–3). The colors of `PTM_LUT` follow.
 
-use super::model::Model;
-use super::output::Output;
-use super::texels;
+use super::{model::Model, output::Output, texels};
 use crate::ptm::Storage;
 
 pub(super) fn write(model: &Model, out: &mut Output) {

@@ -2,9 +2,8 @@
 //!
 //! The count in one of its three spellings (ruling `lut-count`), the entries, and optionally a line end (ruling `lut-newline`).
 
-use super::model::Model;
-use super::output::Output;
 use super::spelling::{Count, Line};
+use super::{model::Model, output::Output};
 
 pub(super) fn write(model: &Model, out: &mut Output) {
     if out.spelling.count == Count::WordNumber {

@@ -3,8 +3,7 @@
 use std::ops::Range;
 use std::str::FromStr;
 
-use super::model::Model;
-use super::output::Written;
+use super::{model::Model, output::Written};
 
 /// A place: a field or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]

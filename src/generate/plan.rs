@@ -5,8 +5,7 @@
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
-use crate::codec::jpeg::JpegOptions;
-use crate::codec::jpeg_ls::PresetParameters;
+use crate::codec::{jpeg::JpegOptions, jpeg_ls::PresetParameters};
 use crate::ptm::{Coding, Format, Size};
 
 /// Parameters for the compression of planes. Each list has one number per plane.

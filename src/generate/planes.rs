@@ -12,11 +12,9 @@
 
 use std::collections::HashSet;
 
-use super::headers::rewrite_headers;
-use super::paint::hash;
 use super::plan::{Compression, Residuals, Stream, Texels};
-use super::predict::predictor;
-use super::recipe::Recipe;
+use super::{headers::rewrite_headers, paint::hash};
+use super::{predict::predictor, recipe::Recipe};
 use crate::codec::{Encoded, jpeg, jpeg_ls};
 use crate::ptm::{Coding, Size};
 

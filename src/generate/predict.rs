@@ -18,12 +18,7 @@ pub(super) const INVERSION: u32 = 1;
 pub(super) const MOTION: u32 = 2;
 
 /// Returns the predictor of a plane, which is its transformed reference.
-pub(super) fn predictor(
-    reference: &[u8],
-    size: Size,
-    transform: u32,
-    vector: (i32, i32),
-) -> Vec<u8> {
+pub fn predictor(reference: &[u8], size: Size, transform: u32, vector: (i32, i32)) -> Vec<u8> {
     // motion-inversion: invert first, then displace.
     let inverted: Vec<u8> = match transform & INVERSION {
         0 => reference.to_vec(),

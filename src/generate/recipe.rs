@@ -2,9 +2,7 @@
 
 use std::str::FromStr;
 
-use super::plan::Compression;
-use super::scene::Scene;
-use super::spelling::Spelling;
+use super::{plan::Compression, scene::Scene, spelling::Spelling};
 use crate::ptm::{Format, Size};
 
 /// `N` numbers, each with its spelling.

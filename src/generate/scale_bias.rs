@@ -2,9 +2,7 @@
 //!
 //! Twelve numbers on one line or two (clauses 2.4/2–7), spelled as in the recipe.
 
-use super::output::Output;
-use super::recipe::Numbers;
-use super::spelling::Line;
+use super::{output::Output, recipe::Numbers, spelling::Line};
 
 pub(super) fn write(scale: &Numbers<6>, bias: &Numbers<6>, out: &mut Output) {
     out.numbers("2.4/3", "scale", &scale.texts());

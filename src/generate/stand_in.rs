@@ -3,8 +3,7 @@
 
 use serde::Deserialize;
 
-use super::model::Model;
-use super::place::segment;
+use super::{model::Model, place::segment};
 use crate::codec::Coding;
 
 /// A gray plane in which all samples are 128: `gray-one-wider` and so on.

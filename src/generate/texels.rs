@@ -4,8 +4,7 @@
 
 use std::ops::Range;
 
-use super::model::Model;
-use super::output::Output;
+use super::{model::Model, output::Output};
 use crate::ptm::Shape;
 
 pub(super) fn write(model: &Model, out: &mut Output) {

@@ -6,12 +6,9 @@ use maud::{Markup, html};
 
 use super::annotated::{AnnotatedClause, Chapter, WorkedExample};
 use super::example::{Executed, Found, execute};
-use super::formula::formula;
-use super::misreading_pages;
-use super::overview;
 use super::paper::{PageContext, SiteFile};
-use super::readers::readers_with_mistake;
-use super::ruling_pages;
+use super::{formula::formula, misreading_pages, overview};
+use super::{readers::readers_with_mistake, ruling_pages};
 use crate::misreadings::{self, Misreading};
 use crate::suite::clauses::Clause;
 

@@ -5,15 +5,12 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::paper::{PageContext, SiteFile};
-use super::pictures;
-use super::readers::readers_with_mistake;
-use super::witness::MisreadingWitness;
+use super::{pictures, readers::readers_with_mistake, witness::MisreadingWitness};
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
-use crate::suite::cases::TableSpelling;
-use crate::suite::clauses::section_of;
+use crate::suite::{cases::TableSpelling, clauses::section_of};
 
 /// Renders the list of misreadings and the page of each misreading.
 pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {

@@ -2,10 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::docs_pages;
-use super::glossary;
-use super::library::Library;
-use super::paper::SiteFile;
+use super::{docs_pages, glossary, library::Library, paper::SiteFile};
 
 /// Generates the index: id, kind, URL and description of each page.
 pub(super) fn index(library: &Library) -> SiteFile {

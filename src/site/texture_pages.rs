@@ -6,8 +6,7 @@ use super::paper::{PageContext, SiteFile};
 use super::ruling_pages;
 use crate::misreadings;
 use crate::suite::clauses::{Clause, section_of};
-use crate::suite::texture::cases::TextureCase;
-use crate::suite::texture::verify::verify;
+use crate::suite::texture::{cases::TextureCase, verify::verify};
 
 /// Renders all pages about texture mapping.
 ///

@@ -8,8 +8,7 @@ use crate::misreadings::{self, Misreading, answer};
 use crate::protocol::frame::{Answer, View};
 use crate::reading::Reading;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::choices::CHOICES;
-use crate::suite::test_case::TestCase;
+use crate::suite::{choices::CHOICES, test_case::TestCase};
 
 /// File that reveals a misreading.
 #[derive(Clone, Debug)]

@@ -10,12 +10,10 @@ use crate::misreadings::{self, Hook, Misreading};
 use crate::protocol::frame::{Answer, Frame};
 use crate::reading::Reading;
 use crate::runner::run::Request;
-use crate::session::outcome::Outcome;
-use crate::session::plan::RunPlan;
 use crate::session::run::{Run, check};
+use crate::session::{outcome::Outcome, plan::RunPlan};
 use crate::suite::cases::{Case, Suite};
-use crate::suite::test_case::TestCase;
-use crate::suite::texture::cases::TextureCase;
+use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
 use crate::texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.

@@ -87,13 +87,9 @@ pub(crate) fn spline_parameters(point: &Point) -> Vector {
 
 /// Returns as many data as the map has dimensions, beginning at `index` (R-PAR-21 … R-PAR-23). On a B-spline surface, the
 /// first value of each data spline is used (R-PAR-24).
-pub(crate) fn float_data(
-    point: &Point,
-    index: usize,
-    dimensions: usize,
-) -> Result<Vector, NoValue> {
+pub(crate) fn float_data(point: &Point, index: usize, count: usize) -> Result<Vector, NoValue> {
     let mut t = [0.0; 3];
-    for (i, t) in t.iter_mut().enumerate().take(dimensions) {
+    for (i, t) in t.iter_mut().enumerate().take(count) {
         let at = index.saturating_add(i);
         let datum = match &point.spline {
             Some(spline) => spline.data.get(at).and_then(|values| values.first()),

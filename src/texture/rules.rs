@@ -10,6 +10,7 @@ use super::primitive::{
     Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection, Shade, Site,
     Surface, Terms, VertexData,
 };
+use super::sample::CellPair;
 use crate::evaluate::RelitImage;
 
 /// Reading of the chapter: one function per decision, in the order of the chapter.
@@ -62,7 +63,7 @@ pub struct Rules {
     // sampling
     pub(crate) method: fn(&Entry, magnify: bool) -> SampleMethod,
     pub(crate) closest: fn(Boundary, f64, usize, &Rules) -> usize,
-    pub(crate) neighbors: fn(Boundary, f64, usize, &Rules) -> [(usize, f64); 2],
+    pub(crate) neighbors: fn(Boundary, f64, usize, &Rules) -> CellPair,
     pub(crate) offset: fn([usize; 3], [usize; 3]) -> usize,
     pub(crate) closest_level: fn(f64, usize) -> usize,
     pub(crate) levels: fn(f64, usize) -> (usize, usize, f64),

@@ -15,6 +15,9 @@ use super::map::{Level, Texel, TextureMap};
 use super::primitive::Fetched;
 use super::rules::Rules;
 
+/// Indices of two neighboring cells along a dimension, each with its weight. The weights sum to 1.
+pub(crate) type CellPair = [(usize, f64); 2];
+
 /// Samples `map` at `t` and `depth` with the method of the entry for magnified or minified maps.
 #[must_use]
 pub fn fetch(
@@ -102,12 +105,7 @@ pub(crate) fn cell_index(boundary: Boundary, t: f64, size: usize, rules: &Rules)
 }
 
 /// Returns the two cells whose centers are closest to `t`, with linear weights (rulings `texel-grid`, `weights`).
-pub(crate) fn cells_around(
-    boundary: Boundary,
-    t: f64,
-    size: usize,
-    rules: &Rules,
-) -> [(usize, f64); 2] {
+pub(crate) fn cells_around(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> CellPair {
     let u = t * size as f64 - 0.5;
     let (k, weight) = (u.floor() as i64, u - u.floor());
     [
@@ -127,12 +125,7 @@ pub(crate) fn point_index(boundary: Boundary, t: f64, size: usize, _: &Rules) ->
 
 /// Returns the two points closest to `t` with linear weights (alternative reading of ruling `texel-grid`).
 #[cfg(feature = "harness")]
-pub(crate) fn points_around(
-    boundary: Boundary,
-    t: f64,
-    size: usize,
-    _: &Rules,
-) -> [(usize, f64); 2] {
+pub(crate) fn points_around(boundary: Boundary, t: f64, size: usize, _: &Rules) -> CellPair {
     let u = fold_coordinate(boundary, t) * (size - 1) as f64;
     let k = u.floor();
     let at = |k: f64| (k as usize).min(size - 1);

@@ -4,8 +4,7 @@
 //! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts.
 
 use super::convert::{Converted, Target, convert};
-use super::dissection::Dissection;
-use super::join_texts;
+use super::{dissection::Dissection, join_texts};
 use crate::ptm::{Coding, Format, Ptm};
 use crate::readers::{OpenedFile, ReaderProfile, Shown};
 

@@ -13,14 +13,11 @@ use std::str::FromStr;
 use image::{DynamicImage, ImageFormat};
 use serde::Serialize;
 
-use crate::kit::digest::sha256;
-use crate::kit::parallel::map_in_parallel;
-use crate::kit::yaml::to_yaml;
+use crate::kit::{digest::sha256, parallel::map_in_parallel, yaml::to_yaml};
 use crate::protocol::frame::{View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, relevant_axes};
-use crate::suite::compare::Expected;
-use crate::suite::corpus::write_file;
+use crate::suite::{compare::Expected, corpus::write_file};
 use crate::tools::export::{encode_exr, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
 use crate::tools::render::{encode_image, rgb};

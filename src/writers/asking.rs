@@ -3,11 +3,9 @@
 use crate::protocol::frame::Answer;
 use crate::ptm::Size;
 use crate::runner::run::{Decoder, Reply};
-use crate::runner::scratch::Scratch;
-use crate::runner::write::WriteCall;
+use crate::runner::{scratch::Scratch, write::WriteCall};
 use crate::session::run::Run;
-use crate::suite::cases::TableSpelling;
-use crate::suite::test_case::TestCase;
+use crate::suite::{cases::TableSpelling, test_case::TestCase};
 use crate::writers::test_case::{FileCase, RequestValues, WrittenFile};
 
 /// Names of request values that a template can refer to, in addition to `{in}` and `{out}`.

@@ -5,24 +5,19 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::diagnose::Diagnosis;
-use crate::generate::plan::Residuals;
-use crate::generate::recipe::Indices;
 use crate::generate::{Model, Recipe};
+use crate::generate::{plan::Residuals, recipe::Indices};
 use crate::kit::yaml::records;
 use crate::misreadings::Misreading;
 use crate::ptm::{Coding, Format, ScaleBias};
 use crate::runner::write::Attachment;
 use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite};
-use crate::suite::name::SuiteName;
-use crate::suite::recipes::MakeRecord;
-use crate::suite::words::Words;
+use crate::suite::{name::SuiteName, recipes::MakeRecord, words::Words};
 use crate::tools::join_texts;
-use crate::writers::diagnose::diagnose;
-use crate::writers::fault::WriterFault;
-use crate::writers::judge::judge;
 use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues};
+use crate::writers::{diagnose::diagnose, fault::WriterFault, judge::judge};
 
 /// Embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");

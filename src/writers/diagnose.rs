@@ -14,14 +14,12 @@ use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
 use crate::misreadings::writing::{self, Miswriting};
 use crate::ptm::Format;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
 use crate::writers::fault::WriterFault;
 use crate::writers::misread_file::{MisreadFile, explains, is_right_only_with};
-use crate::writers::reference::write_requested_file;
-use crate::writers::request::WriteRequest;
 use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
+use crate::writers::{reference::write_requested_file, request::WriteRequest};
 
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;

@@ -9,11 +9,8 @@ use crate::decode::texels::block_containing;
 use crate::error::Error;
 use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use crate::tools::dissection::{Dissection, Role};
-use crate::tools::join_texts;
-use crate::tools::lint::codes::Severity;
-use crate::tools::lint::lint;
-use crate::writers::fault::WriterFault;
-use crate::writers::request::WriteRequest;
+use crate::tools::{join_texts, lint::codes::Severity, lint::lint};
+use crate::writers::{fault::WriterFault, request::WriteRequest};
 
 /// Relative tolerance of a number in the header, which allows one rounding to `f32`.
 pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;

@@ -14,8 +14,7 @@ use std::collections::HashSet;
 use crate::codec::jpeg::scaled_steps;
 use crate::decode::planes::parse_records;
 use crate::ptm::channel_name;
-use crate::writers::fault::WriterFault;
-use crate::writers::request::WriteRequest;
+use crate::writers::{fault::WriterFault, request::WriteRequest};
 
 /// Additional tolerance per sample for rounding in the integer transforms of the encoder and the decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;

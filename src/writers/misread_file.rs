@@ -11,9 +11,8 @@ use crate::misreadings::{
 use crate::protocol::frame::{Frame, Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
-use crate::writers::judge::is_same_number;
-use crate::writers::lossy::matches_within_loss;
 use crate::writers::request::{WriteRequest, new_map};
+use crate::writers::{judge::is_same_number, lossy::matches_within_loss};
 
 /// Views whose colors differ if any coefficient differs.
 const LIGHTS: [&str; 4] = [
@@ -33,21 +32,12 @@ pub(super) struct MisreadFile {
 }
 
 /// Returns true if a writer with this mistake would write `file`. `right` is the file of the reference.
-pub(super) fn explains(
-    request: &WriteRequest,
-    right: &[u8],
-    file: &[u8],
-    mistake: &Misreading,
-) -> bool {
+pub fn explains(request: &WriteRequest, right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
 /// Returns true if a reader gets the right values from `file` with these mistakes but not without them.
-pub(super) fn is_right_only_with(
-    request: &WriteRequest,
-    file: &[u8],
-    mistakes: &[&Misreading],
-) -> bool {
+pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misreading]) -> bool {
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 

@@ -11,8 +11,7 @@ use crate::writers::asking;
 use crate::writers::cases::WriterCase;
 use crate::writers::judge::judge;
 use crate::writers::misread_file::explains;
-use crate::writers::reference::write_requested_file;
-use crate::writers::test_case::WrittenFile;
+use crate::writers::{reference::write_requested_file, test_case::WrittenFile};
 
 /// Runs all steps of the checklist against `writer`.
 ///

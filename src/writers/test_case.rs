@@ -19,9 +19,8 @@ use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
 use crate::suite::dialect::{Choices, Right};
-use crate::suite::features::Feature;
-use crate::suite::name::SuiteName;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
+use crate::suite::{features::Feature, name::SuiteName};
 use crate::writers::fault::WriterFault;
 
 /// Maximum number of bytes of a wrong file that a page displays.

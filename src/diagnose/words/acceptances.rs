@@ -9,10 +9,7 @@ use crate::session::observation::Response;
 use crate::suite::cases::{Case, Expect};
 
 /// Describes acceptances by clause, and removes them from `left`.
-pub(in crate::diagnose) fn describe(
-    witnesses: &[Witness],
-    left: &mut Vec<usize>,
-) -> Vec<Diagnosis> {
+pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let accepted = |&w: &usize| {
         let witness = &witnesses[w];
         matches!(witness.case.expect, Expect::Reject | Expect::Refuse)

@@ -7,12 +7,11 @@ use std::ops::Range;
 use super::arithmetic::format_arithmetic;
 use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
-use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::pair::ImagePair;
 use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::Witness;
+use crate::diagnose::{failure_mode::FailureMode, pair::ImagePair};
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
@@ -130,11 +129,7 @@ impl Phase {
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
 /// that were found.
-pub(in crate::diagnose) fn describe(
-    search: &Search,
-    set: &MistakeSet,
-    left: &[usize],
-) -> Vec<Diagnosis> {
+pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     // If files without streams also have wrong values, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
@@ -553,11 +548,7 @@ pub(in crate::diagnose) fn reduces_wrong_samples(
 }
 
 /// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ.
-pub(in crate::diagnose) fn image_pair(
-    search: &Search,
-    set: &[MistakeId],
-    w: usize,
-) -> Option<ImagePair> {
+pub fn image_pair(search: &Search, set: &[MistakeId], w: usize) -> Option<ImagePair> {
     let received = search.witnesses[w].wrong_image()?;
     match &*search.best_answer(w, set) {
         Answer::Decoded(expected) => ImagePair::new(expected, received),

@@ -11,8 +11,7 @@ pub(super) mod violation;
 
 pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::scope::SharedScope;
-use super::witness::Witness;
+use super::{scope::SharedScope, witness::Witness};
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 

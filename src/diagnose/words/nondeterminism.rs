@@ -4,8 +4,7 @@ use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::diagnose::tuning::is_substantial;
 use crate::protocol::frame::Answer;
 use crate::session::observation::{Nondeterminism, Response};
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
 
 /// Describes the cases whose responses differ between serve mode and one-shot mode, or between calls.

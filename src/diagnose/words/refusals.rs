@@ -2,10 +2,9 @@
 
 use super::{files_in_scope, share_text, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
-use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::scope::shared_scope;
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::witness::Witness;
+use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope};
 use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
@@ -13,10 +12,7 @@ use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// Describes refusals by a property that the refused files share and no decoded file has. Removes them from `left`.
-pub(in crate::diagnose) fn describe(
-    witnesses: &[Witness],
-    left: &mut Vec<usize>,
-) -> Vec<Diagnosis> {
+pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     let read = files_read(witnesses);
     for mode in FailureMode::list_by_frequency(witnesses, left) {
@@ -66,10 +62,7 @@ fn refusal_text(
 }
 
 /// Returns, for each failure mode, the failures that a single shared property explains.
-pub(in crate::diagnose) fn shared_failures(
-    witnesses: &[Witness],
-    failing: &[usize],
-) -> Vec<Vec<usize>> {
+pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
     let read = files_read(witnesses);
     let explained = |mode: FailureMode| {
         let group = mode.select(witnesses, failing);

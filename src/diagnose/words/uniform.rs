@@ -9,10 +9,7 @@ use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// Describes views in which no image depends on the file, and removes these images from `left`.
-pub(in crate::diagnose) fn describe(
-    witnesses: &[Witness],
-    left: &mut Vec<usize>,
-) -> Vec<Diagnosis> {
+pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let found = find_uniform_images(witnesses, left);
     let diagnosis = |(effect, indices): (String, Vec<usize>)| {
         let clause = witnesses[indices[0]].observation.view.kind().clause();

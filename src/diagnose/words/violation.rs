@@ -1,20 +1,14 @@
 //! Describes violations: crashes, hangs, malformed frames and "unsupported" responses for files that must or may be
 //! refused.
 
-use super::acceptances::fault_text;
-use super::list_first;
-use super::refusals::example;
+use super::{acceptances::fault_text, list_first, refusals::example};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
-use crate::diagnose::failure_mode::FailureMode;
-use crate::diagnose::witness::Witness;
+use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// Describes violations on files that need not be decoded, by failure mode. Removes them from `left`.
-pub(in crate::diagnose) fn describe(
-    witnesses: &[Witness],
-    left: &mut Vec<usize>,
-) -> Vec<Diagnosis> {
+pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let refusable = |w: usize| witnesses[w].case.expect != Expect::Decode;
     let violates = |w: &usize| {
         let response = &witnesses[*w].observation.response;

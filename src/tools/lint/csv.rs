@@ -3,8 +3,7 @@
 //! Cells that a spreadsheet would interpret as a formula are prefixed with an apostrophe. No cell contains a line feed;
 //! file names are already escaped (see [`escape_name`](super::names::escape_name)).
 
-use super::Lint;
-use super::diagnostic::Diagnostic;
+use super::{Lint, diagnostic::Diagnostic};
 use crate::tools::join_texts;
 
 /// Returns the header row, with two columns per reader.

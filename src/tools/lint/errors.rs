@@ -1,8 +1,6 @@
 //! Classification of errors of the reference decoder into lint codes.
 
-use super::codes::Problem;
-use super::diagnostic::Findings;
-use super::planes;
+use super::{codes::Problem, diagnostic::Findings, planes};
 use crate::error::{Class, Error, Kind};
 use crate::ptm::{Limits, Size};
 use crate::tools::dissection::{Dissection, Role};

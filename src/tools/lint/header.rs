@@ -2,8 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::codes::Problem;
-use super::diagnostic::Findings;
+use super::{codes::Problem, diagnostic::Findings};
 use crate::tools::dissection::{FilePart, Role};
 
 /// Reports each problem once, at its first occurrence.

@@ -3,8 +3,7 @@
 use super::codes::Problem;
 use super::diagnostic::{Diagnostic, Findings};
 use crate::codec::StreamFault;
-use crate::decode::Streams;
-use crate::decode::planes::parse_records;
+use crate::decode::{Streams, planes::parse_records};
 use crate::error::Kind;
 use crate::ptm::{Coding, Format, Size};
 use crate::tools::dissection::Role;

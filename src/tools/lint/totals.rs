@@ -3,9 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use super::Lint;
-use super::codes::Code;
-use super::status::Status;
+use super::{Lint, codes::Code, status::Status};
 
 /// Counts of all files of a run.
 #[derive(Clone, Debug, Default)]

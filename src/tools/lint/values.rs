@@ -1,7 +1,6 @@
 //! Valid but unusual numbers and tables.
 
-use super::codes::Problem;
-use super::diagnostic::Findings;
+use super::{codes::Problem, diagnostic::Findings};
 use crate::tools::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {

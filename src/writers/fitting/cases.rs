@@ -7,17 +7,15 @@ use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::misreadings::Misreading;
 use crate::ptm::Format;
 use crate::runner::write::Attachment;
-use crate::session::outcome::Outcome;
-use crate::session::run::Run;
+use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::{Expect, Suite};
 use crate::suite::name::SuiteName;
 use crate::writers::diagnose::{describe, describe_differences};
-use crate::writers::fault::WriterFault;
-use crate::writers::fitting::judge::judge;
 use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
 use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
+use crate::writers::{fault::WriterFault, fitting::judge::judge};
 
 /// Set of photographs to be fitted in a format.
 pub type FitCase = FileCase<ImageSource>;

@@ -8,8 +8,7 @@ use crate::decode::decode;
 use crate::ptm::Format;
 use crate::writers::fault::WriterFault;
 use crate::writers::fitting::optimum::optimum;
-use crate::writers::fitting::photographs::ImageSet;
-use crate::writers::fitting::polynomials::Polynomials;
+use crate::writers::fitting::{photographs::ImageSet, polynomials::Polynomials};
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
 /// Tolerance of the error: factor, and additional 8-bit levels.

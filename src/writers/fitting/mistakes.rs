@@ -11,11 +11,10 @@ use serde::Deserialize;
 use crate::decode::decode;
 use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, Shape};
-use crate::writers::fitting::algebra::LeastSquares;
-use crate::writers::fitting::judge::max_error;
 use crate::writers::fitting::optimum::{Fitted, directions};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
+use crate::writers::fitting::{algebra::LeastSquares, judge::max_error};
 use crate::writers::judge::compare_map;
 
 /// Mistake of a fitter, as defined in `spec-cases/writers/fitting-mistakes.yaml`.

@@ -118,11 +118,7 @@ impl ImageSet {
 
 /// Reads the photograph in a line, which consists of a name, possibly with spaces, and three numbers. Returns an error if the
 /// size of the photograph differs from `size`.
-fn read_photograph(
-    line: &str,
-    folder: &Path,
-    size: &mut Option<Size>,
-) -> Result<Photograph, String> {
+fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
     let invalid = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
     let mut light = [0.0; 3];
@@ -135,7 +131,7 @@ fn read_photograph(
     }
     let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
-    let bytes = fs::read(folder.join(name)).map_err(|error| with_name(&error))?;
+    let bytes = fs::read(base.join(name)).map_err(|error| with_name(&error))?;
     let image = image::load_from_memory(&bytes).map_err(|error| with_name(&error))?;
     let (width, height) = (image.width(), image.height());
     let actual = Size { width, height };

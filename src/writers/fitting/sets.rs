@@ -8,8 +8,7 @@ use crate::generate::{Model, Recipe};
 use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, ScaleBias, Size};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
-use crate::writers::fitting::polynomials::Polynomials;
-use crate::writers::request::new_map;
+use crate::writers::{fitting::polynomials::Polynomials, request::new_map};
 
 /// Parameters of a generated set of photographs, as defined in `spec-cases/writers/fitting-sets.yaml`.
 #[derive(Clone, Debug, Deserialize)]
