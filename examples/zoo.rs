@@ -37,7 +37,7 @@ fn one(kind: &str, view: &str, file: &str) {
         "aborts" => std::process::abort(),
         "segfaults" => die_by("SEGV"),
         "says-nothing" => exit(0),
-        "apologises" => print_and_exit(b"error: unknown file format\n", 0),
+        "apologizes" => print_and_exit(b"error: unknown file format\n", 0),
         "accepts-all" => print_and_exit(b"PTM1 raw 1 1 9 u8\n123456789", 0),
         "shows-nothing" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
 

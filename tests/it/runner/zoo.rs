@@ -1,12 +1,12 @@
-//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may remain.
+//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may leak.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    Checked, Load, Workspace, assert_says, eventually, have_proc, processes, rows, run_measured,
-    zoo,
+    Checked, Load, Workspace, assert_contains, eventually, have_proc, processes, rows,
+    run_measured, zoo,
 };
 
 /// Options that select a few small cases of every kind, so that programs that hang take only seconds.
@@ -18,10 +18,10 @@ const FEW_CASES: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum -
 /// A row of a table contains program names, the exit status of `check`, its options, the failing cases, and parts of
 /// its output. The failing cases are `none` (and some pass), `some`, `any` (if it depends on which process is
 /// faster), a number, their ids, or `not judged`. The timeout is 60 s unless the options specify another one. No
-/// correct answer takes this long, however busy the machine is.
+/// correct answer takes this long, even on a busy machine.
 type FaultyDecoder = [String; 5];
 
-/// Programs that answer.
+/// Programs that neither hang nor use too much memory.
 const ANSWERING: &str = "
 right chatters floods-errors gigabytes-of-errors a-million-writes byte-by-byte leaves-files
   leaves-a-locked-directory leaves-a-child leaves-a-grandchild leaves-a-hidden-child leaves-a-link moves-its-directory
@@ -35,7 +35,7 @@ exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
 segfaults | 3 | | not judged | crash: killed by signal 11
 says-nothing | 3 | | not judged | protocol error: standard output is empty
-apologises | 3 | | not judged | begins with
+apologizes | 3 | | not judged | begins with
 shows-nothing | 3 | | not judged | an image without texels
 text-mode | 3 | | not judged | CR LF && set standard output to binary mode
 cuts-frame adds-a-byte | 3 | | not judged | announces
@@ -152,7 +152,7 @@ fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     judge(faulty, &checked);
     assert_eq!(here.text("precious/file"), "precious", "{kind}");
     let left: Vec<_> = fs::read_dir(&temporary).expect("a directory").collect();
-    assert!(left.is_empty(), "{kind}: {left:?} stay");
+    assert!(left.is_empty(), "{kind}: {left:?} remain");
     if have_proc() {
         // The watchdog may take a moment to exit.
         let mark = format!("TMPDIR={}", temporary.display());
@@ -173,7 +173,7 @@ fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     let [kind, status, _, fails, says] = faulty;
     let found = checked.status.to_string();
     assert_eq!(found, *status, "{kind}: {}", checked.text);
-    assert_says(&checked.text, says);
+    assert_contains(&checked.text, says);
     let (mut failing, passing) = (checked.cases("fail"), checked.cases("pass").len());
     failing.sort_unstable();
     let is_right = match fails.as_str() {
@@ -190,11 +190,11 @@ fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     );
 }
 
-/// Maximum memory of the harness in KiB. It contains the suite and little else, regardless of the decoder.
+/// Maximum memory of the harness in KiB: the suite and little else, for any decoder.
 const MAX_MEMORY_KIB: u64 = 100 << 10;
 
 /// Checks faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`
-/// returns a problem with the memory of the harness, if any.
+/// returns a problem with the memory of the harness, if there is one.
 #[track_caller]
 fn check_faulty_decoders(
     all: &[FaultyDecoder],
@@ -202,7 +202,7 @@ fn check_faulty_decoders(
     judge: impl Fn(usize, u64) -> Option<String> + Sync,
 ) {
     let (next, problems) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let shower = || {
+    let worker = || {
         loop {
             let turn = next.fetch_add(1, Ordering::Relaxed);
             let Some(faulty) = all.get(turn) else { break };
@@ -212,23 +212,23 @@ fn check_faulty_decoders(
             };
             if let Some(problem) = problem {
                 let problem = format!("{}: {problem}", faulty[0]);
-                problems.lock().expect("no panic is kept").push(problem);
+                problems.lock().expect("no holder panics").push(problem);
             }
         }
     };
     std::thread::scope(|scope| {
         for _ in 0..at_a_time {
-            scope.spawn(shower);
+            scope.spawn(worker);
         }
     });
-    let problems = problems.into_inner().expect("no panic is kept");
+    let problems = problems.into_inner().expect("no holder panics");
     assert!(problems.is_empty(), "{}", problems.join("\n\n"));
 }
 
 #[track_caller]
 fn check_table(table: &str) {
     check_faulty_decoders(&faulty(table), 3, |_, memory| {
-        (memory > MAX_MEMORY_KIB).then(|| format!("the harness held {memory} KiB"))
+        (memory > MAX_MEMORY_KIB).then(|| format!("the harness used {memory} KiB"))
     });
 }
 
@@ -247,7 +247,7 @@ fn serving_decoders_get_the_listed_verdicts() {
     check_table(SERVING);
 }
 
-/// Repeats all checks while every processor is busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
+/// Repeats all checks while all processors are busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
 /// --nocapture verdicts_are_the_same_under_load`.
 #[test]
 #[ignore = "takes half an hour"]
@@ -272,17 +272,17 @@ fn verdicts_are_the_same_under_load() {
         let first = *first[turn % once.len()].get_or_init(|| memory);
         let run = turn / once.len() + 1;
         (memory > first + 8 * 1024)
-            .then(|| format!("run {run}: the harness held {memory} KiB, and {first} at first"))
+            .then(|| format!("run {run}: the harness used {memory} KiB, at first {first}"))
     });
     println!(
-        "{runs} runs of {} faulty decoders: all verdicts are right",
+        "{runs} runs of {} faulty decoders: all verdicts are correct",
         once.len()
     );
 }
 
 #[test]
 fn decimal_comma_is_detected() {
-    // Add a fake `locale` program, in case the machine has no such locale. The decoder only reads LC_ALL.
+    // Add a fake `locale` program, in case the locale is not installed. The decoder only reads LC_ALL.
     let here = Workspace::new();
     here.write_program("locale", "#!/bin/sh\necho C\necho de_DE.utf8\n");
     let path = std::env::var("PATH").unwrap_or_default();
@@ -298,7 +298,7 @@ fn decimal_comma_is_detected() {
     };
     let checked = check("reads-commas");
     let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives a different image";
-    checked.ends(1, says);
+    checked.assert_exit(1, says);
     assert!(checked.cases("fail").is_empty());
-    check("right").ends(0, "");
+    check("right").assert_exit(0, "");
 }

@@ -1,9 +1,9 @@
-//! Random numbers that are the same everywhere.
+//! Reproducible pseudorandom numbers.
 
 /// A linear congruential generator; each draw is its upper 16 bits.
-pub struct DraftGenerator(pub u32);
+pub struct Rng(pub u32);
 
-impl DraftGenerator {
+impl Rng {
     pub fn next(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0 >> 16
@@ -17,21 +17,21 @@ impl DraftGenerator {
         self.below(256) as u8
     }
 
-    /// Makes one to four edits of a file, each anywhere or before byte `header`, where a digit weighs most.
+    /// Makes one to four random edits, each with equal probability in the whole file or before byte `header`.
     pub fn damage(&mut self, file: &mut Vec<u8>, header: usize) {
         for _ in 0..=self.below(4) {
             let end = [header, file.len()][self.below(2)].min(file.len());
             let at = self.below(end + 1);
             let rest = file.len() - at;
-            let telling = b"\x00\xff\x7f\x80\xd8\xd9\xda0123456789-. \n\t";
+            let special = b"\x00\xff\x7f\x80\xd8\xd9\xda0123456789-. \n\t";
             let numbers = "0 -1 255 256 65536 4294967296 1e300 99999999999999999999";
             match self.below(9) {
                 0 if rest > 0 => file[at] ^= 1 << self.below(8),
                 1 if rest > 0 => file[at] = self.byte(),
-                2 if rest > 0 => file[at] = telling[self.below(telling.len())],
+                2 if rest > 0 => file[at] = special[self.below(special.len())],
                 3 if rest > 0 => drop(file.remove(at)),
                 4 => file.insert(at, self.byte()),
-                5 => file.insert(at, telling[self.below(telling.len())]),
+                5 => file.insert(at, special[self.below(special.len())]),
                 6 => {
                     let number = numbers.split(' ').nth(self.below(8)).expect("a number");
                     file.splice(at..at, number.bytes());
