@@ -17,7 +17,7 @@ impl Rng {
         self.below(256) as u8
     }
 
-    /// Makes one to four random edits, each with equal probability in the whole file or before byte `header`.
+    /// Makes one to four random edits. Each is before byte `header`, or anywhere in the file, with equal probability.
     pub fn damage(&mut self, file: &mut Vec<u8>, header: usize) {
         for _ in 0..=self.below(4) {
             let end = [header, file.len()][self.below(2)].min(file.len());

@@ -464,7 +464,7 @@ fn corpus_images_and_exr_files_equal_its_arrays() {
     suite.cases.retain(|case| case.first || is_wanted(&case.id));
     let corpus = here.path("corpus");
     let written = profiles::write(&suite, &corpus, Profile::Exhaustive, 2, &|_, _| ());
-    written.expect("it is written");
+    written.expect("the corpus is written");
     let code = "
 import json, os, sys, numpy, OpenEXR
 from PIL import Image

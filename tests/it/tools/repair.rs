@@ -23,7 +23,7 @@ fn repaired_file_equals_its_twin_and_has_no_errors() {
         assert!(is_clean, "{lint:?}");
         assert!(!result.changes.is_empty(), "{}", case.id);
         assert!(repair(&result.bytes).is_err(), "{}", case.id);
-        let after = decode(&result.bytes).expect("it lints clean");
+        let after = decode(&result.bytes).expect("a legal file");
         let twin = case.twin_of.as_deref().filter(|_| decode(file).is_err());
         let before = match twin.and_then(|twin| suite.cases.iter().find(|one| one.id == twin)) {
             Some(twin) => decode(&twin.build(TableSpelling::default()).file),
