@@ -71,10 +71,10 @@ transform-by-equality | if plane.transform & INVERSION: | if plane.transform == 
   | inverted-and-moved-by-nothing-jpeg-lrgb | inverted-chain-jpeg-lrgb
 motion-ignored | if plane.transform & MOTION: | if False: | motion-along-rows-9x7-jpeg-lrgb
   | motion-by-nothing-star-jpeg-lrgb
-motion-whole-texels | before, behind = half_steps // 2, (half_steps + 1) // 2
-  | before, behind = half_steps, half_steps | motion-along-rows-9x7-jpeg-lrgb | motion-by-nothing-star-jpeg-lrgb
-vectors-y-first | neighbours(width, mx)↵    upper, lower = neighbours(height, my)
-  | neighbours(width, my)↵    upper, lower = neighbours(height, mx) | motion-along-rows-9x7-jpeg-lrgb
+motion-whole-texels | lower, upper = half_steps // 2, (half_steps + 1) // 2
+  | lower, upper = half_steps, half_steps | motion-along-rows-9x7-jpeg-lrgb | motion-by-nothing-star-jpeg-lrgb
+vectors-y-first | neighbors(width, mx)↵    upper, lower = neighbors(height, my)
+  | neighbors(width, my)↵    upper, lower = neighbors(height, mx) | motion-along-rows-9x7-jpeg-lrgb
   | motion-along-diagonals-jpeg-lrgb
 vectors-interleaved | planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
   | numbers[count:3 * count] = numbers[count:3 * count:2] + numbers[count + 1:3 * count:2]↵    planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
