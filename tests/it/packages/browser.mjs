@@ -11,7 +11,7 @@ import { pathToFileURL } from "node:url";
 import { browser } from "../webdriver.mjs";
 
 const [directory, program] = process.argv.slice(2);
-const { answerOf, corpus } = await import(pathToFileURL(resolve(directory, "corpus.mjs")));
+const { describeAnswer, corpus } = await import(pathToFileURL(resolve(directory, "corpus.mjs")));
 const cases = await corpus(program);
 const TYPES = { ".mjs": "text/javascript", ".wasm": "application/wasm" };
 const server = createServer(({ url }, response) => {
@@ -28,7 +28,7 @@ const script = `
     const answers = [];
     for (let i = 0; i < count; i++) {
       const file = new Uint8Array(await (await fetch("/" + i)).arrayBuffer());
-      answers.push(await (${answerOf})(reference.decode, file));
+      answers.push(await (${describeAnswer})(reference.decode, file));
     }
     return answers;
   })().then(done, (error) => done(String(error)));`;
