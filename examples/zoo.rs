@@ -36,10 +36,10 @@ fn respond(kind: &str, view: &str, file: &str) {
         "exits-101" => exit_with_traceback(101),
         "aborts" => std::process::abort(),
         "segfaults" => kill_self("SEGV"),
-        "says-nothing" => exit(0),
+        "prints-nothing" => exit(0),
         "apologizes" => print_and_exit(b"error: unknown file format\n", 0),
         "accepts-all" => print_and_exit(b"PTM1 raw 1 1 9 u8\n123456789", 0),
-        "shows-nothing" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
+        "prints-no-texels" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
 
         // Programs that do not end.
         "hangs" => sleep_forever(),
@@ -85,8 +85,8 @@ fn respond(kind: &str, view: &str, file: &str) {
         "chatters" => with_side_effect(view, file, || {
             eprintln!("warning: this is only a test\nerror: it really is");
         }),
-        "floods-errors" => with_side_effect(view, file, || flood_stderr(200)),
-        "gigabytes-of-errors" => with_side_effect(view, file, || {
+        "floods-stderr" => with_side_effect(view, file, || flood_stderr(200)),
+        "gigabytes-on-stderr" => with_side_effect(view, file, || {
             if is_lum(file) {
                 flood_stderr(16 * 1024);
             }
@@ -529,10 +529,10 @@ fn capabilities(kind: &str) {
         "declares-everything-and-fails" => {
             print_and_exit(b"protocol: 1\nname: liar\nformats: [RGB]\n", 1);
         }
-        "hangs-when-asked-what-it-is" => sleep_forever(),
-        "floods-when-asked-what-it-is" => flood(),
-        "bombs-when-asked-what-it-is" => print_and_exit(bomb().as_bytes(), 0),
-        "babbles-when-asked-what-it-is" => print_and_exit(b"\xff\xfe{{{{: [\n- protocol: 1", 0),
+        "hangs-on-capabilities" => sleep_forever(),
+        "floods-on-capabilities" => flood(),
+        "bombs-on-capabilities" => print_and_exit(bomb().as_bytes(), 0),
+        "babbles-on-capabilities" => print_and_exit(b"\xff\xfe{{{{: [\n- protocol: 1", 0),
         _ => exit(64),
     }
 }

@@ -66,8 +66,8 @@ def fit(design, values):
 
 def split_color(design, coefficients):
     """LRGB: returns the best six luminance coefficients and the best color of each texel."""
-    shown = np.einsum("ki,itc->tkc", design, coefficients)
-    color = np.abs(np.linalg.svd(shown, full_matrices=False)[2][:, 0])
+    rendered = np.einsum("ki,itc->tkc", design, coefficients)
+    color = np.abs(np.linalg.svd(rendered, full_matrices=False)[2][:, 0])
     color = np.round(color / color.max(axis=1, keepdims=True) * 255)
     along = np.einsum("itc,tc->it", coefficients, color)
     return along / (color ** 2).sum(axis=1) * 255, color

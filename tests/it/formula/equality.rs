@@ -12,7 +12,7 @@ use crate::in_process::formula_misreading;
 const MAX_SAMPLES: usize = 1 << 15;
 
 /// Returns a decoder that computes these formulas with the expressions of the specification.
-fn stated_decoder(formulas: &[Formula]) -> Misreading {
+fn specified_decoder(formulas: &[Formula]) -> Misreading {
     let edit = |&formula: &Formula| Edit {
         formula,
         change: EditedForm::Expression(formula.stated().expression.clone()),
@@ -42,10 +42,10 @@ fn is_equal(a: &Answer, b: &Answer) -> bool {
 #[test]
 fn each_formula_equals_the_function_of_the_reference() {
     let suite = Suite::load().expect("the suite loads");
-    let single = Formula::ALL.map(|row| (row.1, stated_decoder(&[row.0])));
+    let single = Formula::ALL.map(|row| (row.1, specified_decoder(&[row.0])));
     let all = (
         "all formulas",
-        stated_decoder(&Formula::ALL.map(|row| row.0)),
+        specified_decoder(&Formula::ALL.map(|row| row.0)),
     );
     let mut used = vec![0; single.len() + 1];
     for case in &suite.cases {

@@ -134,7 +134,10 @@ fn any_two_misreadings_terminate_on_random_files() {
         let mut wrong = None;
         for (name, file) in &files {
             for i in 0..200 {
-                let pair = [all[rng.below(all.len())], all[rng.below(all.len())]];
+                let pair = [
+                    all[rng.next_below(all.len())],
+                    all[rng.next_below(all.len())],
+                ];
                 wrong = wrong.or(try_pair(pair, name, file, &views[i % 3]));
                 trials.fetch_add(1, Ordering::Relaxed);
             }

@@ -113,10 +113,10 @@ try {
   shown.split(",").forEach((value, i) => assert.ok(Math.abs(value - computed[i]) <= 1, `sample ${i}: ${value}, computed ${computed[i]}`));
 
   // 5. Keyboard operation of the sliders, the filter and a case.
-  const kept = await pixels(`#${id} canvas`);
+  const previous = await pixels(`#${id} canvas`);
   await run("document.querySelector('#' + arguments[0] + ' input').focus()", id);
   await keys("\uE014", "\uE014", "\uE014");
-  assert.notEqual((await pixels(`#${id} canvas`))[0], kept[0], "arrow keys move the light");
+  assert.notEqual((await pixels(`#${id} canvas`))[0], previous[0], "arrow keys move the light");
   await keys("/");
   assert.equal(await run("return document.activeElement.id"), "filter", "the slash key leaves a slider");
   await run("document.activeElement.blur(); scrollTo(0, document.body.scrollHeight)");
@@ -214,20 +214,20 @@ try {
   //     test, not by the page.
   const errors = (await log("browser")).filter((entry) => !/INFO|DEBUG/.test(entry.level) && !entry.message.includes("willReadFrequently"));
   assert.deepEqual(errors, []);
-  const asked = async () => (await log("performance"))
+  const requestedUrls = async () => (await log("performance"))
     .map((entry) => JSON.parse(entry.message).message)
     // The browser also loads internal pages.
     .filter((message) => message.method === "Network.requestWillBeSent" && message.params.documentURL.startsWith("file:"))
     .map((message) => message.params.request.url)
     .filter((url) => !url.startsWith("data:"));
-  const requests = await asked();
+  const requests = await requestedUrls();
   const pages = [page, matrix].map((file) => pathToFileURL(file).href);
   assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
   // A page that sends a request is detected.
   const external = join(dirname(page), "asking.html");
   writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
   await open(asking);
-  assert.deepEqual((await asked()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
+  assert.deepEqual((await requestedUrls()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
   console.log(`${images.length} images, ${all} cards, ${requests.length} requests, all for the pages themselves`);
 } finally {
   await close();

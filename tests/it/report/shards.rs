@@ -124,9 +124,9 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     };
     // The parts can be merged in any order.
     let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
-    let answers = RecordedAnswers::read(suite, &parts).expect("all parts are there");
+    let answers = RecordedAnswers::read(suite, &parts).expect("all parts exist");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
-    let (_, merged) = merged.expect("every answer is there");
+    let (_, merged) = merged.expect("every answer exists");
     assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 

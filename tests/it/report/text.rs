@@ -126,7 +126,7 @@ verdict: pass | verdict: pass↵baseline:↵  known: [a]↵  new: []↵  stale: 
 }
 
 #[test]
-fn hostile_reports_are_refused_at_a_line() {
+fn hostile_reports_are_refused_with_a_line() {
     let (here, old) = workspace_with_report();
     let bomb: String = (1..30)
         .map(|i| format!("b{i}: &b{i} [*b{0}, *b{0}]\n", i - 1))

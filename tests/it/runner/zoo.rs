@@ -23,20 +23,20 @@ type FaultyDecoder = [String; 5];
 
 /// Programs that neither hang nor use too much memory.
 const ANSWERING: &str = "
-right chatters floods-errors gigabytes-of-errors a-million-writes byte-by-byte leaves-files
+right chatters floods-stderr gigabytes-on-stderr a-million-writes byte-by-byte leaves-files
   leaves-a-locked-directory leaves-a-child leaves-a-grandchild leaves-a-hidden-child leaves-a-link moves-its-directory
   leaves-a-daemon leaves-orphans keeps-zombies fills-its-scratch exhausts-descriptors prints-before-reading
-  declares-rgb-only declares-exit-1 declares-everything-and-fails floods-when-asked-what-it-is
-  bombs-when-asked-what-it-is babbles-when-asked-what-it-is | 0 | | none | pass: 17 pass
+  declares-rgb-only declares-exit-1 declares-everything-and-fails floods-on-capabilities
+  bombs-on-capabilities babbles-on-capabilities | 0 | | none | pass: 17 pass
 refuses-all | 3 | | not judged | decodes no first file
 unsupported-all | 3 | | not judged | 69 (unsupported) on every first file
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
 segfaults | 3 | | not judged | crash: killed by signal 11
-says-nothing | 3 | | not judged | protocol error: standard output is empty
+prints-nothing | 3 | | not judged | protocol error: standard output is empty
 apologizes | 3 | | not judged | begins with
-shows-nothing | 3 | | not judged | an image without texels
+prints-no-texels | 3 | | not judged | an image without texels
 text-mode | 3 | | not judged | CR LF && set standard output to binary mode
 cuts-frame adds-a-byte | 3 | | not judged | announces
 announces-too-much | 3 | | not judged | more bytes than can be counted
@@ -73,7 +73,7 @@ const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
 hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program used more than 150 MiB
-hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
+hangs-on-capabilities | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
 /// Programs with serve mode. If serve mode fails, each file is requested in one-shot mode.
@@ -111,7 +111,7 @@ serves-other-answers
 "#;
 
 /// Expands a table to one entry per program.
-fn faulty(table: &str) -> Vec<FaultyDecoder> {
+fn expand_table(table: &str) -> Vec<FaultyDecoder> {
     let mut all: Vec<FaultyDecoder> = Vec::new();
     for row in rows::<5>(table) {
         for kind in row[0].split(' ') {
@@ -129,7 +129,7 @@ fn faulty(table: &str) -> Vec<FaultyDecoder> {
 /// Number of runs so far, which distinguishes the processes of different runs.
 static RUN_COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Checks a faulty decoder: the verdict must be exact, and nothing may remain. Returns the peak memory of the harness in KiB.
+/// Checks a faulty decoder: the verdict must be exact, and nothing may leak. Returns the peak memory of the harness in KiB.
 #[track_caller]
 fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     let here = Workspace::new();
@@ -227,7 +227,7 @@ fn check_faulty_decoders(
 
 #[track_caller]
 fn check_table(table: &str) {
-    check_faulty_decoders(&faulty(table), 3, |_, memory| {
+    check_faulty_decoders(&expand_table(table), 3, |_, memory| {
         (memory > MAX_MEMORY_KIB).then(|| format!("the harness used {memory} KiB"))
     });
 }
@@ -258,7 +258,7 @@ fn verdicts_are_the_same_under_load() {
     let _load = Load::new(processors);
     let once: Vec<FaultyDecoder> = [ANSWERING, STOPPED, SERVING]
         .into_iter()
-        .flat_map(faulty)
+        .flat_map(expand_table)
         .collect();
     let all: Vec<FaultyDecoder> = once
         .iter()

@@ -131,8 +131,8 @@ fn killed_run_leaves_no_hidden_process() {
         let early = sleepers();
         // The watcher misses processes that started after its last scan. It sleeps before each scan, so wait for three more
         // sleeps.
-        let naps = naps_of_watcher(run.id());
-        eventually(60, || naps_of_watcher(run.id()) >= naps + 3);
+        let sleeps = watcher_sleeps(run.id());
+        eventually(60, || watcher_sleeps(run.id()) >= sleeps + 3);
         kill(&mut run);
         let is_gone = eventually(10, || {
             let left = sleepers();
@@ -144,7 +144,7 @@ fn killed_run_leaves_no_hidden_process() {
 }
 
 /// Returns how often the watcher of a run has gone to sleep so far.
-fn naps_of_watcher(run: u32) -> u64 {
+fn watcher_sleeps(run: u32) -> u64 {
     let words = format!("watch {run} ");
     let watchers = processes(|command, _| command.contains(&words));
     let status = watchers

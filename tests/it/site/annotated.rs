@@ -82,7 +82,7 @@ fn highlighted_bytes_affect_the_result() {
                     let mut changed = parts.clone();
                     changed[place].1[at] ^= 1;
                     let file: Vec<u8> = changed.into_iter().flat_map(|(_, bytes)| bytes).collect();
-                    !holds(clause, i, &annotated, &file)
+                    !is_correct(clause, i, &annotated, &file)
                 })
         });
         // These clauses are about bytes that do not affect the result.
@@ -93,7 +93,7 @@ fn highlighted_bytes_affect_the_result() {
 }
 
 /// Returns true if the result of example `i` of a clause is correct for a file.
-fn holds(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
+fn is_correct(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
     let executed = execute(clause, None, &annotated.files).expect("a correct example");
     let example = &clause.examples[i];
     match (&executed[i].found, example.evaluate(file)) {

@@ -49,7 +49,7 @@ fn cases_with_outcome(
 }
 
 #[test]
-fn every_expected_answer_is_given_by_the_reference() {
+fn reference_gives_every_expected_answer() {
     let suite = suite();
     for line in suite.cases.iter().flat_map(verify) {
         let says = format!("{} {:?}: {}", line.id, line.reading, line.says);
@@ -110,7 +110,7 @@ fn every_misreading_is_diagnosed() {
 }
 
 #[test]
-fn mixing_readings_fails() {
+fn mixed_readings_fail() {
     let suite = suite();
     for (axis, choice) in CHOICES.iter().enumerate() {
         for (reading, (name, _)) in choice.readings.iter().enumerate() {

@@ -167,13 +167,13 @@ fn images_are_read_by_pillow() {
         let (channels, raw) = (format.channels(), samples(&here, "raw", &file));
         let plane = |plane| raw.iter().skip(plane).step_by(channels).copied();
         let planes: Vec<u8> = (0..channels).flat_map(plane).collect();
-        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow was there");
+        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow is installed");
         let expected = format!("L 9 {} {}", 5 * channels, HEXLOWER.encode(&planes));
         assert_eq!(image.trim(), expected, "{format}");
     }
     for options in ["--normals", "--sheet", "--sheet=3 --cell 4"] {
         here.succeeds(&format!("render RGB.ptm -o x.png {options}"));
-        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow was there");
+        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow is installed");
         assert!(image.starts_with("RGB "), "{options}");
     }
 }

@@ -40,8 +40,8 @@ impl Requests {
         suite.cases.retain(|case| !large(case));
         let all = suite.cases.iter().map(|case| {
             let request = case.request();
-            let right = write_requested_file(&request).expect("the reference writes it");
-            (case.id.clone(), (request, right))
+            let correct = write_requested_file(&request).expect("the reference writes it");
+            (case.id.clone(), (request, correct))
         });
         Requests {
             all: all.collect(),
@@ -51,9 +51,9 @@ impl Requests {
 
     /// Returns the number of wrong files of a writer with this mistake, the first cause, and its equivalents.
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
-        let ask = |asked: &Request<'_, WriteView>, _: usize| {
-            let (request, right) = &self.all[asked.name];
-            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| right.clone());
+        let ask = |query: &Request<'_, WriteView>, _: usize| {
+            let (request, correct) = &self.all[query.name];
+            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| correct.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);
@@ -118,8 +118,8 @@ fn unrelated_mistakes_are_not_reported() {
     let cases = &mut requests.suite.cases;
     cases.retain(|case| case.format == Format::Lum);
     let first = |edit: fn(&mut RequestHeader)| {
-        let ask = |asked: &Request<'_, WriteView>, _: usize| {
-            let mut request = requests.all[asked.name].0.clone();
+        let ask = |query: &Request<'_, WriteView>, _: usize| {
+            let mut request = requests.all[query.name].0.clone();
             edit(&mut request.header);
             let file = write_requested_file(&request).expect("a file");
             Reply::from(Answer::Decoded(WrittenFile(file)))

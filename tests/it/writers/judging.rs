@@ -78,7 +78,7 @@ fn header_faults_name_expected_and_found_values() {
 }
 
 #[test]
-fn truncated_scales_are_wrong() {
+fn truncated_scales_are_detected() {
     let (request, file) = request("lrgb-scale-six-decimals-are-too-few");
     let short = replace_bytes(&file, b"0.00001525878", b"0.000015");
     assert_fault(&request, &short, "scale 1: expected 0.00001525878");
