@@ -29,7 +29,7 @@ fn main() {
 
 fn respond(kind: &str, view: &str, file: &str) {
     match kind {
-        // The same output for every file.
+        // One fixed output for every file.
         "refuses-all" => exit(65),
         "unsupported-all" => exit(69),
         "exits-1" => exit_with_traceback(1),

@@ -58,11 +58,7 @@ pub extern "C" fn open() -> u32 {
 pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
     let refused = decoded.err().map(|error| {
         let malformed = error.class() == Class::Malformed;
-        let word = if malformed {
-            "malformed"
-        } else {
-            "unsupported"
-        };
+        let word = if malformed { "malformed" } else { "unsupported" };
         json!({ "kind": word, "says": error.to_string() })
     });
     let map = decoded.ok().map(|ptm| {
@@ -76,8 +72,7 @@ pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
             "planes": sha256(&ptm.planes.samples),
         })
     });
-    json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused })
-        .to_string()
+    json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused }).to_string()
 }
 
 /// Returns the address of the report.
