@@ -1,8 +1,8 @@
-//! The cost of the harness: ratios of its rates to bare rates, measured in one run.
+//! The overhead of the harness: ratios of its rates to bare rates, measured in one run.
 //!
-//! - one-shot `check` of a native decoder against starting the same processes on the same files and reading their output;
-//! - serve mode against a bare exchange of the same requests;
-//! - serve mode against one-shot for the decoder in Python.
+//! - one-shot `check` of a native decoder, compared with only starting the same processes and reading their output;
+//! - serve mode, compared with a bare exchange of the same requests;
+//! - serve mode, compared with one-shot mode for the Python decoder.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -20,12 +20,12 @@ use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::check;
 use ptm_conform::suite::cases::Suite;
 
-/// Number of measurements of each kind; the best one counts, because the others show the other load of the machine.
+/// Number of measurements of each kind. The best one counts, because the others include more unrelated load.
 const ROUNDS: usize = 3;
 
 fn main() {
     processes::prepare();
-    let suite = Suite::load().expect("the suite is sound").prepared();
+    let suite = Suite::load().expect("the suite loads").prepared();
     let native = [env!("CARGO_BIN_EXE_ptm-conform").into(), "reference".into()];
     let native = Decoder::new(&native).expect("a directory");
     let scratch = Scratch::new().expect("a scratch directory");
@@ -52,11 +52,11 @@ fn main() {
 
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/decoders/ptm_decoder.py");
     let python = Decoder::new(&["python3".into(), script.into()]).expect("a directory");
-    let few: Vec<bool> = (0..suite.cases.len()).map(|i| i % 8 == 0).collect();
-    let one_shot = once(|| run(&suite, &python, &few, false, scratch));
-    let all_at_once = once(|| run(&suite, &python, &all, true, scratch));
-    let one_shot = one_shot.as_secs_f64() / asked(&suite, &python, &few, scratch) as f64;
-    let served = all_at_once.as_secs_f64() / requests.len() as f64;
+    let subset: Vec<bool> = (0..suite.cases.len()).map(|i| i % 8 == 0).collect();
+    let one_shot = measure(|| run(&suite, &python, &subset, false, scratch));
+    let served = measure(|| run(&suite, &python, &all, true, scratch));
+    let one_shot = one_shot.as_secs_f64() / count_calls(&suite, &python, &subset, scratch) as f64;
+    let served = served.as_secs_f64() / requests.len() as f64;
     println!(
         "python: {:.2} ms one-shot, {:.2} ms served, {:.1} times (target 20)",
         one_shot * 1e3,
@@ -69,19 +69,19 @@ fn jobs() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-fn once(deed: impl FnOnce()) -> Duration {
+fn measure(work: impl FnOnce()) -> Duration {
     let start = Instant::now();
-    deed();
+    work();
     start.elapsed()
 }
 
 /// Returns the best rate per second.
-fn rate(things: usize, deed: impl Fn()) -> f64 {
+fn rate(count: usize, work: impl Fn()) -> f64 {
     let best = (0..ROUNDS)
-        .map(|_| once(&deed))
+        .map(|_| measure(&work))
         .min()
         .expect("there is a round");
-    things as f64 / best.as_secs_f64()
+    count as f64 / best.as_secs_f64()
 }
 
 fn plan(selected: &[bool], serves: bool) -> RunPlan {
@@ -112,17 +112,17 @@ fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratc
     };
     let run = check(suite, &plan, &ask, &|_, _, _, _| ());
     if run.exit_status() != 0 {
-        println!("not all passed: a busy machine makes slow answers hang");
+        println!("some cases failed: on a busy machine, slow answers may count as hangs");
     }
 }
 
-fn asked(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch) -> usize {
+fn count_calls(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch) -> usize {
     let servers = Servers::new(decoder, scratch, jobs());
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
     check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).asked
 }
 
-/// Writes the files that a run requests.
+/// Writes the files of all requests of a run. Returns their views and paths.
 fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String, PathBuf)> {
     let recorded = Mutex::new(Vec::new());
     let servers = Servers::new(decoder, scratch, 1);
@@ -145,18 +145,18 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
     recorded.into_inner().expect("no worker panics")
 }
 
-fn side_by_side(count: usize, one: impl Fn(&AtomicUsize) + Sync) {
+fn run_in_parallel(count: usize, worker: impl Fn(&AtomicUsize) + Sync) {
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..jobs() {
-            scope.spawn(|| one(&next));
+            scope.spawn(|| worker(&next));
         }
     });
     assert!(next.into_inner() >= count);
 }
 
 fn bare_one_shot(requests: &[(String, PathBuf)]) {
-    side_by_side(requests.len(), |next| {
+    run_in_parallel(requests.len(), |next| {
         while let Some((view, path)) = requests.get(next.fetch_add(1, Ordering::Relaxed)) {
             let child = Command::new(env!("CARGO_BIN_EXE_ptm-conform"))
                 .arg("reference")
@@ -180,7 +180,7 @@ fn bare_one_shot(requests: &[(String, PathBuf)]) {
 }
 
 fn bare_served(requests: &[(String, PathBuf)]) {
-    side_by_side(requests.len(), |next| {
+    run_in_parallel(requests.len(), |next| {
         let child = Command::new(env!("CARGO_BIN_EXE_ptm-conform"))
             .args(["reference", "serve"])
             .stdin(Stdio::piped())
@@ -192,7 +192,7 @@ fn bare_served(requests: &[(String, PathBuf)]) {
         while let Some((view, path)) = requests.get(next.fetch_add(1, Ordering::Relaxed)) {
             stdin
                 .write_all(format!("1 {view} {}\n", path.display()).as_bytes())
-                .expect("it listens");
+                .expect("it reads requests");
             let mut line = String::new();
             stdout.read_line(&mut line).expect("it answers");
             if let Some(length) = line.trim_end().strip_prefix("1 ok ") {

@@ -1,6 +1,6 @@
-//! The stages one by one: decoder, codecs, generator. `cargo bench --bench stages`
+//! Separate benchmarks of the decoder, the codecs and the generator: `cargo bench --bench stages`.
 
-// Criterion's macro makes a public function without documentation.
+// Criterion's macro generates a public function without documentation.
 #![expect(missing_docs)]
 
 mod common;
@@ -24,13 +24,13 @@ fn decoder(criterion: &mut Criterion) {
             BenchmarkId::from_parameter(format.short_name()),
             &file,
             |b, file| {
-                b.iter(|| ptm_conform::decode(black_box(file)).expect("a whole file"));
+                b.iter(|| ptm_conform::decode(black_box(file)).expect("a legal file"));
             },
         );
     }
     group.finish();
 
-    let ptm = ptm_conform::decode(&common::file(Format::Lrgb, SIDE, SIDE)).expect("a whole file");
+    let ptm = ptm_conform::decode(&common::file(Format::Lrgb, SIDE, SIDE)).expect("a legal file");
     criterion.bench_function("coefficients", |b| {
         b.iter(|| black_box(&ptm).coefficients());
     });

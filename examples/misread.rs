@@ -1,4 +1,4 @@
-//! A decoder with mistakes of the catalog, to be run by `ptm-conform check`:
+//! A decoder with mistakes of the catalog, for `ptm-conform check`:
 //!
 //! ```text
 //! cargo build --release --example misread

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes the file of a writer with this mistake, or the right file if no rule makes a wrong one.
+/// Writes the file of a writer with this mistake, or the correct file if the mistake does not affect it.
 fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
     let mistake = misreadings::find(slug).ok_or_else(|| format!("no misreading {slug}"))?;
     let read = |path: &str| std::fs::read(path).map_err(|error| format!("{path}: {error}"));
@@ -40,8 +40,8 @@ fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
         write_with_mistake(&request, mistake).map_or_else(|| write_requested_file(&request), Ok);
     match file {
         Ok(file) => {
-            let said = |error| format!("{}: {error}", out.display());
-            std::fs::write(out, file).map_err(said)?;
+            let message = |error| format!("{}: {error}", out.display());
+            std::fs::write(out, file).map_err(message)?;
             Ok(0)
         }
         Err(NotWritten::Impossible(_)) => Ok(65),

@@ -1,6 +1,6 @@
 //! Programs that violate the decoder protocol, each in one way: `zoo KIND VIEW FILE`, `zoo KIND serve`, `zoo KIND capabilities`.
 //!
-//! They test the harness, and list mistakes of wrappers. `right` is correct. `tests/it/runner/zoo.rs` has the expected messages.
+//! They test the harness. The kind `right` is a correct decoder. `tests/it/runner/zoo.rs` lists the expected messages.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -19,7 +19,7 @@ fn main() {
     match words[..] {
         [kind, "capabilities"] => capabilities(kind),
         [kind, "serve"] => serve(kind),
-        [kind, view, file] => one(kind, view, file),
+        [kind, view, file] => respond(kind, view, file),
         _ => {
             eprintln!("usage: zoo KIND VIEW FILE, zoo KIND serve, zoo KIND capabilities");
             exit(64);
@@ -27,28 +27,30 @@ fn main() {
     }
 }
 
-fn one(kind: &str, view: &str, file: &str) {
+fn respond(kind: &str, view: &str, file: &str) {
     match kind {
-        // One output for every file.
+        // One fixed output for every file.
         "refuses-all" => exit(65),
         "unsupported-all" => exit(69),
-        "exits-1" => panicked(1),
-        "exits-101" => panicked(101),
+        "exits-1" => exit_with_traceback(1),
+        "exits-101" => exit_with_traceback(101),
         "aborts" => std::process::abort(),
-        "segfaults" => die_by("SEGV"),
-        "says-nothing" => exit(0),
-        "apologises" => print_and_exit(b"error: unknown file format\n", 0),
+        "segfaults" => kill_self("SEGV"),
+        "prints-nothing" => exit(0),
+        "apologizes" => print_and_exit(b"error: unknown file format\n", 0),
         "accepts-all" => print_and_exit(b"PTM1 raw 1 1 9 u8\n123456789", 0),
-        "shows-nothing" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
+        "prints-no-texels" => print_and_exit(b"PTM1 raw 0 0 9 u8\n", 0),
 
-        // Endless output.
-        "hangs" => sleep_for_ever(),
-        "hangs-and-ignores-term" => shell("trap '' TERM INT HUP; while :; do sleep 1; done"),
-        "stops-itself" => shell("kill -STOP $PPID"),
+        // Programs that do not end.
+        "hangs" => sleep_forever(),
+        "hangs-and-ignores-term" => run_shell("trap '' TERM INT HUP; while :; do sleep 1; done"),
+        "stops-itself" => run_shell("kill -STOP $PPID"),
         "drips" => drip(view, file),
         "floods" => flood(),
         "closes-stdout-and-runs-on" => close_and_run_on(view, file),
-        "closes-everything-and-runs-on" => shell(&format!("exec <&- >&- 2>&-; sleep {}", nap())),
+        "closes-everything-and-runs-on" => {
+            run_shell(&format!("exec <&- >&- 2>&-; sleep {}", nap()))
+        }
         "hoards" => hoard(),
         "hoards-by-a-child" => hoard_by_child(),
 
@@ -72,21 +74,21 @@ fn one(kind: &str, view: &str, file: &str) {
             print_and_exit(b"PTM1 raw 4294967295 4294967295 4294967295 f32\nx", 0);
         }
         "number-out-of-range" => print_and_exit(b"PTM1 raw 99999999999999999999 1 1 u8\nx", 0),
-        "upside-down" => changed_picture(view, file, upside_down),
-        "blue-first" => changed_picture(view, file, blue_first),
-        "halves" => changed_picture(view, file, halves),
-        "brightens" => changed_picture(view, file, brighten),
-        "high-byte-first" => changed_picture(view, file, high_byte_first),
+        "upside-down" => change_frame(view, file, upside_down),
+        "blue-first" => change_frame(view, file, blue_first),
+        "halves" => change_frame(view, file, halves),
+        "brightens" => change_frame(view, file, brighten),
+        "high-byte-first" => change_frame(view, file, high_byte_first),
         "cuts-large-frames" => change(view, file, |bytes| bytes.truncate(65_536)),
 
-        // Messages around a correct answer.
+        // Correct answers with other output.
         "chatters" => with_side_effect(view, file, || {
             eprintln!("warning: this is only a test\nerror: it really is");
         }),
-        "floods-errors" => with_side_effect(view, file, || flood_errors(200)),
-        "gigabytes-of-errors" => with_side_effect(view, file, || {
+        "floods-stderr" => with_side_effect(view, file, || flood_stderr(200)),
+        "gigabytes-on-stderr" => with_side_effect(view, file, || {
             if is_lum(file) {
-                flood_errors(16 * 1024);
+                flood_stderr(16 * 1024);
             }
         }),
         "a-million-writes" => with_side_effect(view, file, || {
@@ -96,10 +98,10 @@ fn one(kind: &str, view: &str, file: &str) {
         }),
         "byte-by-byte" => byte_by_byte(view, file),
 
-        // Processes and files that remain.
+        // Correct answers that leave processes or files.
         "leaves-files" => after(view, file, |_| fs::write("litter", "litter")),
         "leaves-a-locked-directory" => after(view, file, |_| {
-            shell_within("mkdir -p a/b && touch a/b/c && chmod 0 a/b")
+            try_shell("mkdir -p a/b && touch a/b/c && chmod 0 a/b")
         }),
         "leaves-a-child" => with_side_effect(view, file, || start("sleep", &[&nap()])),
         "leaves-a-grandchild" => with_side_effect(view, file, || {
@@ -128,7 +130,7 @@ fn one(kind: &str, view: &str, file: &str) {
         }),
         "input-becomes-a-pipe" => after(view, file, |file| {
             fs::remove_file(file)?;
-            shell_within(&format!("mkfifo '{file}'"))
+            try_shell(&format!("mkfifo '{file}'"))
         }),
 
         // Refusals.
@@ -141,33 +143,33 @@ fn one(kind: &str, view: &str, file: &str) {
             answer(view, file, 65, 69);
         }
         "no-lum" | "declares-lum-and-lacks-it" | "is-silent-about-lum" if is_lum(file) => exit(69),
-        "no-raw-of-rgb" if view == "raw" && names(file, b"PTM_FORMAT_RGB\n") => exit(69),
+        "no-raw-of-rgb" if view == "raw" && has_format(file, b"PTM_FORMAT_RGB\n") => exit(69),
         "declares-coef-and-lacks-it" if view == "coef" => exit(69),
-        "crashes-on-lum" if is_lum(file) => panicked(1),
+        "crashes-on-lum" if is_lum(file) => exit_with_traceback(1),
 
-        // Different answers to equal requests.
+        // Varying answers to equal requests.
         "differs-each-time" => differ(view, file),
         "reads-commas" => read_commas(view, file),
         _ => answer(view, file, 65, 69),
     }
 }
 
-/// Acts like a correct decoder.
-enum Right {
+/// Response of a correct decoder.
+enum Correct {
     Frame(Vec<u8>),
     Malformed,
     Unsupported,
 }
 
-fn right(view: &str, file: &str) -> Right {
+fn correct_response(view: &str, file: &str) -> Correct {
     let Ok(view) = view.parse::<View>() else {
-        return Right::Unsupported;
+        return Correct::Unsupported;
     };
     let file = fs::read(file).unwrap_or_else(|_| exit(66));
     match decode(&file) {
-        Ok(ptm) => Right::Frame(bytes(&Frame::render(&ptm, &view))),
-        Err(error) if error.class() == ptm_conform::error::Class::Malformed => Right::Malformed,
-        Err(_) => Right::Unsupported,
+        Ok(ptm) => Correct::Frame(bytes(&Frame::render(&ptm, &view))),
+        Err(error) if error.class() == ptm_conform::error::Class::Malformed => Correct::Malformed,
+        Err(_) => Correct::Unsupported,
     }
 }
 
@@ -177,26 +179,25 @@ fn bytes(frame: &Frame) -> Vec<u8> {
     bytes
 }
 
-/// Returns the output of a correct decoder, or its exit status.
-fn right_or_exit(view: &str, file: &str, malformed: i32, unsupported: i32) -> Vec<u8> {
-    match right(view, file) {
-        Right::Frame(bytes) => bytes,
-        Right::Malformed => exit(malformed),
-        Right::Unsupported => exit(unsupported),
+/// Returns the output of a correct decoder, or exits with one of the given statuses if it refuses the file.
+fn correct_output(view: &str, file: &str, malformed: i32, unsupported: i32) -> Vec<u8> {
+    match correct_response(view, file) {
+        Correct::Frame(bytes) => bytes,
+        Correct::Malformed => exit(malformed),
+        Correct::Unsupported => exit(unsupported),
     }
 }
 
 fn answer(view: &str, file: &str, malformed: i32, unsupported: i32) {
-    print_and_exit(&right_or_exit(view, file, malformed, unsupported), 0);
+    print_and_exit(&correct_output(view, file, malformed, unsupported), 0);
 }
 
 fn print_and_exit(bytes: &[u8], status: i32) {
-    let _ = io::stdout().write_all(bytes);
-    let _ = io::stdout().flush();
+    write_stdout(bytes);
     exit(status);
 }
 
-fn names(file: &str, format: &[u8]) -> bool {
+fn has_format(file: &str, format: &[u8]) -> bool {
     fs::read(file).is_ok_and(|bytes| {
         bytes
             .windows(format.len())
@@ -206,17 +207,17 @@ fn names(file: &str, format: &[u8]) -> bool {
 }
 
 fn is_lum(file: &str) -> bool {
-    names(file, b"PTM_FORMAT_LUM")
+    has_format(file, b"PTM_FORMAT_LUM")
 }
 
 fn change(view: &str, file: &str, change: fn(&mut Vec<u8>)) {
-    let mut bytes = right_or_exit(view, file, 65, 69);
+    let mut bytes = correct_output(view, file, 65, 69);
     change(&mut bytes);
     print_and_exit(&bytes, 0);
 }
 
-fn changed_picture(view: &str, file: &str, change: fn(&mut Frame)) {
-    let mut frame = Frame::read(&right_or_exit(view, file, 65, 69)).expect("it is right");
+fn change_frame(view: &str, file: &str, change: fn(&mut Frame)) {
+    let mut frame = Frame::read(&correct_output(view, file, 65, 69)).expect("a correct frame");
     change(&mut frame);
     print_and_exit(&bytes(&frame), 0);
 }
@@ -271,33 +272,32 @@ fn high_byte_first(frame: &mut Frame) {
     }
 }
 
-fn panicked(status: i32) {
+fn exit_with_traceback(status: i32) {
     eprintln!("Traceback (most recent call last):");
     exit(status);
 }
 
-/// Kills itself twice, because Rust's handler ignores the first segmentation fault from outside.
-fn die_by(signal: &str) {
-    let kill = format!(
-        "kill -{signal} {0}; sleep 0.1; kill -{signal} {0}",
-        std::process::id()
-    );
-    shell(&kill);
+/// Sends itself a signal twice, because Rust's handler ignores the first SIGSEGV from another process.
+fn kill_self(signal: &str) {
+    let id = std::process::id();
+    run_shell(&format!(
+        "kill -{signal} {id}; sleep 0.1; kill -{signal} {id}"
+    ));
 }
 
-fn sleep_for_ever() {
+fn sleep_forever() {
     loop {
         std::thread::sleep(Duration::from_secs(1000));
     }
 }
 
-/// Runs a shell command, waits for it, and never ends.
-fn shell(command: &str) {
+/// Runs a shell command, waits for it, and never returns.
+fn run_shell(command: &str) {
     let _ = Command::new("sh").args(["-c", command]).status();
-    sleep_for_ever();
+    sleep_forever();
 }
 
-fn shell_within(command: &str) -> io::Result<()> {
+fn try_shell(command: &str) -> io::Result<()> {
     Command::new("sh")
         .args(["-c", command])
         .status()
@@ -312,17 +312,17 @@ fn start(program: &str, words: &[&str]) {
     drop(child);
 }
 
-/// The argument of `sleep` of children: practically endless, and different from that of other programs.
+/// Returns the seconds for which children sleep: practically endless, and different in each test.
 fn nap() -> String {
     std::env::var("ZOO_NAP").unwrap_or_else(|_| "1000.25".to_owned())
 }
 
-/// A file outside that must not be changed.
+/// Returns the path of a directory that the harness must not change.
 fn precious() -> PathBuf {
     std::env::var_os("ZOO_PRECIOUS").map_or_else(|| PathBuf::from("/nowhere"), PathBuf::from)
 }
 
-/// Starts a process in a new session, in the root directory, without environment.
+/// Starts a process in a new session and in the root directory, without an environment.
 fn leave_hidden() {
     let child = Command::new("setsid")
         .args(["-f", "sleep", &nap()])
@@ -336,19 +336,19 @@ fn leave_hidden() {
     drop(child);
 }
 
-/// Forks twice into a new session, and stays.
+/// Starts a daemon: forks twice, into a new session.
 fn leave_daemon() {
     let daemon = format!(
         "(setsid sh -c 'sleep {0} & sleep {0}' &) >&- 2>&- <&-",
         nap()
     );
-    let _ = shell_within(&daemon);
+    let _ = try_shell(&daemon);
 }
 
-/// Starts orphaned processes without any trace of their origin, which end a moment later.
+/// Starts orphaned processes that reveal nothing about their origin and end a moment later.
 fn leave_orphans() {
     let orphans = "cd /; for i in 1 2 3 4 5; do env -i setsid -f sleep 0.05; done >&- 2>&- <&-";
-    let _ = shell_within(orphans);
+    let _ = try_shell(orphans);
 }
 
 /// Leaves zombie children.
@@ -357,7 +357,7 @@ fn keep_zombies() {
     std::thread::sleep(Duration::from_millis(20));
 }
 
-/// Writes until the disk is full, or a limit is reached.
+/// Writes 64 MiB, unless the disk is full or a limit is reached before.
 fn fill_scratch() -> io::Result<()> {
     let mut file = fs::File::create("ballast")?;
     let block = vec![b'x'; 1 << 20];
@@ -370,7 +370,7 @@ fn fill_scratch() -> io::Result<()> {
 /// Opens files until the system refuses.
 #[expect(
     clippy::unnecessary_wraps,
-    reason = "others of its type return nothing"
+    reason = "other functions of this type can fail"
 )]
 fn exhaust_descriptors() -> io::Result<()> {
     let opened: Vec<fs::File> = (0..100_000)
@@ -381,14 +381,14 @@ fn exhaust_descriptors() -> io::Result<()> {
     Ok(())
 }
 
-/// Begins its answer before it reads the file.
+/// Starts its answer before it reads the file.
 fn print_before_reading(view: &str, file: &str) {
-    put(b"PTM1 ");
-    let frame = right_or_exit(view, file, 65, 69);
+    write_stdout(b"PTM1 ");
+    let frame = correct_output(view, file, 65, 69);
     print_and_exit(&frame[b"PTM1 ".len()..], 0);
 }
 
-/// Replaces its working directory by a link to a precious directory.
+/// Replaces its working directory with a link to the precious directory.
 fn move_directory() -> io::Result<()> {
     let here = std::env::current_dir()?;
     fs::rename(&here, here.with_extension("moved"))?;
@@ -406,9 +406,8 @@ fn answer_anything(view: &str, file: &str) {
 }
 
 fn drip(view: &str, file: &str) {
-    for byte in right_or_exit(view, file, 65, 69) {
-        let _ = io::stdout().write_all(&[byte]);
-        let _ = io::stdout().flush();
+    for byte in correct_output(view, file, 65, 69) {
+        write_stdout(&[byte]);
         std::thread::sleep(Duration::from_secs(1));
     }
     exit(0);
@@ -421,7 +420,7 @@ fn flood() {
 }
 
 #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
-fn flood_errors(blocks: usize) {
+fn flood_stderr(blocks: usize) {
     let block = [b'e'; 65_536];
     for _ in 0..blocks {
         let _ = io::stderr().write_all(&block);
@@ -435,9 +434,8 @@ fn trickle(writes: usize) {
 }
 
 fn byte_by_byte(view: &str, file: &str) {
-    for byte in right_or_exit(view, file, 65, 69) {
-        let _ = io::stdout().write_all(&[byte]);
-        let _ = io::stdout().flush();
+    for byte in correct_output(view, file, 65, 69) {
+        write_stdout(&[byte]);
     }
     exit(0);
 }
@@ -459,58 +457,57 @@ fn hoard_by_child() {
         .args(["hoards", "raw", "x"])
         .status();
     drop(child);
-    sleep_for_ever();
+    sleep_forever();
 }
 
-fn with_side_effect(view: &str, file: &str, deed: impl Fn()) {
-    deed();
-    // The remaining files exist as long as this process.
+fn with_side_effect(view: &str, file: &str, action: impl Fn()) {
+    action();
+    // Run until the harness is killed.
     if std::env::var_os("ZOO_LINGERS").is_some() {
-        sleep_for_ever();
+        sleep_forever();
     }
     answer(view, file, 65, 69);
 }
 
-fn after(view: &str, file: &str, deed: fn(&str) -> io::Result<()>) {
-    let said = right(view, file);
-    if let Err(error) = deed(file) {
+fn after(view: &str, file: &str, action: fn(&str) -> io::Result<()>) {
+    let response = correct_response(view, file);
+    if let Err(error) = action(file) {
         eprintln!("zoo: {error}");
     }
-    match said {
-        Right::Frame(bytes) => print_and_exit(&bytes, 0),
-        Right::Malformed => exit(65),
-        Right::Unsupported => exit(69),
+    match response {
+        Correct::Frame(bytes) => print_and_exit(&bytes, 0),
+        Correct::Malformed => exit(65),
+        Correct::Unsupported => exit(69),
     }
 }
 
 fn close_and_run_on(view: &str, file: &str) {
-    let bytes = right_or_exit(view, file, 65, 69);
-    let _ = io::stdout().write_all(&bytes);
-    let _ = io::stdout().flush();
-    // A shell closes its streams and continues; this process waits for it.
-    shell(&format!("exec >&- 2>&-; sleep {}", nap()));
+    let bytes = correct_output(view, file, 65, 69);
+    write_stdout(&bytes);
+    // The shell closes its streams and continues. This process waits for it.
+    run_shell(&format!("exec >&- 2>&-; sleep {}", nap()));
 }
 
 fn differ(view: &str, file: &str) {
-    let mut bytes = right_or_exit(view, file, 65, 69);
+    let mut bytes = correct_output(view, file, 65, 69);
     let now = std::time::SystemTime::now()
         .duration_since(std::time::UNIX_EPOCH)
         .map_or(0, |time| time.subsec_nanos());
     let last = bytes.len() - 1;
-    // Off by at least two: colors may be rounded by one.
+    // The error is at least two, because colors may differ by one.
     bytes[last] = bytes[last].wrapping_add(2 + (now / 64 % 253) as u8);
     print_and_exit(&bytes, 0);
 }
 
-/// Reads numbers in its locale: in a locale with decimal commas, digits after a point are ignored.
+/// Reads numbers in its locale: in a locale with decimal commas, it ignores the digits after a point.
 fn read_commas(view: &str, file: &str) {
     if !std::env::var("LC_ALL").is_ok_and(|locale| locale.starts_with("de_DE")) || view == "raw" {
         answer(view, file, 65, 69);
     }
-    changed_picture(view, file, halves);
+    change_frame(view, file, halves);
 }
 
-/// Returns the capabilities of each kind; most have none.
+/// Prints the capabilities of a kind. Most kinds have none.
 fn capabilities(kind: &str) {
     let formats = "PTM_FORMAT_RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT";
     match kind {
@@ -532,15 +529,15 @@ fn capabilities(kind: &str) {
         "declares-everything-and-fails" => {
             print_and_exit(b"protocol: 1\nname: liar\nformats: [RGB]\n", 1);
         }
-        "hangs-when-asked-what-it-is" => sleep_for_ever(),
-        "floods-when-asked-what-it-is" => flood(),
-        "bombs-when-asked-what-it-is" => print_and_exit(bomb().as_bytes(), 0),
-        "babbles-when-asked-what-it-is" => print_and_exit(b"\xff\xfe{{{{: [\n- protocol: 1", 0),
+        "hangs-on-capabilities" => sleep_forever(),
+        "floods-on-capabilities" => flood(),
+        "bombs-on-capabilities" => print_and_exit(bomb().as_bytes(), 0),
+        "babbles-on-capabilities" => print_and_exit(b"\xff\xfe{{{{: [\n- protocol: 1", 0),
         _ => exit(64),
     }
 }
 
-/// Ten billion words, by YAML aliases.
+/// Returns a short YAML document whose aliases expand to ten billion words.
 fn bomb() -> String {
     let mut text = "protocol: 1\na: &a [x, x, x, x, x, x, x, x, x, x]\n".to_owned();
     for (this, last) in ('b'..='j').zip('a'..) {
@@ -550,7 +547,7 @@ fn bomb() -> String {
     text + "views: *j\n"
 }
 
-/// The state of a serving program.
+/// State of a serving program.
 #[derive(Default)]
 struct Memory {
     answered: usize,
@@ -561,11 +558,11 @@ struct Memory {
 fn serve(kind: &str) {
     match kind {
         "serves-not" | "declares-serve-and-lacks-it" => exit(64),
-        "serves-before-asked" => put(b"1 reject 65\n"),
+        "serves-before-asked" => write_stdout(b"1 reject 65\n"),
         _ => {}
     }
     let mut memory = Memory::default();
-    let mut kept_back = Vec::new();
+    let mut buffered = Vec::new();
     for line in io::stdin().lock().lines() {
         let line = line.unwrap_or_default();
         let words: Vec<&str> = line.splitn(3, ' ').collect();
@@ -576,29 +573,29 @@ fn serve(kind: &str) {
         memory.answered += 1;
         file.clone_into(&mut memory.last);
         if kind == "serves-without-flush" {
-            kept_back.extend(reply);
+            buffered.extend(reply);
         } else {
-            put(&reply);
+            write_stdout(&reply);
         }
     }
-    put(&kept_back);
+    write_stdout(&buffered);
 }
 
-fn put(bytes: &[u8]) {
+fn write_stdout(bytes: &[u8]) {
     let _ = io::stdout().write_all(bytes);
     let _ = io::stdout().flush();
 }
 
 fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory) -> Vec<u8> {
-    let said = right(view, file);
+    let correct = correct_response(view, file);
     let line = |words: &str| format!("{sequence} {words}\n").into_bytes();
-    let whole = match &said {
-        Right::Frame(frame) => [line(&format!("ok {}", frame.len())), frame.clone()].concat(),
-        Right::Malformed => line("reject 65"),
-        Right::Unsupported => line("unsupported this"),
+    let whole = match &correct {
+        Correct::Frame(frame) => [line(&format!("ok {}", frame.len())), frame.clone()].concat(),
+        Correct::Malformed => line("reject 65"),
+        Correct::Unsupported => line("unsupported this"),
     };
     let lum = is_lum(file);
-    match (kind, said) {
+    match (kind, correct) {
         ("serves-the-number-before", _) => {
             let before = sequence.parse::<u64>().unwrap_or(1) - 1;
             let rest = whole
@@ -618,13 +615,13 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             let (first, second) = whole.split_at(whole.len() / 2);
             [first, &whole, second].concat()
         }
-        ("serves-huge-numbers", Right::Frame(frame)) => {
+        ("serves-huge-numbers", Correct::Frame(frame)) => {
             [line("ok 18446744073709551615"), frame].concat()
         }
-        ("serves-impossible-numbers", Right::Frame(frame)) => {
+        ("serves-impossible-numbers", Correct::Frame(frame)) => {
             [line("ok 99999999999999999999999"), frame].concat()
         }
-        ("serves-without-the-line", Right::Frame(frame)) => [
+        ("serves-without-the-line", Correct::Frame(frame)) => [
             line(&format!(
                 "ok {}",
                 frame.len() - frame.iter().position(|&b| b == b'\n').unwrap_or_default() - 1
@@ -632,7 +629,7 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             frame,
         ]
         .concat(),
-        ("serves-bare-frames", Right::Frame(frame)) => frame,
+        ("serves-bare-frames", Correct::Frame(frame)) => frame,
         ("serves-logs", _) => [b"decoding\n", &whole[..]].concat(),
         ("serves-extra", _) => [&whole[..], b"\n"].concat(),
         ("serves-text-mode", _) => [
@@ -640,17 +637,17 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             b"\r\n",
         ]
         .concat(),
-        ("serves-exit-codes", Right::Malformed) => line("reject 1"),
+        ("serves-exit-codes", Correct::Malformed) => line("reject 1"),
         ("serves-five-times", _) if memory.answered == 5 => exit(0),
         ("serves-five-times-and-ignores-the-rest", _) if memory.answered >= 5 => Vec::new(),
         ("serves-until-lum", _) if lum => std::process::abort(),
         ("serves-and-hangs-at-lum", _) if lum => {
-            sleep_for_ever();
+            sleep_forever();
             Vec::new()
         }
         ("serves-and-hoards", _) => {
             memory.hoard.push(vec![1; 32 << 20]);
-            // Long enough to be noticed.
+            // Give the harness time to notice it.
             std::thread::sleep(Duration::from_millis(150));
             whole
         }
@@ -662,8 +659,8 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             let _ = fs::remove_file(&memory.last);
             whole
         }
-        // Data of LUM files colors the following images.
-        ("serves-with-leaks", Right::Frame(mut frame)) if !memory.hoard.is_empty() && !lum => {
+        // After a LUM file, all other images are wrong.
+        ("serves-with-leaks", Correct::Frame(mut frame)) if !memory.hoard.is_empty() && !lum => {
             if let Some(last) = frame.last_mut() {
                 *last ^= 1;
             }
@@ -673,7 +670,7 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
             memory.hoard.extend(lum.then(Vec::new));
             whole
         }
-        ("serves-other-answers", Right::Frame(_)) if lum => line("unsupported luminance"),
+        ("serves-other-answers", Correct::Frame(_)) if lum => line("unsupported luminance"),
         _ => whole,
     }
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# How much processor time a release build takes from an empty target directory, and how large the program is,
-# next to earlier figures. Run nothing else during the build.
+# Measures the processor time of a release build in an empty target directory, and the size of the program, and
+# compares them with earlier figures. Run nothing else during the build.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -16,7 +16,7 @@ read -r user system elapsed < <(
 size=$(wc -c < "$target/release/ptm-conform")
 
 awk -v used="$(awk "BEGIN { print $user + $system }")" -v elapsed="$elapsed" -v size="$size" -v processors="$(nproc)" 'BEGIN {
-    printf "cargo build --release, empty target directory, crates fetched before, %d processors\n", processors
+    printf "cargo build --release, empty target directory, crates already fetched, %d processors\n", processors
     printf "                 now             before\n"
     printf "processor time   %3d min %02d s    4 min 07 s (10 min 30 s on an earlier machine)\n", used / 60, used % 60
     printf "wall-clock time  %3d min %02d s\n", elapsed / 60, elapsed % 60

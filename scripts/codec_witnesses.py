@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""External witnesses for the codecs: the results of libjpeg and CharLS for images that a recipe paints.
+"""External witnesses for the codecs: the results of libjpeg and CharLS for generated images.
 
     python3 scripts/codec_witnesses.py > tests/it/codec/witnesses.txt
 
-One line for each recipe:
+Each recipe gives one line:
 
     codec kind width height parameters seed sha256-of-the-stream sha256-of-the-decoded-samples
 
-For JPEG the stream is the file that `cjpeg -dct int -grayscale` writes, whole. For JPEG-LS it is the
-entropy-coded scan alone, because the headers before it may be spelled in several ways. The samples
-are what `djpeg -dct int` and CharLS return. tests/it/codec/witnesses.rs paints the same pictures.
+For JPEG, the stream is the whole output of `cjpeg -dct int -grayscale`. For JPEG-LS, it is only the
+entropy-coded scan, because the headers before it have several valid forms. The samples are the output
+of `djpeg -dct int` and CharLS. tests/it/codec/witnesses.rs generates the same images.
 
-Needs cjpeg and djpeg (Debian: libjpeg-turbo-progs) and libcharls.so.2 (Debian: libcharls2); nothing
-else. Painting and choosing use integers only, so that every machine makes the same pictures.
+Needs only cjpeg and djpeg (Debian: libjpeg-turbo-progs) and libcharls.so.2 (Debian: libcharls2).
+All arithmetic uses integers, so every machine generates the same images.
 """
 
 import ctypes
@@ -28,12 +28,12 @@ SIZES = [
     (257, 129),
 ]
 
-# Only in these a run of JPEG-LS is long enough to reach the end of the table of run lengths.
+# Only these sizes have JPEG-LS runs that are long enough to reach the end of the table of run lengths.
 WIDE = [(40000, 4), (65535, 3)]
 
 
-class Draws:
-    """A linear congruential generator; each draw is its upper 16 bits."""
+class Random:
+    """A linear congruential generator. Each number is its upper 16 bits."""
 
     def __init__(self, seed):
         self.state = seed
@@ -44,11 +44,11 @@ class Draws:
 
 
 def paint(kind, width, height, seed):
-    draws = Draws(seed)
-    p, q, s = draws.next(), draws.next(), draws.next()
+    random = Random(seed)
+    p, q, s = random.next(), random.next(), random.next()
     samples = bytearray(width * height)
     for i in range(width * height):
-        x, y, r = i % width, i // width, draws.next()
+        x, y, r = i % width, i // width, random.next()
         if kind == "noise":
             value = r >> 8
         elif kind == "gradient":
@@ -78,7 +78,7 @@ def run(command, data):
 
 
 def jpeg(samples, width, height, parameters):
-    """`parameters` look like q75,optimised,restart=5,sampling=2x2 or, without -baseline, q20,extended."""
+    """Encodes and decodes a JPEG. Examples of parameters: q75,optimised,restart=5,sampling=2x2 and q20,extended."""
     command = ["cjpeg", "-dct", "int", "-grayscale"]
     if "extended" not in parameters:
         command.append("-baseline")
@@ -116,11 +116,11 @@ def charls():
 
 def check(status):
     if status != 0:
-        raise RuntimeError(f"CharLS says {status}")
+        raise RuntimeError(f"CharLS returned {status}")
 
 
 def scan_of(stream):
-    """What stands between the scan header and EOI."""
+    """Returns the bytes between the scan header and EOI."""
     at = 2
     while True:
         code, length = stream[at + 1], int.from_bytes(stream[at + 2:at + 4], "big")
@@ -133,10 +133,10 @@ def scan_of(stream):
 
 
 def jpeg_ls(library, samples, width, height, parameters):
-    """`parameters` look like near=3 or near=0,presets=255:9:9:9:31 or near=0,bits=5.
+    """Encodes and decodes a JPEG-LS image. Examples of parameters: near=3, near=0,presets=255:9:9:9:31 and near=0,bits=5.
 
-    CharLS does not obey a MAXVAL that is smaller than the precision allows. So bits=5 stands for
-    samples of five bits, which have the same scan as samples of eight bits with MAXVAL 31.
+    CharLS ignores a MAXVAL that is smaller than the precision allows. Therefore, bits=5 means samples
+    of five bits, which have the same scan as samples of eight bits with MAXVAL 31.
     """
     size, p = ctypes.c_size_t, ctypes.c_void_p
     encoder = p(library.charls_jpegls_encoder_create())
@@ -170,38 +170,38 @@ def bits_of(parameters):
     return next((int(parameter[5:]) for parameter in parameters if parameter.startswith("bits=")), 8)
 
 
-def jpeg_parameters(draws):
-    quality = 1 + draws.next() % 100
-    # The qualities around a change of table width, and the two ends, oftener than chance would.
-    if draws.next() % 4 == 0:
-        quality = [1, 20, 22, 23, 24, 25, 49, 50, 51, 75, 90, 95, 98, 99, 100][draws.next() % 15]
+def jpeg_parameters(random):
+    quality = 1 + random.next() % 100
+    # Choose qualities near a change of the table precision, and the two extremes, more often than by chance.
+    if random.next() % 4 == 0:
+        quality = [1, 20, 22, 23, 24, 25, 49, 50, 51, 75, 90, 95, 98, 99, 100][random.next() % 15]
     parameters = [f"q{quality}"]
-    choice = draws.next() % 10
+    choice = random.next() % 10
     if choice == 0:
         parameters.append("optimised")
     elif choice == 1:
-        parameters.append(f"restart={1 + draws.next() % 20}")
+        parameters.append(f"restart={1 + random.next() % 20}")
     elif choice == 2:
-        parameters.append(f"sampling={1 + draws.next() % 4}x{1 + draws.next() % 4}")
+        parameters.append(f"sampling={1 + random.next() % 4}x{1 + random.next() % 4}")
     elif choice == 3:
         parameters.append("extended")
     elif choice == 4:
-        parameters += ["optimised", f"restart={1 + draws.next() % 20}"]
+        parameters += ["optimised", f"restart={1 + random.next() % 20}"]
     return parameters
 
 
-def jpeg_ls_parameters(draws):
-    near = 0 if draws.next() % 2 else draws.next() % 11
-    choice = draws.next() % 8
+def jpeg_ls_parameters(random):
+    near = 0 if random.next() % 2 else random.next() % 11
+    choice = random.next() % 8
     if choice == 2:
-        bits = 2 + draws.next() % 6
+        bits = 2 + random.next() % 6
         return [f"near={min(near, (2**bits - 1) // 2)}", f"bits={bits}"]
     parameters = [f"near={near}"]
     if choice < 2:
-        t1 = near + 1 + draws.next() % 20
-        t2 = t1 + draws.next() % 30
-        t3 = t2 + draws.next() % 100
-        reset = 3 + draws.next() % 253
+        t1 = near + 1 + random.next() % 20
+        t2 = t1 + random.next() % 30
+        t3 = t2 + random.next() % 100
+        reset = 3 + random.next() % 253
         parameters.append(f"presets=255:{t1}:{t2}:{t3}:{reset}")
     return parameters
 
@@ -214,19 +214,19 @@ def main():
     print("and CharLS", library.charls_get_version_string().decode() + ".")
     print("# codec kind width height parameters seed sha256-of-the-stream sha256-of-the-decoded-samples")
 
-    choices = Draws(2001)
+    random = Random(2001)
     for codec, rounds in (("jpeg", 3), ("jpeg-ls", 8)):
         recipes = [(kind, size) for size in SIZES for kind in KINDS] * rounds
         if codec == "jpeg-ls":
             recipes += [("flat", size) for size in WIDE] * 4
         for number, (kind, (width, height)) in enumerate(recipes):
-            seed = choices.next() << 16 | choices.next()
+            seed = random.next() << 16 | random.next()
             samples = paint(kind, width, height, seed)
             if codec == "jpeg":
-                parameters = jpeg_parameters(choices)
+                parameters = jpeg_parameters(random)
                 stream, decoded = jpeg(samples, width, height, parameters)
             else:
-                parameters = jpeg_ls_parameters(choices)
+                parameters = jpeg_ls_parameters(random)
                 samples = bytes(sample >> 8 - bits_of(parameters) for sample in samples)
                 stream, decoded = jpeg_ls(library, samples, width, height, parameters)
             digests = [hashlib.sha256(data).hexdigest() for data in (stream, decoded)]

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws passages for a review of the English: scripts/draw_passages.py COMMIT [EARLIER...]
+"""Draws random passages for a review of the English: scripts/draw_passages.py COMMIT [EARLIER...]
 
-Prints 40 passages of documents, 40 messages, and 40 doc comments and names, seeded with COMMIT. Passages of the files EARLIER,
-which are earlier outputs, are left out. The first lines state how many passages there are of each kind.
+Prints 40 passages of documents, 40 messages, and 40 doc comments with names, seeded with COMMIT. Omits the passages in the files
+EARLIER, which are earlier outputs. A heading before each kind states the number of passages.
 """
 import pathlib
 import random
@@ -13,7 +13,7 @@ COUNT = 40
 root = pathlib.Path(__file__).parent.parent
 
 
-def text_of(path):
+def read_text(path):
     return path.read_text(encoding="utf-8")
 
 
@@ -22,34 +22,34 @@ def files(*patterns):
 
 
 def paragraphs():
-    """Returns paragraphs and list items of documents, without code and tables."""
+    """Yields the paragraphs and list items of documents, without code and tables."""
     for path in files("*.md", "docs/*.md", "spec-cases/*.md", "packages/*/README.md", "reports/*.md"):
-        text = re.sub(r"```.*?```", "", text_of(path), flags=re.S)
+        text = re.sub(r"```.*?```", "", read_text(path), flags=re.S)
         for block in re.split(r"\n\s*\n|\n(?=- |\d\. )", text):
             if not block.startswith(("    ", "|", "#", "[!", "<")) and len(block.split()) >= 6:
                 yield f"{path.relative_to(root)}: {' '.join(block.split())}"
     for path in files("spec-cases/site/*.yaml", "spec-cases/annotated/*.yaml"):
-        for value in re.findall(r"(?:intro|text|notes?|rule): >-\n((?: +(?! |- |(?:clauses|examples|formula|steps|table):).*\n)+)", text_of(path)):
+        for value in re.findall(r"(?:intro|text|notes?|rule): >-\n((?: +(?! |- |(?:clauses|examples|formula|steps|table):).*\n)+)", read_text(path)):
             yield f"{path.relative_to(root)}: {' '.join(value.split())}"
 
 
 def messages():
-    """Returns the messages of the program, and the texts of misreadings, rulings, cases, probe and lint codes."""
+    """Yields the messages of the program, and the texts of misreadings, rulings, cases, probe and lint codes."""
     source = ""
-    for line in text_of(root / "tests/it/repository/messages.txt").splitlines():
+    for line in read_text(root / "tests/it/repository/messages.txt").splitlines():
         if line.startswith("# "):
             source = line[2:]
         elif line:
             yield f"src/{source}: {line}"
     for path in files("spec-cases/*.yaml", "spec-cases/cases/*.yaml", "spec-cases/texture/**/*.yaml"):
-        for key, value in re.findall(r"^ *-? ?(effect|fix|because|says|next|reason|decision): (.{20,})$", text_of(path), flags=re.M):
+        for key, value in re.findall(r"^ *-? ?(effect|fix|because|says|next|reason|decision): (.{20,})$", read_text(path), flags=re.M):
             yield f"{path.relative_to(root)}: {key}: {value}"
 
 
 def comments():
-    """Returns doc comments with the line of code that follows them."""
+    """Yields doc comments with the line of code after them."""
     for path in files("src/**/*.rs", "tests/it/**/*.rs"):
-        lines = text_of(path).splitlines()
+        lines = read_text(path).splitlines()
         at = 0
         while at < len(lines):
             start = at
@@ -64,8 +64,8 @@ def comments():
 
 commit, *earlier = sys.argv[1:]
 drawn = {line for path in earlier for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines()}
-chance = random.Random(commit)
+generator = random.Random(commit)
 for name, passages in [("documents", paragraphs), ("messages", messages), ("doc comments and names", comments)]:
     population = [passage for passage in dict.fromkeys(passages()) if passage not in drawn]
     print(f"# {name}: {COUNT} of {len(population)}")
-    print(*chance.sample(population, COUNT), sep="\n")
+    print(*generator.sample(population, COUNT), sep="\n")

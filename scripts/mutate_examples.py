@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Measures the diagnosis with mutants of the example decoders: mistakes that know nothing of PTM.
+"""Measures the diagnosis with mutants of the example decoders, whose mistakes are unrelated to PTM.
 
     python3 scripts/mutate_examples.py PROGRAM OUT.yaml --seed HEX [--count c=40,py=30,js=30]
 
-PROGRAM is ptm-conform. Each mutant is an example decoder with one edit by an operator of ordinary mutation testing: a
-constant off by one, another comparison or operator, a lost negation, exchanged arguments, a dropped statement, another type
-or width, an early return, a loop that is one short. OUT has the first mutants, in an order that depends on the seed, that
-run, change the image of a legal file, get past first contact and need less than 100 seconds: the edit, and what `check` printed. The same seed makes
-the same mutants. Needs Python 3.9 or later, cc for C and node for JavaScript.
+PROGRAM is ptm-conform. Each mutant is an example decoder with one edit by a common operator of mutation testing: a constant
+off by one, a different comparison or operator, a missing negation, exchanged arguments, a removed statement, a different type
+or width, an early return, or a loop that is one iteration short. OUT contains the edit and the output of `check` for the
+first suitable mutants, in an order that depends on the seed. A suitable mutant runs, changes the image of a legal file, passes
+first contact and takes less than 100 seconds. The mutants depend only on the seed. Needs Python 3.9 or later, cc and node.
 """
 
 import argparse
@@ -24,7 +24,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 EXAMPLES = os.path.join(HERE, "..", "examples", "decoders")
 SOURCES = {"c": "ptm_decoder.c", "js": "ptm_decoder.js", "py": "ptm_decoder.py"}
 
-# One token: comments and strings first, so that nothing inside them is taken for code.
+# Regular expressions for a token. Comments and strings come first, so that nothing inside them counts as code.
 TOKEN = {
     "c": r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\])*\'|^[ \t]*#[^\n]*',
     "js": r'//[^\n]*|"(?:\\.|[^"\\])*"|`(?:\\.|[^`\\])*`|/\^(?:\\.|[^/\\\n])*/|^#![^\n]*',
@@ -45,7 +45,7 @@ EXCHANGED = {
 
 
 def tokens(language, text):
-    """Every token of code with its place; comments, strings and directives are left out."""
+    """Yields the position and the text of every token, except comments, strings and directives."""
     skipped = re.compile(TOKEN[language], re.S | re.M)
     for match in re.finditer("(?:%s)%s" % (TOKEN[language], REST), text, re.S | re.M):
         if not skipped.fullmatch(match.group()):
@@ -53,7 +53,7 @@ def tokens(language, text):
 
 
 def mutants(language, text):
-    """All edits: (operator, start, end, replacement)."""
+    """Returns all edits: (operator, start, end, replacement)."""
     found = []
     for at, word in tokens(language, text):
         end = at + len(word)
@@ -70,7 +70,7 @@ def mutants(language, text):
         if a != b:
             start = match.start(1)
             found.append(("arguments", start, match.end(2), "%s, %s" % (b, a)))
-    # A statement dropped, an early return.
+    # Removed statements, short loops, and early returns.
     line_start = 0
     for line in text.splitlines(True):
         body = line.strip()
@@ -93,8 +93,8 @@ def mutants(language, text):
     return found
 
 
-def runnable(language, text, folder):
-    """The command that runs this source, or None if it does not compile."""
+def compile_mutant(language, text, folder):
+    """Returns the command that runs this source, or None if it does not compile."""
     source = os.path.join(folder, "decoder." + language)
     with open(source, "w", encoding="utf-8") as out:
         out.write(text)
@@ -123,7 +123,7 @@ def try_one(job):
     row = {"language": language, "line": line, "operator": operator,
            "was": text.splitlines()[line - 1].strip(), "is": mutant.splitlines()[line - 1].strip()}
     with tempfile.TemporaryDirectory() as folder:
-        command = runnable(language, mutant, folder)
+        command = compile_mutant(language, mutant, folder)
         if command is None:
             return None
         try:
@@ -138,7 +138,7 @@ def main():
     arguments.add_argument("program")
     arguments.add_argument("out")
     arguments.add_argument("--seed", required=True, help="the first eight hexadecimal digits of the commit under test")
-    arguments.add_argument("--count", default="c=40,py=30,js=30", help="mutants of each language (default: %(default)s)")
+    arguments.add_argument("--count", default="c=40,py=30,js=30", help="number of mutants of each language (default: %(default)s)")
     given = arguments.parse_args()
     program = os.path.abspath(given.program)
     with open(given.out, "w", encoding="utf-8") as out:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Makes the JPEG streams of the processes that the reference answers "unsupported", for src/generate/damage.rs.
+"""Generates JPEG streams of the coding processes that the reference does not support, for src/generate/damage.rs.
 
     python3 scripts/odd_streams.py
 
-Each is one component of 9x6 samples in two blocks, all coefficients 0: progressive, arithmetic, 12 bits. One line
-each: its name, the stream in hex, and what Pillow (libjpeg) finds in it, if Pillow is there and reads it.
+The streams are progressive, arithmetic, and of 12 bits. Each has one component of 9x6 samples in two blocks, with all
+coefficients 0. Prints the name, the stream in hexadecimal, and the image or the error of Pillow (libjpeg), if installed.
 """
 
 import io
@@ -23,7 +23,7 @@ def frame(code, bits):
 
 
 def huffman(table):
-    """One code, 0, of one bit: no difference of DC, or the end of a block."""
+    """Returns a table with a single one-bit code 0: no DC difference, or the end of a block."""
     return segment(0xC4, bytes([table, 1]) + bytes(15) + b"\0")
 
 
@@ -32,7 +32,7 @@ def scan(first, last, data):
 
 
 def zeros(count):
-    """So many bits of 0, filled up with 1."""
+    """Returns the given number of 0 bits, padded with 1 bits."""
     text = "0" * count
     text += "1" * (-count % 8)
     return int(text, 2).to_bytes(len(text) // 8, "big")
@@ -116,7 +116,7 @@ def read(stream):
         from PIL import Image
         image = Image.open(io.BytesIO(stream))
         return "%s %dx%d %s" % (image.mode, *image.size, sorted(set(image.tobytes())))
-    except Exception as what:                   # Pillow raises anything
+    except Exception as what:                   # Pillow may raise any exception.
         return type(what).__name__
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Packs a program that is built, and tries what it packed: scripts/pack.sh DIRECTORY TARGET VERSION OUT
-# DIRECTORY holds ptm-conform; OUT gets ptm-conform-VERSION-TARGET.tar.gz, for Windows .zip, as `cargo binstall` expects.
+# Packs a compiled program and tests the archive: scripts/pack.sh DIRECTORY TARGET VERSION OUT
+# DIRECTORY contains ptm-conform. Writes OUT/ptm-conform-VERSION-TARGET.tar.gz, or .zip for Windows, as `cargo binstall` expects.
 set -euo pipefail
 directory=$1 target=$2 version=$3 out=$4
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -13,7 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/$name/completions" "$out"
 cp "$program" "$root"/README.md "$root"/CHANGELOG.md "$root"/CITATION.cff "$root"/LICENSE-* "$work/$name"
-# The module of the page on which files can be dropped, if it is built.
+# The WebAssembly module of the page for dropped files, if it is compiled.
 module=$root/packages/wasm/target/wasm32-unknown-unknown/release/ptm_conform_wasm.wasm
 [ ! -f "$module" ] || cp "$module" "$work/$name"
 "$program" --quiet man "$work/$name/man"
@@ -29,18 +29,18 @@ else
     archive=$out/$name.tar.gz
 fi
 
-# What was packed, in an empty directory.
-mkdir "$work/tried"
+# Test the archive in an empty directory.
+mkdir "$work/tested"
 case $archive in
-    *.zip) 7z x -bso0 "-o$work/tried" "$archive" ;;
-    *) tar -C "$work/tried" -xzf "$archive" ;;
+    *.zip) 7z x -bso0 "-o$work/tested" "$archive" ;;
+    *) tar -C "$work/tested" -xzf "$archive" ;;
 esac
-tried=$work/tried/$name/ptm-conform$suffix
-"$tried" --version
-"$tried" inspect "$root/corpus/lrgb/first-lrgb.ptm" > /dev/null
-"$tried" lint "$root/corpus/lrgb/first-lrgb.ptm"
-# Without a Unix system `check` is not there.
+tested=$work/tested/$name/ptm-conform$suffix
+"$tested" --version
+"$tested" inspect "$root/corpus/lrgb/first-lrgb.ptm" > /dev/null
+"$tested" lint "$root/corpus/lrgb/first-lrgb.ptm"
+# `check` exists only on Unix.
 if [ -z "$suffix" ]; then
-    (cd "$work/tried" && "./$name/ptm-conform" --quiet check)
+    (cd "$work/tested" && "./$name/ptm-conform" --quiet check)
 fi
 echo "$archive"

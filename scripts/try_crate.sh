@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Packs the crate, installs it from the packed file in an empty directory, and runs `check` there.
-# CARGO_TARGET_DIR may name a target directory whose dependencies are built already.
+# Packs the crate, installs it from the package, and runs `check` in an empty directory.
+# CARGO_TARGET_DIR may be a target directory with compiled dependencies.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo package --quiet --allow-dirty --no-verify

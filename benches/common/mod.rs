@@ -1,10 +1,10 @@
-//! Large generated maps, as files.
-#![allow(dead_code)] // each benchmark uses some of this
+//! Generator of large PTM files.
+#![allow(dead_code)] // each benchmark uses a part of this module
 
 use ptm_conform::codec::{jpeg, jpeg_ls};
 use ptm_conform::ptm::{Coding, Format};
 
-/// Returns a pseudorandom number that depends on the position only.
+/// Returns a pseudorandom number that depends only on the position and the seed.
 fn hash(x: u32, y: u32, seed: u32) -> u32 {
     let mixed = x
         .wrapping_mul(0x9E37_79B1)
@@ -14,20 +14,20 @@ fn hash(x: u32, y: u32, seed: u32) -> u32 {
     mixed ^ mixed >> 13
 }
 
-/// Returns noise from 0 to 255, interpolated smoothly between the corners of cells.
-fn soft(x: u32, y: u32, cell: u32, seed: u32) -> u32 {
+/// Returns noise from 0 to 255 that is interpolated linearly between the corners of cells.
+fn noise(x: u32, y: u32, cell: u32, seed: u32) -> u32 {
     let corner = |dx, dy| hash(x / cell + dx, y / cell + dy, seed + cell) & 255;
     let (fx, fy) = (x % cell, y % cell);
     let row = |dy| corner(0, dy) * (cell - fx) + corner(1, dy) * fx;
     (row(0) * (cell - fy) + row(1) * fy) / (cell * cell)
 }
 
-/// Returns a plane like a photograph: shapes, detail and a little grain.
+/// Returns a plane that resembles a photograph: shapes, details and some grain.
 pub fn plane(width: u32, height: u32, seed: u32) -> Vec<u8> {
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let value = |(x, y)| {
-        let shapes = 4 * soft(x, y, 128, seed) + 2 * soft(x, y, 32, seed) + soft(x, y, 8, seed);
-        (shapes / 7 + (hash(x, y, seed) & 3)).min(255) as u8
+        let sum = 4 * noise(x, y, 128, seed) + 2 * noise(x, y, 32, seed) + noise(x, y, 8, seed);
+        (sum / 7 + (hash(x, y, seed) & 3)).min(255) as u8
     };
     places.map(value).collect()
 }
@@ -39,31 +39,31 @@ pub fn file(format: Format, width: u32, height: u32) -> Vec<u8> {
     )
     .into_bytes();
     let texels = width as usize * height as usize;
-    let noise = |count: usize| (0..count as u32).map(|i| hash(i, 1, 2) as u8);
+    let random = |count: usize| (0..count as u32).map(|i| hash(i, 1, 2) as u8);
     match format {
-        Format::Rgb | Format::Lrgb => file.extend(noise(texels * format.channels())),
+        Format::Rgb | Format::Lrgb => file.extend(random(texels * format.channels())),
         Format::Lum => {
             file.extend(b"1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n");
-            file.extend(noise(texels * 8));
+            file.extend(random(texels * 8));
         }
         Format::PtmLut => {
             file.extend(b"256 N_LUT_ENTRIES\n");
-            file.extend(noise(256 * 6 + texels * 4));
+            file.extend(random(256 * 6 + texels * 4));
         }
         Format::PtmCLut => {
             file.extend(b"4096 N_LUT_ENTRIES\n");
-            file.extend(noise(4096 * 9));
+            file.extend(random(4096 * 9));
             file.extend(
                 (0..texels as u32).flat_map(|i| (hash(i, 3, 4) as u16 & 4095).to_le_bytes()),
             );
         }
-        _ => compressed(format, width, height, &mut file),
+        _ => append_compressed(format, width, height, &mut file),
     }
     file
 }
 
-/// Returns the lists and the streams of a file with intra planes.
-fn compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
+/// Appends the lists and the streams of a file with intra planes.
+fn append_compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
     let planes = format.channels();
     let streams = streams(format, width, height);
     let line = |numbers: Vec<usize>| {
@@ -89,10 +89,10 @@ fn compressed(format: Format, width: u32, height: u32, file: &mut Vec<u8>) {
     file.extend(streams.concat());
 }
 
-/// Returns the streams of the planes of a compressed file: JPEG of quality 90, or lossless JPEG-LS. Three different streams are
-/// repeated.
+/// Returns the streams of the planes of a compressed file: JPEG with quality 90, or lossless JPEG-LS. Three distinct streams
+/// are repeated.
 pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
-    let one = |seed| {
+    let stream = |seed| {
         let samples = plane(width, height, seed);
         if format.coding() == Some(Coding::Jpeg) {
             jpeg::encode(&samples, width, height, &jpeg::JpegOptions::new(90)).stream
@@ -104,8 +104,8 @@ pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
             jpeg_ls::encode(&samples, width, height, &lossless).stream
         }
     };
-    let different: Vec<Vec<u8>> = (0..3).map(one).collect();
-    different
+    let distinct: Vec<Vec<u8>> = (0..3).map(stream).collect();
+    distinct
         .into_iter()
         .cycle()
         .take(format.channels())

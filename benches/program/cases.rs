@@ -1,4 +1,4 @@
-//! Growth with the number of cases, from 100 to 100,000 generated cases, each checked in one run inside this process.
+//! Growth with the number of cases, for 100 to 100,000 generated cases that are checked in one run in this process.
 
 use std::fmt::Write;
 use std::fs;
@@ -16,7 +16,7 @@ use crate::measure::{own_time, slope};
 
 pub fn growth() {
     println!(
-        "| cases | time per case, µs | suite, bytes per case | results, bytes per case | growth from one tenth of the cases to all, bytes per case |"
+        "| cases | time per case, µs | suite, bytes per case | results, bytes per case | growth after the first tenth of the cases, bytes per case |"
     );
     println!("|---|---|---|---|---|");
     let mut times = Vec::new();
@@ -25,21 +25,21 @@ pub fn growth() {
         let suite = suite(count);
         let with_suite = memory();
         let mut run = None;
-        let seen = Mutex::new([0.0; 2]);
-        let look = |done: usize| match done {
-            _ if done == count / 10 => seen.lock().expect("no worker panics")[0] = memory(),
-            _ if done == count => seen.lock().expect("no worker panics")[1] = memory(),
+        let recorded = Mutex::new([0.0; 2]);
+        let record_memory = |done: usize| match done {
+            _ if done == count / 10 => recorded.lock().expect("no worker panics")[0] = memory(),
+            _ if done == count => recorded.lock().expect("no worker panics")[1] = memory(),
             _ => {}
         };
-        let spent = own_time(|| run = Some(all_pass(&suite, look))).processor;
-        let with_findings = memory();
-        let [at_a_tenth, at_the_end] = seen.into_inner().expect("no worker panics");
+        let spent = own_time(|| run = Some(run_all(&suite, record_memory))).processor;
+        let with_results = memory();
+        let [first_tenth, end] = recorded.into_inner().expect("no worker panics");
         println!(
             "| {count} | {:.0} | {:.0} | {:.0} | {:.0} |",
             spent / count as f64 * 1e6,
             (with_suite - before) / count as f64,
-            (with_findings - with_suite) / count as f64,
-            (at_the_end - at_a_tenth) / (count as f64 * 0.9),
+            (with_results - with_suite) / count as f64,
+            (end - first_tenth) / (count as f64 * 0.9),
         );
         times.push((count as f64, spent));
     }
@@ -54,7 +54,7 @@ fn memory() -> f64 {
     kilobytes.expect("a number of kilobytes") * 1024.0
 }
 
-/// Returns `count` cases: all formats in turn, with different seeds.
+/// Returns a suite with `count` cases of all formats, with different seeds.
 fn suite(count: usize) -> Suite {
     let mut text = String::new();
     for (i, format) in Format::ALL.into_iter().enumerate() {
@@ -67,20 +67,20 @@ fn suite(count: usize) -> Suite {
             name.to_lowercase().replace('_', "-"),
             seeds.join(", "),
         )
-        .expect("writing to memory does not fail");
+        .expect("memory");
     }
-    // Without a first file, no program is recognized as a decoder.
+    // Without a first file, the program under test does not count as a decoder.
     text.push_str("- { id: first, clauses: [\"1.0/1\"], because: first, expect: decode, first: true, make: { format: RGB, size: 2x2 } }\n");
     Suite::from_files(&[("generated.yaml", &text)]).expect("legal cases")
 }
 
-/// Calls `look` after each case, with the number of finished cases.
-fn all_pass(suite: &Suite, look: impl Fn(usize) + Sync) -> Run {
+/// Checks all cases with the reference. Calls `progress` after each case, with the number of finished cases.
+fn run_all(suite: &Suite, progress: impl Fn(usize) + Sync) -> Run {
     let plan = RunPlan::new(suite, 1);
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };
-    let run = check(suite, &plan, &ask, &|_, _, done, _| look(done));
+    let run = check(suite, &plan, &ask, &|_, _, done, _| progress(done));
     assert_eq!(run.exit_status(), 0, "the reference passes");
     run
 }

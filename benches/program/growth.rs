@@ -6,10 +6,10 @@ use std::process::Command;
 use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Format;
 
-use crate::measure::{memory_of_call, repeated, slope};
-use crate::{common, encode_image, put, reference};
+use crate::measure::{measure_in_turn, memory_of_call, slope};
+use crate::{common, reference, run_to_file, write_file};
 
-/// Widths and heights; each has twice as many texels as the previous one.
+/// Widths and heights. Each size has twice as many texels as the previous one.
 const SIZES: [(u32, u32); 5] = [
     (1024, 1024),
     (2048, 1024),
@@ -20,7 +20,7 @@ const SIZES: [(u32, u32); 5] = [
 
 pub fn in_texels(directory: &Path) {
     println!(
-        "Slopes of log-log lines through 1, 2, 4, 8 and 16 Mi texels, less what a map of one texel takes: 1 is in proportion.\n"
+        "Slopes in log-log scale for 1, 2, 4, 8 and 16 Mi texels, minus the values of a map with one texel. 1 means linear growth.\n"
     );
     println!("| format | view | time | memory |");
     println!("|---|---|---|---|");
@@ -33,20 +33,20 @@ pub fn in_texels(directory: &Path) {
     let raw = raw.map(|format| (format, "raw"));
     let others = [(Format::Lrgb, "coef"), (Format::Lrgb, View::ORDINARY_LIGHT)];
     for (format, view) in raw.into_iter().chain(others) {
-        one(format, view, directory);
+        measure_view(format, view, directory);
     }
 }
 
-fn one(format: Format, view: &str, directory: &Path) {
+fn measure_view(format: Format, view: &str, directory: &Path) {
     let out = directory.join("out");
     let command = |width, height| -> Command {
-        let path = put(directory, "map.ptm", &common::file(format, width, height));
+        let path = write_file(directory, "map.ptm", &common::file(format, width, height));
         reference(view, &path)
     };
     let spent = |width, height| {
         command(width, height);
         let map = directory.join("map.ptm");
-        let [spent] = repeated(9, &mut [&mut || encode_image(reference(view, &map), &out)]);
+        let [spent] = measure_in_turn(9, &mut [&mut || run_to_file(reference(view, &map), &out)]);
         spent.processor
     };
     let (time, memory) = (spent(1, 1), memory_of_call(&mut command(1, 1)) as f64);

@@ -1,9 +1,9 @@
-//! The program compared with other programs on the same bytes, as ratios of one run: `cargo bench --bench program`.
+//! Compares the program with other programs on the same bytes, as ratios within one run: `cargo bench --bench program`.
 //!
-//! With `-- cases` it measures growth with the number of cases instead, up to 100,000 in one run.
+//! With `-- cases`, it instead measures growth with the number of cases, up to 100,000 in one run.
 //!
-//! Times are processor time (user and system) of interleaved repetitions, so other load and the speed of the machine hardly
-//! matter. All files are in memory, in `/dev/shm` if it exists.
+//! Times are processor times (user and system) of interleaved repetitions, so unrelated load and the speed of the machine
+//! hardly matter. All files are in `/dev/shm`, and therefore in memory, if it exists.
 
 mod cases;
 
@@ -20,7 +20,7 @@ use std::process::{Command, Stdio};
 
 use ptm_conform::ptm::Format;
 
-use measure::{Spent, memory_of_call, own_time, repeated, time_of};
+use measure::{Spent, measure_in_turn, memory_of_call, own_time, time_of};
 
 const SIDE: u32 = 4096;
 
@@ -28,14 +28,14 @@ fn main() {
     if std::env::args().any(|word| word == "cases") {
         return cases::growth();
     }
-    // A test run only builds this.
+    // A test run only builds this benchmark.
     if std::env::args().any(|word| word == "--test") {
         return;
     }
     let scratch = scratch();
     println!("# Uncompressed maps of {SIDE} x {SIDE} texels\n");
     println!(
-        "The time of `reference raw FILE > OTHER`, divided by the time that `cp` takes for a file of the size of the output. Memory is divided by the size of the output.\n"
+        "The time of `reference raw FILE > OTHER` is divided by the time of `cp` for a file as large as the output. Memory is divided by the size of the output.\n"
     );
     println!(
         "| format | file, MB | output, MB | time / cp | wall-clock / cp | time / memcpy | memory / output |"
@@ -48,13 +48,13 @@ fn main() {
         Format::PtmLut,
         Format::PtmCLut,
     ] {
-        against_cp(format, scratch.path());
+        compare_with_cp(format, scratch.path());
     }
     println!("\n# Compressed maps of {SIDE} x {SIDE} texels\n");
     for format in [Format::JpegLrgb, Format::JpeglsLrgb] {
-        against_others(format, scratch.path());
+        compare_with_decoders(format, scratch.path());
     }
-    println!("# Growth in texels\n");
+    println!("# Growth with the number of texels\n");
     growth::in_texels(scratch.path());
 }
 
@@ -74,29 +74,29 @@ fn reference(view: &str, file: &Path) -> Command {
     command
 }
 
-fn put(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
+fn write_file(directory: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = directory.join(name);
-    fs::write(&path, bytes).expect("room for a file");
+    fs::write(&path, bytes).expect("space for a file");
     path
 }
 
-/// Runs a program with its standard output in a new file.
-fn encode_image(mut command: Command, out: &Path) -> Spent {
+/// Measures a program whose standard output goes to a new file.
+fn run_to_file(mut command: Command, out: &Path) -> Spent {
     let spent = time_of(command.stdout(File::create(out).expect("a file")));
-    fs::remove_file(out).expect("the file is there");
+    fs::remove_file(out).expect("the file exists");
     spent
 }
 
-fn against_cp(format: Format, directory: &Path) {
-    let file = put(directory, "map.ptm", &common::file(format, SIDE, SIDE));
+fn compare_with_cp(format: Format, directory: &Path) {
+    let file = write_file(directory, "map.ptm", &common::file(format, SIDE, SIDE));
     let bytes = SIDE as usize * SIDE as usize * format.channels();
-    let same_size = put(directory, "same", &vec![7; bytes]);
+    let same_size = write_file(directory, "same", &vec![7; bytes]);
     let out = directory.join("out");
     let mut source = vec![1_u8; bytes];
-    let [ours, cp, memcpy] = repeated(
+    let [ours, cp, memcpy] = measure_in_turn(
         9,
         &mut [
-            &mut || encode_image(reference("raw", &file), &out),
+            &mut || run_to_file(reference("raw", &file), &out),
             &mut || {
                 let mut cp = Command::new("cp");
                 let spent = time_of(cp.arg(&same_size).arg(&out));
@@ -123,9 +123,9 @@ fn against_cp(format: Format, directory: &Path) {
     );
 }
 
-fn against_others(format: Format, directory: &Path) {
+fn compare_with_decoders(format: Format, directory: &Path) {
     let streams = common::streams(format, SIDE, SIDE);
-    let file = put(directory, "map.ptm", &common::file(format, SIDE, SIDE));
+    let file = write_file(directory, "map.ptm", &common::file(format, SIDE, SIDE));
     let bytes = SIDE as usize * SIDE as usize * format.channels();
     let is_jpeg = format == Format::JpegLrgb;
     let names: Vec<PathBuf> = streams
@@ -133,7 +133,7 @@ fn against_others(format: Format, directory: &Path) {
         .take(3)
         .enumerate()
         .map(|(i, stream)| {
-            put(
+            write_file(
                 directory,
                 &format!("plane-{i}.{}", if is_jpeg { "jpg" } else { "jls" }),
                 stream,
@@ -144,10 +144,10 @@ fn against_others(format: Format, directory: &Path) {
     let bits = streams.iter().map(Vec::len).sum::<usize>() as f64 * 8.0 / bytes as f64;
     println!("## {}, {bits:.1} bits per sample\n", format.short_name());
 
-    let [program, codec, crate_decoder, library] = repeated(
+    let [program, codec, crate_decoder, library] = measure_in_turn(
         5,
         &mut [
-            &mut || encode_image(reference("raw", &file), &out),
+            &mut || run_to_file(reference("raw", &file), &out),
             &mut || own_time(|| streams.iter().for_each(|stream| decode(format, stream))),
             &mut || {
                 own_time(|| {
@@ -168,7 +168,7 @@ fn against_others(format: Format, directory: &Path) {
         ("CharLS", "")
     };
     println!(
-        "| divided by | the codec alone | `reference raw`, all threads' time | `reference raw`, wall-clock |"
+        "| compared with | the codec alone | `reference raw`, processor time | `reference raw`, wall-clock time |"
     );
     println!("|---|---|---|---|");
     let row = |name: &str, other: Spent| {
@@ -199,10 +199,10 @@ fn against_others(format: Format, directory: &Path) {
 fn decode(format: Format, stream: &[u8]) {
     let coding = format.coding().expect("a compressed format");
     let samples = coding.decode(stream, SIDE, SIDE);
-    std::hint::black_box(samples.expect("a whole stream"));
+    std::hint::black_box(samples.expect("a complete stream"));
 }
 
-/// Decodes these files with Pillow, each `count` times, on one thread; returns `None` if it cannot.
+/// Decodes each file `times` times with Pillow on one thread. Returns `None` if this fails.
 fn pillow(files: &[PathBuf], times: usize) -> Option<Spent> {
     const SCRIPT: &str = "
 import io, sys, time

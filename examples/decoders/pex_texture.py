@@ -3,10 +3,10 @@
 
     pex_texture.py texture FILE    FILE is a question in JSON; the answer is a JSON object on standard output
 
-Exit status: 0 answered, 65 out of the valid range or malformed, 69 unsupported. The steps stand in the order
-of the pipeline. Where the chapter leaves a question open, the name of the ruling is given in brackets, as in
-[gamma]. Python 3.8 or later, nothing but the standard library; maps made of PTM files are read by
-ptm_decoder.py, which lies beside this file.
+Exit status: 0 answered, 65 out of the valid range or malformed, 69 unsupported. The steps are in the order of
+the pipeline. If the chapter leaves a question open, the name of the ruling follows in brackets, as in [gamma].
+It needs only the standard library of Python 3.8 or later. For maps made from PTM files, it also needs
+ptm_decoder.py in the same directory.
 """
 
 import json
@@ -15,18 +15,18 @@ import sys
 
 
 class OutOfRange(Exception):
-    """The question is beyond the valid range."""
+    """A value of the question is out of the valid range."""
 
 
 class Unsupported(Exception):
-    """The question may be sound, but it is not answered here."""
+    """The question may be valid, but this program does not answer it."""
 
 
-class LeftToUs(Exception):
-    """The chapter has no answer; this names the point."""
+class ImplementationDefined(Exception):
+    """The chapter gives no answer. The argument names the open point."""
 
 
-# The table: fallback values, and the entry that an index names
+# The table: fallback values, and the entry for an index
 
 IDENTITY = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
 FALLBACK = {
@@ -52,7 +52,7 @@ FALLBACK = {
 }
 
 
-def entry_of(fields):
+def complete_entry(fields):
     return {**FALLBACK, **fields}
 
 
@@ -63,11 +63,11 @@ def resolve(given):
         raise OutOfRange("index-out-of-range")
     for named in (str(index), "1"):                       # [undefined-entry]
         if named in table:
-            return entry_of(table[named])
-    return entry_of({})
+            return complete_entry(table[named])
+    return complete_entry({})
 
 
-# Selection: what a facet asks for
+# Selection: the table entries for a facet
 
 def select(given):
     front = given.get("interior_style"), given.get("active", [])
@@ -81,7 +81,7 @@ def select(given):
     return {"entries": active[:given.get("max_texture_maps", len(active))]}
 
 
-# Parameterization: where coordinates come from
+# Parameterization: the source of texture coordinates
 
 def parameterize(entry, point, dimensions):
     method = entry["parameterization"]
@@ -99,7 +99,7 @@ def parameterize(entry, point, dimensions):
         return float_data(entry["fp_data_index"], point, dimensions)
     if method == "ReflectionSphereVRC":
         x, y, z = reflection(entry, point, "vrc")
-        # [vrc-azimuth] Half a turn is the whole map: from -x over the viewer to +x, and behind again.
+        # [vrc-azimuth] Half a turn spans the whole map: from -x past the viewer to +x, and again on the far side.
         return [turns(x, z) * 2 % 1, height(x, y, z), 0.0]
     if method == "ReflectionSphereWC":
         x, y, z = reflection(entry, point, "wc")
@@ -123,27 +123,27 @@ def float_data(first, point, dimensions):
         data = point.get("fp_data", [])
     wanted = data[first:first + dimensions]
     if len(wanted) < dimensions:
-        raise LeftToUs("fp-data-short")
+        raise ImplementationDefined("fp-data-short")
     return wanted + [0.0] * (3 - dimensions)
 
 
 def reflection(entry, point, space):
-    """The reflection vector, turned by the reflection matrix, of length 1."""
+    """Returns the reflection vector, transformed by the reflection matrix, as a unit vector."""
     s = point.get("s")
     if s is None:
         i = point.get("i")
         if i is None:
             i = unit([p - e for p, e in zip(point[space], point["eye_" + space])])
         s = reflect(i, normal(point, space))
-    # [reflection-matrix] A direction is turned; the last column would move it.
+    # [reflection-matrix] A direction is rotated but not translated, so the last column is ignored.
     turned = [sum(m * c for m, c in zip(row, s)) for row in entry["reflection_matrix"][:3]]
     if not any(turned):
-        raise LeftToUs("no-reflection")
+        raise ImplementationDefined("no-reflection")
     return unit(turned)
 
 
 def reflect(i, n):
-    """The mirror image of the line of sight [reflection-vector]."""
+    """Returns the line of sight reflected at the normal n [reflection-vector]."""
     n_dot_i = sum(a * b for a, b in zip(n, i))
     return [a - 2 * n_dot_i * b for a, b in zip(i, n)]
 
@@ -154,12 +154,12 @@ def unit(vector):
 
 
 def turns(x, z):
-    """Whole turns around +y from +x, counter-clockwise seen from +y [poles]."""
+    """Returns the angle around +y as a fraction of a turn, from +x, counter-clockwise as seen from +y [poles]."""
     return math.atan2(-z, x) / (2 * math.pi) % 1 if x or z else 0.0
 
 
 def height(x, y, z):
-    """0 at -y, 1 at +y, by the angle [vrc-height, wc-height]."""
+    """Returns the angle from -y, scaled to 0 at -y and 1 at +y [vrc-height, wc-height]."""
     return 1 - math.atan2(math.hypot(x, z), y) / math.pi
 
 
@@ -173,7 +173,7 @@ def orient(matrix, t):
 def interpolate(given):
     shares, corners = given["b"], given["ts"]
     if given["correction"] == "Vertex":
-        raise LeftToUs("vertex-correction")
+        raise ImplementationDefined("vertex-correction")
     if given["correction"] == "Pixel":                     # [perspective]
         shares = [b / w for b, w in zip(shares, given["w"])]
         shares = [b / sum(shares) for b in shares]
@@ -197,7 +197,7 @@ def depth(given):
     return {"depth": level, "mode": "min" if max(spans) > 1 else "mag"}     # [one-texel]
 
 
-# Texture maps: a kind and levels, each a size and texels, t0 fastest
+# Texture maps: a kind, and levels with a size and texels; t0 varies fastest
 
 def checkerboard():
     def square(k):
@@ -206,22 +206,22 @@ def checkerboard():
     return {"kind": "RGB", "levels": [{"size": [16, 16], "texels": [square(k) for k in range(256)]}]}
 
 
-def map_of(given):
+def read_map(given):
     if given is None or given == "default":
         return checkerboard()
     made = ptm_map(given) if "ptm" in given else {"kind": given["kind"], "levels": list(given["levels"])}
     if given.get("mipmap") == "box":
         while max(made["levels"][-1]["size"]) > 1:
-            made["levels"].append(halved(made["levels"][-1]))
+            made["levels"].append(half_level(made["levels"][-1]))
     return made
 
 
 def ptm_map(given):
-    """A PTM under a light; its file begins with the bottom row, as a map does [ptm-rows]."""
+    """Returns a PTM under a light as a map. Both start with the bottom row [ptm-rows]."""
     try:
         import ptm_decoder
     except ImportError:
-        raise Unsupported("maps made of PTM files need ptm_decoder.py") from None
+        raise Unsupported("maps made from PTM files need ptm_decoder.py") from None
     ptm = ptm_decoder.read_ptm(bytes.fromhex(given["ptm"]))
     colors = [ptm_decoder.texel_color(ptm, texel, *given["light"]) for texel in ptm.texels]
     rows = [colors[y * ptm.width:(y + 1) * ptm.width] for y in range(ptm.height)]
@@ -230,8 +230,8 @@ def ptm_map(given):
     return {"kind": "RGB", "levels": [{"size": [ptm.width, ptm.height], "texels": texels}]}
 
 
-def halved(level):
-    """Each texel the mean of those it covers; sizes that cannot be halved are not asked for [level-making]."""
+def half_level(level):
+    """Returns the next level: each texel is the mean of those it covers. All sizes can be halved [level-making]."""
     size = [max(1, n // 2) for n in level["size"]]
     texels = []
     for at in places(size):
@@ -243,7 +243,7 @@ def halved(level):
 
 
 def places(size):
-    """Every place of a level, t0 fastest."""
+    """Returns the positions of all texels of a level; t0 varies fastest."""
     if not size:
         return [[]]
     return [[i] + rest for rest in places(size[1:]) for i in range(size[0])]
@@ -259,7 +259,7 @@ def texel_at(level, place):
 # Sampling
 
 def fetch(entry, texture, t, sample_depth=0.0, magnify=False):
-    """Kind and components; None where texturing is discontinued; kind "clamp" for the clamp color."""
+    """Returns the kind and the components of a sample, ("clamp", clamp color), or None if texturing is discontinued."""
     directions = range(len(texture["levels"][0]["size"]))
     if any(entry["boundary"][d] == "ClampExplicit" and not 0 <= t[d] <= 1 for d in directions):
         return ("clamp", entry["clamp_color"]) if entry["clamp_method"] == "Color" else None
@@ -272,7 +272,7 @@ def fetch(entry, texture, t, sample_depth=0.0, magnify=False):
     if method.endswith("InMipmap"):
         nearest = math.ceil(sample_depth - 0.5)            # [level-tie]
         return texture["kind"], take(entry, levels[min(top, max(0, nearest))], t)
-    # Between the levels: an end alone beyond the ends.
+    # Interpolate between two levels. Beyond the first or the last level, use only that level.
     exact = min(float(top), max(0.0, sample_depth))
     lower = math.floor(exact)
     upper = min(top, lower + 1)
@@ -281,13 +281,13 @@ def fetch(entry, texture, t, sample_depth=0.0, magnify=False):
 
 
 def closest(entry, level, t):
-    """The texel in whose cell t lies [texel-grid, texel-tie]."""
+    """Returns the texel whose cell contains t [texel-grid, texel-tie]."""
     place = [inside(entry["boundary"][d], math.floor(t[d] * n), n) for d, n in enumerate(level["size"])]
     return texel_at(level, place)
 
 
 def weighted(entry, level, t):
-    """The 2^n texels with middles around t [weights]."""
+    """Returns the weighted mean of the 2^n texels whose centers surround t [weights]."""
     total = None
     for corner in places([2] * len(level["size"])):
         place, weight = [], 1.0
@@ -302,23 +302,23 @@ def weighted(entry, level, t):
 
 
 def inside(boundary, k, n):
-    """Texel number k, which may lie beyond either end, as a texel of the map."""
+    """Maps the texel index k, which may be out of range, to an index in the map."""
     if boundary == "Wrap":
         return k % n
     if boundary == "Mirror":
         k %= 2 * n
         return k if k < n else 2 * n - 1 - k
-    return min(n - 1, max(0, k))                           # ClampBorder; inside also [explicit-neighbour]
+    return min(n - 1, max(0, k))                           # ClampBorder, or ClampExplicit inside [explicit-neighbour]
 
 
 # Composition
 
 def compose(entry, sampled, color, alpha, white):
-    """One map. `white` is the light on a white surface in the split form, and white itself in the direct form."""
+    """Applies one map. `white` is a white surface in the light (split form), or white itself (direct form)."""
     if sampled is None:
         return color, alpha
     kind, parts = sampled
-    if kind == "clamp":                                    # [clamp-color] a texel without alpha
+    if kind == "clamp":                                    # [clamp-color] The clamp color has no alpha.
         kind = "RGB"
     has_alpha = kind.endswith("A")
     texel = [parts[0]] * 3 if kind.startswith("L") else list(parts[:3])
@@ -342,7 +342,7 @@ def compose(entry, sampled, color, alpha, white):
 
 
 def selected(channel, kind, texel, texel_alpha):
-    """The factor of BlendEnvColor: a channel, or the luminance [gamma, no-alpha-to-select]."""
+    """Returns the factor for BlendEnvColor: a channel, or the luminance [gamma, no-alpha-to-select]."""
     if kind.startswith("L"):
         return texel[0]
     return {"Red": texel[0], "Green": texel[1], "Blue": texel[2], "Alpha": texel_alpha}[channel]
@@ -354,10 +354,10 @@ def blend(under, over, share):
 
 # The whole stage
 
-def sampled_by(given, entry):
+def sample_of(given, entry):
     if "texel" in given:
         return None if given["texel"] == "discontinue" else tuple(given["texel"])
-    texture = map_of(given.get("map"))
+    texture = read_map(given.get("map"))
     t = given.get("t")
     if t is None:
         t = parameterize(entry, given["point"], len(texture["levels"][0]["size"]))
@@ -371,8 +371,8 @@ def stage(given):
     white, specular = surface.get("cw", [1, 1, 1]), surface.get("cs", [0, 0, 0])
     maps = []
     for one in given["entries"]:
-        entry = entry_of(one.get("entry", {}))
-        maps.append((entry, sampled_by(one, entry)))
+        entry = complete_entry(one.get("entry", {}))
+        maps.append((entry, sample_of(one, entry)))
     # [two-stages, split-form]
     split = given.get("interp", "None") in ("None", "Color") and given.get("frequency") == "Pixel"
     if split:
@@ -392,9 +392,9 @@ def stage(given):
 # Questions and answers
 
 def answer(op, given):
-    entry = entry_of(given.get("entry", {}))
+    entry = complete_entry(given.get("entry", {}))
     if op == "defaults":
-        return entry_of({})
+        return complete_entry({})
     if op == "select":
         return select(given)
     if op == "resolve":
@@ -415,7 +415,7 @@ def answer(op, given):
         n = given["size"]
         return {"index": [inside(given["boundary"], math.floor(t * n), n) for t in given["t"]]}
     if op == "sample":
-        sampled = fetch(entry, map_of(given["map"]), given["t"], given.get("depth", 0.0), given.get("mag", False))
+        sampled = fetch(entry, read_map(given["map"]), given["t"], given.get("depth", 0.0), given.get("mag", False))
         return {"texel": sampled[1] if sampled else "discontinue"}
     if op == "compose":
         texel = None if given["texel"] == "discontinue" else given["texel"]
@@ -435,7 +435,7 @@ def main():
         question = json.load(file)
     try:
         print(json.dumps(answer(question["op"], question["given"])))
-    except LeftToUs as point:
+    except ImplementationDefined as point:
         print(json.dumps({"impl_defined": str(point)}))
     except OutOfRange as why:
         print("out of range:", why, file=sys.stderr)

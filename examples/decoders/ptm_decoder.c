@@ -1,13 +1,13 @@
 /*
- * Reads a Polynomial Texture Map, version 1.2, in its four plainest formats, and answers in PTM-CP 1.
+ * Reads a Polynomial Texture Map, version 1.2, in its four simplest formats, and answers in PTM-CP 1.
  *
  *     ptm_decoder VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
- *     ptm_decoder capabilities    what this decoder can do, in YAML
+ *     ptm_decoder capabilities    the capabilities of this decoder, in YAML
  *
  *     cc -std=c99 -O2 -o ptm_decoder ptm_decoder.c
  *
  * Exit status: 0 decoded, 65 malformed, 69 unsupported (LUM, the compressed formats, other views), 1 no memory or no file.
- * The sections stand in the order of the text. Where the text leaves a question open, the name of the ruling is given in
+ * The sections are in the order of the specification. If it leaves a question open, the name of the ruling follows in
  * brackets, as in [rows].
  */
 
@@ -25,13 +25,13 @@
 
 enum { MALFORMED = 65, UNSUPPORTED = 69 };
 
-/* The file, and how far it has been read. */
+/* The bytes of the file, and the current position. */
 typedef struct {
     const unsigned char *bytes;
     size_t size, at;
 } Source;
 
-/* A map: `texels` holds `channels` bytes for each, left to right, top row first. */
+/* A map. `texels` has `channels` bytes for each texel, left to right, top row first. */
 typedef struct {
     size_t width, height;
     int channels;               /* 18: red a0..a5, green, blue; 9: a0..a5, R, G, B */
@@ -39,7 +39,7 @@ typedef struct {
     unsigned char *texels;
 } Map;
 
-static void leave(int status, const char *why)
+static void fail(int status, const char *why)
 {
     fprintf(stderr, "%s: %s\n", status == MALFORMED ? "malformed" : status == UNSUPPORTED ? "unsupported" : "error", why);
     exit(status);
@@ -49,15 +49,15 @@ static void *allocate(size_t count, size_t size)
 {
     void *memory = size != 0 && count > SIZE_MAX / size ? NULL : malloc(count * size + 1);
     if (memory == NULL)
-        leave(1, "not enough memory");
+        fail(1, "not enough memory");
     return memory;
 }
 
 /* 2.0 File format: header lines, then bytes */
 
 /*
- * The next header line, copied into `line`: printable words parted by one blank or more, at most one blank before its end
- * [header-line-end, header-blanks]. What follows its line feed comes next, whatever it is. The caller frees it.
+ * Returns a copy of the next header line, which the caller frees. The line consists of printable words that are separated
+ * by one or more spaces, with at most one space before its end [header-line-end, header-blanks].
  */
 static char *next_line(Source *source)
 {
@@ -67,7 +67,7 @@ static char *next_line(Source *source)
     char *line;
 
     if (end == NULL)
-        leave(MALFORMED, "the header ends without a line feed");
+        fail(MALFORMED, "the header ends without a line feed");
     length = (size_t)(end - start);
     source->at += length + 1;
     line = allocate(length + 1, 1);
@@ -77,13 +77,13 @@ static char *next_line(Source *source)
     line[length] = '\0';
     for (i = 0; i < length; i++)
         if (line[i] < ' ' || line[i] > '~')
-            leave(MALFORMED, "a header line has other bytes than letters, digits and blanks");
+            fail(MALFORMED, "a header line contains bytes that are not printable");
     if (length == 0 || line[0] == ' ' || line[length - 1] == ' ')
-        leave(MALFORMED, "a header line is empty or has stray blanks");
+        fail(MALFORMED, "a header line is empty or has extra spaces");
     return line;
 }
 
-/* The next word of a line, or NULL. It is cut off in place. */
+/* Returns the next word of a line, or NULL. The word is terminated in place. */
 static char *next_word(char **rest)
 {
     char *word = *rest + strspn(*rest, " ");
@@ -96,7 +96,7 @@ static char *next_word(char **rest)
     return word;
 }
 
-/* [+-]? (digits [. digits?] | . digits) ([eE] [+-]? digits)? and nothing else [numbers] */
+/* Returns 1 for [+-]? (digits [. digits?] | . digits) ([eE] [+-]? digits)? and nothing else [numbers]. */
 static int is_number(const char *word)
 {
     size_t whole, part = 0;
@@ -126,35 +126,35 @@ static double number(const char *word)
     double value = is_number(word) ? strtod(word, NULL) : HUGE_VAL;
 
     if (value == HUGE_VAL || value == -HUGE_VAL)
-        leave(MALFORMED, "a number is none, or has no end");
+        fail(MALFORMED, "a number is malformed or not finite");
     return value;
 }
 
-/* A number above 0; what no machine can count is as wrong as what is not there [dimensions]. */
+/* Returns a number above 0. Numbers that do not fit in size_t are malformed, because no such file can exist [dimensions]. */
 static size_t positive_integer(const char *word)
 {
     size_t value = 0;
 
     word += *word == '+';
     if (*word == '\0' || word[strspn(word, "0123456789")] != '\0')
-        leave(MALFORMED, "a size is no positive integer");
+        fail(MALFORMED, "a size is not a positive integer");
     for (; *word != '\0'; word++) {
         if (value > (SIZE_MAX - 9) / 10)
-            leave(MALFORMED, "a size is too large");
+            fail(MALFORMED, "a size is too large");
         value = value * 10 + (size_t)(*word - '0');
     }
     if (value == 0)
-        leave(MALFORMED, "a size is 0");
+        fail(MALFORMED, "a size is 0");
     return value;
 }
 
-/* `count` times `size` bytes of the file. They are compared with what is there before anything is made [payload-end]. */
+/* Returns the next `count` times `size` bytes. This checks the length before any allocation [payload-end]. */
 static const unsigned char *take(Source *source, size_t count, size_t size)
 {
     const unsigned char *bytes = source->bytes + source->at;
 
     if (count > (source->size - source->at) / size)
-        leave(MALFORMED, "the file is too short");
+        fail(MALFORMED, "the file is too short");
     source->at += count * size;
     return bytes;
 }
@@ -165,8 +165,8 @@ static void read_version(Source *source)
 {
     char *line = next_line(source);
 
-    if (strcmp(line, "PTM_1.2") != 0)           /* [version] PTM_1.1 has another layout */
-        leave(MALFORMED, "the first line is not PTM_1.2");
+    if (strcmp(line, "PTM_1.2") != 0)           /* [version] PTM_1.1 has a different layout. */
+        fail(MALFORMED, "the first line is not PTM_1.2");
     free(line);
 }
 
@@ -192,15 +192,15 @@ static Format read_format(Source *source)
         }
     for (i = 0; i < sizeof known / sizeof *known; i++)
         if (strcmp(line, known[i]) == 0)
-            leave(UNSUPPORTED, known[i]);
-    leave(MALFORMED, "unknown format");
+            fail(UNSUPPORTED, known[i]);
+    fail(MALFORMED, "unknown format");
     return RGB;
 }
 
 /* 2.3 and 2.4: `first` words on one line and the rest on the next, or all on one line [size-spelling] */
 
 typedef struct {
-    char *lines[2], *words[12];                             /* the words lie in the lines */
+    char *lines[2], *words[12];                             /* The words point into the lines. */
     size_t count;
 } Words;
 
@@ -210,7 +210,7 @@ static void add_line(Source *source, Words *words, int line)
 
     while ((word = next_word(&rest)) != NULL) {
         if (words->count == 12)
-            leave(MALFORMED, "a header line has too many words");
+            fail(MALFORMED, "a header line has too many words");
         words->words[words->count++] = word;
     }
 }
@@ -223,7 +223,7 @@ static Words read_words(Source *source, size_t count, size_t first)
     if (words.count == first)
         add_line(source, &words, 1);
     if (words.count != count)
-        leave(MALFORMED, "a header line has too few words, or too many");
+        fail(MALFORMED, "a header line has too few or too many words");
     return words;
 }
 
@@ -243,7 +243,7 @@ static void read_size(Source *source, Map *map)
     map->height = positive_integer(words.words[1]);
     free_words(&words);
     if (map->width > SIZE_MAX / map->height)
-        leave(MALFORMED, "the size is too large");
+        fail(MALFORMED, "the size is too large");
 }
 
 /* 2.4 Scale and bias */
@@ -256,16 +256,16 @@ static void read_scale_and_bias(Source *source, Map *map)
     for (i = 0; i < 6; i++) {
         map->scale[i] = number(words.words[i]);
         map->bias[i] = number(words.words[6 + i]);
-        if (map->bias[i] != floor(map->bias[i]))            /* [odd-numbers] 3.0 is an integer */
-            leave(MALFORMED, "a bias is no integer");
+        if (map->bias[i] != floor(map->bias[i]))            /* [odd-numbers] 3.0 is an integer. */
+            fail(MALFORMED, "a bias is not an integer");
     }
     free_words(&words);
 }
 
-/* The final value of a channel: bias first, then scale, in real arithmetic [final-coefficient]. */
+/* Returns the final value of a channel: (raw - bias) * scale in real arithmetic [final-coefficient]. */
 static double final_value(const Map *map, const unsigned char *texel, int channel)
 {
-    int coefficients = map->channels == 18 ? 18 : 6;        /* the bytes after a5 are color, left as stored */
+    int coefficients = map->channels == 18 ? 18 : 6;        /* The bytes after a5 are colors, which stay as stored. */
 
     return channel < coefficients ? (texel[channel] - map->bias[channel % 6]) * map->scale[channel % 6] : texel[channel];
 }
@@ -273,7 +273,7 @@ static double final_value(const Map *map, const unsigned char *texel, int channe
 /* 2.5 Lookup table */
 
 typedef struct {
-    size_t count, width;                                    /* entries, and bytes of each */
+    size_t count, width;                                    /* number of entries, and bytes per entry */
     const unsigned char *entries;
 } Table;
 
@@ -287,81 +287,80 @@ static Table read_table(Source *source, Format format)
     if (second != NULL && strcmp(first, "nentries") == 0)
         first = second;
     else if (second != NULL && strcmp(second, "N_LUT_ENTRIES") != 0)
-        leave(MALFORMED, "not a number of entries");
+        fail(MALFORMED, "not a number of entries");
     if (third != NULL)
-        leave(MALFORMED, "not a number of entries");
+        fail(MALFORMED, "not a number of entries");
     table.count = positive_integer(first);
     free(line);
-    table.entries = take(source, table.count, table.width);    /* [lut-newline] the indices follow directly */
+    table.entries = take(source, table.count, table.width);    /* [lut-newline] The indices follow directly. */
     return table;
 }
 
-/* The entry of texel `i`. The number of entries says how wide an index is [lut-width]; low byte first. */
+/* Returns the entry of texel `i`. The number of entries determines the size of an index [lut-width]; low byte first. */
 static const unsigned char *entry_of(const Table *table, const unsigned char *indices, size_t i)
 {
     size_t index = table->count <= 256 ? indices[i] : indices[2 * i] + 256 * (size_t)indices[2 * i + 1];
 
     if (index >= table->count)                              /* [lut-range] */
-        leave(MALFORMED, "an index is past the last entry");
+        fail(MALFORMED, "an index is past the last entry");
     return table->entries + index * table->width;
 }
 
-/* 2.7 and 2.8: the texels. [rows] The bottom row is stored first, so texel i goes to the row as far from the bottom. */
-
-static unsigned char *place_of(const Map *map, size_t i)
+/* 2.7 and 2.8: returns the address of texel `i` in stored order. [rows] The bottom row is stored first. */
+static unsigned char *texel_at(const Map *map, size_t i)
 {
     size_t x = i % map->width, y = map->height - 1 - i / map->width;
 
     return map->texels + (y * map->width + x) * (size_t)map->channels;
 }
 
-static void make_texels(Map *map, size_t count)
+static void allocate_texels(Map *map, size_t count)
 {
     map->texels = allocate(count, (size_t)map->channels);
 }
 
-/* 2.7.1: a block of six coefficients a texel for red, one for green, one for blue [blocks] */
+/* 2.7.1: three blocks for red, green and blue, each with six coefficients per texel [blocks] */
 static void read_rgb(Source *source, Map *map, size_t count)
 {
     const unsigned char *blocks = take(source, count, 18);
     size_t i, block;
 
-    make_texels(map, count);
+    allocate_texels(map, count);
     for (i = 0; i < count; i++)
         for (block = 0; block < 3; block++)
-            memcpy(place_of(map, i) + 6 * block, blocks + (block * count + i) * 6, 6);
+            memcpy(texel_at(map, i) + 6 * block, blocks + (block * count + i) * 6, 6);
 }
 
-/* 2.7.3: a block of six coefficients a texel, then a block of R, G, B [blocks] */
+/* 2.7.3: a block with six coefficients per texel, then a block with R, G, B per texel [blocks] */
 static void read_lrgb(Source *source, Map *map, size_t count)
 {
     const unsigned char *coefficients = take(source, count, 9);
     const unsigned char *colors = coefficients + 6 * count;
     size_t i;
 
-    make_texels(map, count);
+    allocate_texels(map, count);
     for (i = 0; i < count; i++) {
-        memcpy(place_of(map, i), coefficients + 6 * i, 6);
-        memcpy(place_of(map, i) + 6, colors + 3 * i, 3);
+        memcpy(texel_at(map, i), coefficients + 6 * i, 6);
+        memcpy(texel_at(map, i) + 6, colors + 3 * i, 3);
     }
 }
 
-/* 2.8: indices; with PTM_LUT the color of each texel follows all of them, with PTM_C_LUT the entry has it */
+/* 2.8: all indices. In PTM_LUT, the colors of all texels follow. In PTM_C_LUT, the entries contain the colors. */
 static void read_indexed(Source *source, Map *map, size_t count, const Table *table)
 {
     const unsigned char *indices = take(source, count, table->count <= 256 ? 1 : 2);
     const unsigned char *colors = table->width == 6 ? take(source, count, 3) : NULL;
     size_t i;
 
-    make_texels(map, count);
+    allocate_texels(map, count);
     for (i = 0; i < count; i++) {
-        memcpy(place_of(map, i), entry_of(table, indices, i), table->width);
+        memcpy(texel_at(map, i), entry_of(table, indices, i), table->width);
         if (colors != NULL)
-            memcpy(place_of(map, i) + 6, colors + 3 * i, 3);
+            memcpy(texel_at(map, i) + 6, colors + 3 * i, 3);
     }
 }
 
-/* The format at a glance: bytes in, map out. Bytes behind the end are passed over [trailing]. */
+/* Reads a file section by section. Trailing bytes are ignored [trailing]. */
 static Map read_map(Source *source)
 {
     Map map;
@@ -394,7 +393,7 @@ static double polynomial(const double *a, double lu, double lv)
     return a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5];
 }
 
-/* [color] The color of RGB is the polynomial of each channel; else luminance times color / 255. Clamped at the very end. */
+/* [color] In RGB, each channel is its polynomial; in the other formats, luminance * color / 255. Clamp last, then round. */
 static void color_of(const Map *map, const unsigned char *texel, double lu, double lv, unsigned char *color)
 {
     double values[18];
@@ -414,10 +413,10 @@ static void color_of(const Map *map, const unsigned char *texel, double lu, doub
 static void put(const void *bytes, size_t size)
 {
     if (fwrite(bytes, 1, size, stdout) != size)
-        leave(1, "standard output cannot be written");
+        fail(1, "standard output cannot be written");
 }
 
-/* A float in four bytes, low byte first, whatever this machine's order is. */
+/* Writes a float as four bytes, low byte first on any machine. */
 static void put_float(double value)
 {
     float narrow = (float)value;
@@ -454,7 +453,7 @@ static void print_frame(const Map *map, const char *view, double lu, double lv)
                 put_float(final_value(map, texel, channel));
     }
     if (fflush(stdout) != 0)
-        leave(1, "standard output cannot be written");
+        fail(1, "standard output cannot be written");
 }
 
 static const char *const CAPABILITIES =
@@ -466,7 +465,7 @@ static const char *const CAPABILITIES =
     "modes: [one-shot]\n"
     "reject_exit: 65\n";
 
-/* The light of "rgb:LU,LV"; a view that is none of the three is unsupported. */
+/* Parses the view, and the light of "rgb:LU,LV". Other views are unsupported. */
 static void read_view(const char *view, double *lu, double *lv)
 {
     char light[128], *comma;
@@ -474,19 +473,19 @@ static void read_view(const char *view, double *lu, double *lv)
     if (strcmp(view, "raw") == 0 || strcmp(view, "coef") == 0)
         return;
     if (strncmp(view, "rgb:", 4) != 0 || strlen(view) >= sizeof light)
-        leave(UNSUPPORTED, "view");
+        fail(UNSUPPORTED, "view");
     strcpy(light, view + 4);
     comma = strchr(light, ',');
     if (comma == NULL)
-        leave(UNSUPPORTED, "view");
+        fail(UNSUPPORTED, "view");
     *comma = '\0';
     if (!is_number(light) || !is_number(comma + 1))
-        leave(UNSUPPORTED, "view");
+        fail(UNSUPPORTED, "view");
     *lu = strtod(light, NULL);
     *lv = strtod(comma + 1, NULL);
 }
 
-/* The whole file, in memory that grows with what is really there. */
+/* Reads the whole file into a buffer that grows as needed. */
 static Source read_file(const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -495,19 +494,19 @@ static Source read_file(const char *path)
     Source source;
 
     if (file == NULL)
-        leave(1, strerror(errno));
+        fail(1, strerror(errno));
     bytes = allocate(room, 1);
     while ((got = fread(bytes + size, 1, room - size, file)) > 0) {
         size += got;
         if (size == room) {
             unsigned char *more = room > SIZE_MAX / 2 ? NULL : realloc(bytes, room *= 2);
             if (more == NULL)
-                leave(1, "not enough memory");
+                fail(1, "not enough memory");
             bytes = more;
         }
     }
     if (ferror(file))
-        leave(1, strerror(errno));
+        fail(1, strerror(errno));
     fclose(file);
     source.bytes = bytes;
     source.size = size;
@@ -522,7 +521,7 @@ int main(int argc, char **argv)
     Map map;
 
 #if defined(_WIN32)
-    _setmode(_fileno(stdout), _O_BINARY);       /* or line feeds among the samples would become two bytes */
+    _setmode(_fileno(stdout), _O_BINARY);       /* Text mode would write CR LF for LF bytes in the samples. */
 #endif
     if (argc == 2 && strcmp(argv[1], "capabilities") == 0) {
         fputs(CAPABILITIES, stdout);

@@ -1,27 +1,27 @@
 #!/usr/bin/env node
 "use strict";
-// Reads an uncompressed Polynomial Texture Map, version 1.2, and answers in PTM-CP 1. Node 18 or later, nothing else.
+// Reads an uncompressed Polynomial Texture Map, version 1.2, and answers in PTM-CP 1. Needs only Node 18 or later.
 //
 //     ptm_decoder.js VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
 //     ptm_decoder.js serve           requests "SEQ VIEW PATH" on standard input, one per line
 //
-// Exit status: 0 decoded, 65 malformed, 69 unsupported (the compressed formats, other views). The sections stand in the
-// order of the text; where it leaves a question open, the name of the ruling is given in brackets, as in [rows].
+// Exit status: 0 decoded, 65 malformed, 69 unsupported (the compressed formats, other views). The sections are in the order
+// of the specification. If it leaves a question open, the name of the ruling follows in brackets, as in [rows].
 
 const fs = require("fs");
 
 class Refusal extends Error {
-  constructor(status, words) { super(words); this.status = status; }
+  constructor(status, message) { super(message); this.status = status; }
 }
-const malformed = (words) => { throw new Refusal(65, `malformed: ${words}`); };
-const unsupported = (words) => { throw new Refusal(69, `unsupported: ${words}`); };
+const malformed = (reason) => { throw new Refusal(65, `malformed: ${reason}`); };
+const unsupported = (reason) => { throw new Refusal(69, `unsupported: ${reason}`); };
 
-// The format at a glance: bytes in, channels of every texel out, top row first.
+// Reads a file section by section. Returns the samples of every texel, top row first.
 function readPtm(file) {
   const source = new Source(file);
-  if (source.token() !== "PTM_1.2") malformed("not PTM_1.2");             // 2.1
+  if (source.token() !== "PTM_1.2") malformed("the first line is not PTM_1.2");             // 2.1
   source.lineEnd();
-  const [, format] = /^PTM_FORMAT_(\w+)$/.exec(source.token()) || malformed("no name of a format"); // 2.2
+  const [, format] = /^PTM_FORMAT_(\w+)$/.exec(source.token()) || malformed("the name of the format is missing"); // 2.2
   if (/^JPEG(LS)?_L?RGB$/.test(format)) unsupported(format);
   const channels = new Map([["RGB", 18], ["LUM", 8], ["LRGB", 9], ["PTM_LUT", 9], ["PTM_C_LUT", 9]]).get(format);
   if (!channels) malformed(`unknown format ${format}`);
@@ -33,7 +33,7 @@ function readPtm(file) {
   const scale = source.numbers(6, () => source.gap());                    // 2.4
   source.gapOrLineEnd();
   const bias = source.numbers(6, () => source.gap());
-  if (!bias.every(Number.isInteger)) malformed("a bias is no integer");   // [odd-numbers]
+  if (!bias.every(Number.isInteger)) malformed("a bias is not an integer");   // [odd-numbers]
   source.lineEnd();
 
   const count = width * height;
@@ -51,11 +51,11 @@ function readPtm(file) {
     const table = source.blocks(entries, format === "PTM_LUT" ? 6 : 9);   // [lut-newline]
     const size = entries <= 256 ? 1 : 2;                                  // 2.8 [lut-width]
     const indices = source.blocks(count, size);
-    const lookUp = (texel) => {
+    const entryOf = (texel) => {
       const index = indices(texel).reduceRight((index, byte) => index * 256 + byte, 0);
       return index < entries ? table(index) : malformed(`index ${index} into ${entries} entries`); // [lut-range]
     };
-    parts = format === "PTM_LUT" ? [lookUp, source.blocks(count, 3)] : [lookUp];
+    parts = format === "PTM_LUT" ? [entryOf, source.blocks(count, 3)] : [entryOf];
   }
 
   const samples = Buffer.alloc(count * channels);
@@ -68,59 +68,59 @@ function readPtm(file) {
   return { width, height, channels, scale, bias, matrix, samples };       // [trailing]
 }
 
-// Words, gaps and line ends of the header, then blocks of the payload.
+// Reads words, spaces and line ends of the header, then blocks of the payload.
 class Source {
   constructor(file) { this.file = file; this.at = 0; }
 
   token() {
     let end = this.at;
     while (end < this.file.length && this.file[end] !== 0x20 && this.file[end] !== 0x0a) end++;
-    if (end === this.at) malformed(`nothing stands at byte ${this.at}`);
+    if (end === this.at) malformed(`expected a word at byte ${this.at}`);
     return this.file.toString("latin1", this.at, this.at = end);
   }
 
-  // One line feed, before which one space may stand [header-line-end].
+  // Skips a line feed, with an optional space before it [header-line-end].
   skipLineEnd() {
     const space = this.file[this.at] === 0x20 ? 1 : 0;
     if (this.file[this.at + space] !== 0x0a) return false;
     this.at += space + 1;
     return true;
   }
-  lineEnd() { this.skipLineEnd() || malformed(`no line end at byte ${this.at}`); }
+  lineEnd() { this.skipLineEnd() || malformed(`expected the end of the line at byte ${this.at}`); }
   gap() {
     const from = this.at;
     while (this.file[this.at] === 0x20) this.at++;
-    if (this.at === from) malformed(`no space at byte ${from}`);
+    if (this.at === from) malformed(`expected a space at byte ${from}`);
   }
   gapOrLineEnd() { this.skipLineEnd() || this.gap(); }                    // [size-spelling]
 
   number() {                                                              // [numbers]
     const word = this.token();
     const value = /^[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$/.test(word) ? Number(word) : NaN;
-    return Number.isFinite(value) ? value : malformed(`${word} is no number`);
+    return Number.isFinite(value) ? value : malformed(`${word} is not a number`);
   }
   numbers(count, between) {
     return Array.from({ length: count }, (_, i) => { if (i > 0) between(); return this.number(); });
   }
-  whole() {
+  integer() {
     const word = this.token();
-    return /^\+?\d+$/.test(word) && Number(word) < 2 ** 32 ? Number(word) : malformed(`${word} is no whole number`);
+    return /^\+?\d+$/.test(word) && Number(word) < 2 ** 32 ? Number(word) : malformed(`${word} is not a valid integer`);
   }
-  side() { return this.whole() || malformed("a side of 0"); }             // [dimensions]
+  side() { return this.integer() || malformed("the width or height is 0"); }             // [dimensions]
 
   entryCount() {                                                          // [lut-count], all three spellings
     const first = this.file.toString("latin1", this.at, this.at + 9) === "nentries ";
     if (first) { this.token(); this.gap(); }
-    const count = this.whole();
+    const count = this.integer();
     if (!this.skipLineEnd()) {
       this.gap();
-      if (first || this.token() !== "N_LUT_ENTRIES") malformed("the number of entries goes on");
+      if (first || this.token() !== "N_LUT_ENTRIES") malformed("expected N_LUT_ENTRIES after the number of entries");
       this.lineEnd();
     }
     return count;
   }
 
-  // `count` groups of `size` bytes: a function from a group's number to its bytes.
+  // Reads `count` groups of `size` bytes. Returns a function that maps the index of a group to its bytes.
   blocks(count, size) {
     const from = this.at;
     if (count * size > this.file.length - from) malformed("the file is too short"); // [payload-end]
@@ -129,8 +129,8 @@ class Source {
   }
 }
 
-// 2.4 and 1.0: final values, and the colors under a light.
-function final(ptm) {
+// 2.4 and 1.0: final values and the colors under a light.
+function finalValues(ptm) {
   const polynomials = ptm.channels === 18 ? 18 : 6;
   return Float64Array.from(ptm.samples, (raw, i) => {
     const channel = i % ptm.channels;
@@ -138,8 +138,8 @@ function final(ptm) {
   });
 }
 
-function picture(ptm, lu, lv) {
-  const values = final(ptm);
+function litImage(ptm, lu, lv) {
+  const values = finalValues(ptm);
   const powers = [lu * lu, lv * lv, lu * lv, lu, lv, 1];                  // [light] +lu right, +lv up
   const colors = Buffer.alloc(values.length / ptm.channels * 3);
   for (let texel = 0; texel < colors.length / 3; texel++) {
@@ -162,8 +162,8 @@ function frame(view, path) {
   const ptm = readPtm(fs.readFileSync(path));
   const line = (name, channels, type) => Buffer.from(`PTM1 ${name} ${ptm.width} ${ptm.height} ${channels} ${type}\n`);
   if (view === "raw") return [line("raw", ptm.channels, "u8"), ptm.samples];
-  if (light) return [line("rgb", 3, "u8"), picture(ptm, Number(light[1]), Number(light[2]))];
-  const values = final(ptm), bytes = Buffer.alloc(4 * values.length);
+  if (light) return [line("rgb", 3, "u8"), litImage(ptm, Number(light[1]), Number(light[2]))];
+  const values = finalValues(ptm), bytes = Buffer.alloc(4 * values.length);
   values.forEach((value, i) => bytes.writeFloatLE(Math.fround(value), 4 * i));
   return [line("coef", ptm.channels, "f32"), bytes];
 }
@@ -197,7 +197,7 @@ function main([view, path]) {
   if (view === "capabilities") return process.stdout.write(CAPABILITIES);
   if (view === "serve") return serve();
   if (path === undefined) unsupported("usage: ptm_decoder.js VIEW FILE");
-  // No process.exit: it would cut off what a pipe has not taken yet.
+  // Do not call process.exit, which would lose the bytes that a pipe has not accepted yet.
   for (const part of frame(view, path)) process.stdout.write(part);
 }
 

@@ -2,14 +2,14 @@
 """Reads a Polynomial Texture Map, version 1.2, in all nine formats, and answers in PTM-CP 1.
 
     ptm_decoder.py VIEW FILE       VIEW is raw, coef or rgb:LU,LV; one frame on standard output
-    ptm_decoder.py capabilities    what this decoder can do, in YAML
-    ptm_decoder.py serve           requests "SEQ VIEW PATH" on standard input, one a line
+    ptm_decoder.py capabilities    the capabilities of this decoder, in YAML
+    ptm_decoder.py serve           requests "SEQ VIEW PATH" on standard input, one per line
 
 Exit status: 0 decoded, 65 malformed, 69 unsupported (other views, other transforms).
-The sections stand in the order of the text. Where the text leaves a question open, the name
-of the ruling is given in brackets, as in [rows]. Python 3.8 or later. The standard library is
-enough for the uncompressed formats; the streams of 2.9 are read by Pillow and, for JPEG-LS, by
-pillow-jpls besides (pip install pillow pillow-jpls). Without them it exits with 69 for those formats.
+The sections are in the order of the specification. If it leaves a question open, the name of
+the ruling follows in brackets, as in [rows]. It needs Python 3.8 or later. The compressed formats
+of 2.9 also need Pillow, and JPEG-LS needs pillow-jpls (pip install pillow pillow-jpls). Without
+them, it exits with 69 for these formats.
 """
 
 import array
@@ -21,11 +21,11 @@ import os
 import re
 import sys
 
-# A texel is one bytes object, its channels in the order of the text:
+# A texel is a bytes object with its channels in the order of the specification:
 #   RGB  (18)  red a0..a5, green a0..a5, blue a0..a5
-#   LRGB (9)   a0..a5, R, G, B            the two LUT formats become this shape too
+#   LRGB (9)   a0..a5, R, G, B            also for the two LUT formats
 #   LUM  (8)   a0..a5, Cr, Cb
-# `texels` runs left to right, top row first. `matrix` is None except for LUM.
+# `texels` is ordered left to right, top row first. `matrix` is None except for LUM.
 Ptm = collections.namedtuple("Ptm", "width height scale bias matrix texels")
 
 
@@ -34,11 +34,11 @@ class Malformed(Exception):
 
 
 class Unsupported(Exception):
-    """The file may be sound, but this decoder does not read it."""
+    """The file may be valid, but this decoder does not support it."""
 
 
 def read_ptm(file):
-    """The format at a glance: bytes in, Ptm out."""
+    """Reads a file section by section."""
     source = Source(file)
     read_version(source)                                              # 2.1
     format = read_format(source)                                      # 2.2
@@ -55,36 +55,36 @@ def read_ptm(file):
     return Ptm(width, height, scale, bias, matrix, texels)            # [trailing]
 
 
-# 1.0 Background: the polynomial, and the colour under a light
+# 1.0 Background: the polynomial, and the color under a light
 
 def polynomial(a, lu, lv):
-    """One channel under the light (lu, lv): +lu to the right, +lv up [light]."""
+    """Returns one channel under the light (lu, lv), with +lu to the right and +lv up [light]."""
     return a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
 
 
 def texel_color(ptm, texel, lu, lv):
-    """Red, green and blue as real numbers, not yet clamped [color]."""
+    """Returns red, green and blue as real numbers that are not clamped [color]."""
     values = final_coefficients(ptm, texel)
     luminance = polynomial(values[:6], lu, lv)
     if len(texel) == 18:
         return luminance, polynomial(values[6:12], lu, lv), polynomial(values[12:], lu, lv)
     if len(texel) == 9:
         return [luminance * channel / 255 for channel in texel[6:]]
-    # [lum-vector, lum-major, lum-range] M times (Y, Cr, Cb, 1), all in 0..255; the matrix lies
-    # column after column. Its last row (elements 3, 7, 11, 15) is not used [lum-last-row].
+    # [lum-vector, lum-major, lum-range] M * (Y, Cr, Cb, 1) with values in 0..255. The matrix is in
+    # column-major order. Its last row (elements 3, 7, 11, 15) is not used [lum-last-row].
     m, y, cr, cb = ptm.matrix, luminance, texel[6], texel[7]
     return [m[row] * y + m[row + 4] * cr + m[row + 8] * cb + m[row + 12] for row in range(3)]
 
 
 def color_byte(value):
-    """Clamped at the very end, then rounded. In this order a NaN becomes 0."""
+    """Clamps, then rounds. In this order, NaN becomes 0."""
     return int(min(255.0, max(0.0, value)) + 0.5)
 
 
 # 2.0 File format: header lines, then bytes
 
-# [header-line-end, header-blanks] Words parted by spaces, at most one space before the LF.
-# A tab, a CR, a blank at the start or an empty line matches nothing here.
+# [header-line-end, header-blanks] Words separated by spaces, with at most one space before the LF.
+# Tabs, CRs, a space at the start of a line, and empty lines do not match.
 LINE = re.compile(rb"[!-~]+(?: +[!-~]+)* ?")
 NUMBER = re.compile(rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")     # [numbers]
 INTEGER = re.compile(rb"[+-]?[0-9]{1,18}")
@@ -92,25 +92,25 @@ COUNT = re.compile(rb"\+?0*[1-9][0-9]{0,17}")                                   
 
 
 class Source:
-    """The file and how far it has been read."""
+    """The bytes of a file, and the current position."""
 
     def __init__(self, file):
         self.file = file
         self.at = 0
 
     def line(self):
-        """The words of the next header line; what follows its LF comes next, whatever it is."""
+        """Returns the words of the next header line."""
         end = self.file.find(b"\n", self.at)
         if end < 0:
             raise Malformed("the header ends without a newline")
         line = self.file[self.at:end]
         if not LINE.fullmatch(line):
-            raise Malformed("header line with stray blanks or bytes: %r" % line[:60])
+            raise Malformed("header line with extra spaces or invalid bytes: %r" % line[:60])
         self.at = end + 1
         return line.split()
 
     def bytes(self, size):
-        """The next `size` bytes. Sizes are compared with the file before anything is made."""
+        """Returns the next `size` bytes. This checks the size before any allocation."""
         if size > len(self.file) - self.at:
             raise Malformed("%d bytes needed, %d remain" % (size, len(self.file) - self.at))
         start, self.at = self.at, self.at + size
@@ -118,7 +118,7 @@ class Source:
 
 
 def number(word):
-    # float() alone would also take nan, inf, underscores and other digits.
+    # float() alone would also accept nan, inf, underscores and non-ASCII digits.
     value = float(word) if NUMBER.fullmatch(word) else math.inf
     if math.isinf(value):
         raise Malformed("not a number: %r" % word[:60])
@@ -126,7 +126,7 @@ def number(word):
 
 
 def whole_number(word):
-    # [odd-numbers] "3.0" is a whole number, "1.5" is not; any sign and size will do.
+    # [odd-numbers] "3.0" is a whole number, "1.5" is not. Any sign and size is valid.
     value = number(word)
     if value != math.floor(value):
         raise Malformed("not an integer: %r" % word[:60])
@@ -149,7 +149,7 @@ def positive_integer(word):
 
 def read_version(source):
     words = source.line()
-    if words != [b"PTM_1.2"]:                       # [version] PTM_1.1 has another layout
+    if words != [b"PTM_1.2"]:                       # [version] PTM_1.1 has a different layout
         raise Malformed("the first line is not PTM_1.2")
 
 
@@ -166,30 +166,30 @@ def read_format(source):
 # 2.3 Image size
 
 def read_size(source):
-    """Width, then height, on one line or two [size-spelling]."""
+    """Reads the width, then the height, on one line or two [size-spelling]."""
     words = source.line()
     if len(words) == 1:
         words = words + source.line()
     if len(words) != 2:
-        raise Malformed("the size is not two numbers")
+        raise Malformed("expected a width and a height")
     return positive_integer(words[0]), positive_integer(words[1])
 
 
 # 2.4 Scale and bias
 
 def read_scale_and_bias(source):
-    """Six scales, then six biases, on one line or two [size-spelling]."""
+    """Reads six scales, then six biases, on one line or two [size-spelling]."""
     words = source.line()
     if len(words) == 6:
         words = words + source.line()
     if len(words) != 12:
-        raise Malformed("scale and bias are not six and six numbers")
+        raise Malformed("expected six scales and six biases")
     return [number(word) for word in words[:6]], [whole_number(word) for word in words[6:]]
 
 
 def final_coefficients(ptm, texel):
-    """All channels as plain numbers; the three channels of RGB share one scale and bias."""
-    polynomials = 18 if len(texel) == 18 else 6     # the bytes after a5 are colour, left as stored
+    """Returns all channels as numbers. The three channels of RGB share six scales and biases."""
+    polynomials = 18 if len(texel) == 18 else 6     # the bytes after a5 are colors, as stored
     # [final-coefficient] Bias first, then scale, in real arithmetic.
     return [(raw - ptm.bias[i % 6]) * ptm.scale[i % 6] if i < polynomials else float(raw)
             for i, raw in enumerate(texel)]
@@ -204,7 +204,7 @@ ENTRY_SIZE = {
 
 
 def read_lookup_table(source, format):
-    """The entries, one bytes object each; none for the formats without a table."""
+    """Returns the entries as bytes objects, or no entries for formats without a table."""
     if format not in ENTRY_SIZE:
         return []
     words = source.line()
@@ -220,38 +220,38 @@ def read_lookup_table(source, format):
     return groups(source.bytes(count * ENTRY_SIZE[format]), ENTRY_SIZE[format])
 
 
-# 2.6 Colour matrix
+# 2.6 Color matrix
 
 def read_color_matrix(source, format):
-    """Sixteen numbers on one line [lum-layout]; None for every format but LUM."""
+    """Reads sixteen numbers on one line [lum-layout]. Returns None for all formats except LUM."""
     if format != b"PTM_FORMAT_LUM":
         return None
     words = source.line()
     if len(words) != 16:
-        raise Malformed("the colour matrix is not 16 numbers on one line")
+        raise Malformed("the color matrix is not 16 numbers on one line")
     return [number(word) for word in words]
 
 
-# 2.7 Uncompressed data of each texel, in stored order
+# 2.7 Uncompressed data per texel, in stored order
 
 def groups(data, size):
     return [data[i:i + size] for i in range(0, len(data), size)]
 
 
 def read_rgb(source, count, entries):
-    """2.7.1: a block of six coefficients a texel for red, one for green, one for blue [blocks]."""
+    """2.7.1: three blocks for red, green and blue, each with six coefficients per texel [blocks]."""
     blocks = source.bytes(count * 18)
     red, green, blue = [groups(block, 6) for block in groups(blocks, count * 6)]
     return [r + g + b for r, g, b in zip(red, green, blue)]
 
 
 def read_lum(source, count, entries):
-    """2.7.2: eight bytes a texel, a0..a5, Cr, Cb."""
+    """2.7.2: eight bytes per texel: a0..a5, Cr, Cb."""
     return groups(source.bytes(count * 8), 8)
 
 
 def read_lrgb(source, count, entries):
-    """2.7.3: a block of six coefficients a texel, then a block of R, G, B [blocks]."""
+    """2.7.3: a block with six coefficients per texel, then a block with R, G, B per texel [blocks]."""
     luminance = groups(source.bytes(count * 6), 6)
     color = groups(source.bytes(count * 3), 3)
     return [a + rgb for a, rgb in zip(luminance, color)]
@@ -260,7 +260,7 @@ def read_lrgb(source, count, entries):
 # 2.8 Lookup table indices
 
 def read_c_lut(source, count, entries):
-    """2.8.2: indices only; the entry is the whole texel."""
+    """2.8.2: only indices. The entry is the whole texel."""
     width = 1 if len(entries) <= 256 else 2         # [lut-width, lut-huge] by the number of entries
     stored = groups(source.bytes(count * width), width)
     indices = [int.from_bytes(index, "little") for index in stored]
@@ -270,7 +270,7 @@ def read_c_lut(source, count, entries):
 
 
 def read_lut(source, count, entries):
-    """2.8.1: all indices, then R, G, B of each texel."""
+    """2.8.1: all indices, then R, G, B per texel."""
     luminance = read_c_lut(source, count, entries)
     color = groups(source.bytes(count * 3), 3)
     return [a + rgb for a, rgb in zip(luminance, color)]
@@ -285,38 +285,38 @@ READ_TEXELS = {
 }
 
 
-# 2.9 Compressed data: a parameter, lists of a number for each plane, then the planes
+# 2.9 Compressed data: a parameter, lists with one number per plane, then the planes
 
-# What the lists say of one plane, in the order of the lists; `rank` is its number in 2.9.4.
+# The numbers of one plane, in the order of the lists. `rank` is its number in 2.9.4.
 Plane = collections.namedtuple("Plane", "transform mx my rank reference size side_size")
 
 INVERSION, MOTION = 1, 2                            # 2.9.2
 
 
 def read_compressed(source, format, width, height):
-    """The texels, in stored order. A plane is one coefficient or colour of every texel."""
+    """Returns the texels in stored order. A plane has one coefficient or color of every texel."""
     count, decode = COMPRESSED[format]
     planes = read_lists(source, count)                                # 2.9.1 to 2.9.7
-    # [planes-stored] In the order of the planes, each stream followed by its side information.
+    # [planes-stored] The streams are in the order of the planes, each followed by its side information.
     streams = [(source.bytes(plane.size), source.bytes(plane.side_size)) for plane in planes]
     samples = [decode(stream, width, height) for stream, side in streams]
-    # [order] The order gives ranks. Equal ranks and gaps do no harm [ranks].
+    # [order] The order consists of ranks. Equal ranks and gaps are allowed [ranks].
     for i in sorted(range(count), key=lambda i: planes[i].rank):
         samples[i] = reconstruct(planes, samples, i, width, height)
-        correct(samples[i], streams[i][1])          # before another plane is predicted from it
+        correct(samples[i], streams[i][1])          # before it predicts another plane
     return [bytes(texel) for texel in zip(*samples)]
 
 
 def read_lists(source, count):
-    """2.9.1 to 2.9.7: a Plane for each plane. Numbers are counted, not lines [list-lines]."""
+    """2.9.1 to 2.9.7: returns the planes. Line breaks between the numbers do not matter [list-lines]."""
     words = []
     while len(words) < 1 + 7 * count:
         words += source.line()
     if len(words) > 1 + 7 * count:
         raise Malformed("%d numbers too many" % (len(words) - 1 - 7 * count))
-    number(words[0])                                # 2.9.1: not needed to decode [plane-odd]
+    number(words[0])                                # 2.9.1: not needed for decoding [plane-odd]
     numbers = [integer(word) for word in words[1:]]
-    # 2.9.3 is two lists, x of all planes and then y of all planes.
+    # 2.9.3 consists of two lists: x of all planes, then y of all planes.
     planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
     for plane in planes:
         if plane.transform & ~(INVERSION | MOTION):
@@ -326,47 +326,47 @@ def read_lists(source, count):
         if plane.reference >= count:
             raise Malformed("reference %d of %d planes" % (plane.reference, count))
         if plane.reference >= 0 and planes[plane.reference].rank >= plane.rank:
-            raise Malformed("a plane of rank %d has a reference of no lower rank" % plane.rank)
+            raise Malformed("a plane of rank %d is predicted from a plane that is not decoded before it" % plane.rank)
     return planes
 
 
 # 2.9.2, 2.9.3, 2.9.5: prediction
 
 def reconstruct(planes, samples, i, width, height):
-    """Plane i before its own corrections. The stream of a predicted plane holds residuals."""
+    """Returns plane i before its corrections. The stream of a predicted plane contains residuals."""
     plane = planes[i]
-    if plane.reference < 0:                         # [prediction] Intra: no transform, no motion.
+    if plane.reference < 0:                         # [prediction] Intra: no transform and no motion.
         return bytearray(samples[i])
     predictor = bytes(samples[plane.reference])
-    if plane.transform & INVERSION:                 # [motion-inversion] First this, then motion.
+    if plane.transform & INVERSION:                 # [motion-inversion] Inversion first, then motion.
         predictor = bytes(255 - value for value in predictor)
     if plane.transform & MOTION:
         predictor = moved(predictor, width, height, plane.mx, plane.my)
-    # [prediction, jpeg-ls-offset] Modulo 256, the same for both codecs.
+    # [prediction, jpeg-ls-offset] Modulo 256, for both codecs.
     return bytearray((r + p - 128) % 256 for r, p in zip(samples[i], predictor))
 
 
 def moved(plane, width, height, mx, my):
-    """At (x, y) what `plane` has at (x + mx/2, y + my/2) [motion-sign]; y runs along the rows as
-    they are stored [motion-vertical]."""
-    left, right = neighbours(width, mx)
-    upper, lower = neighbours(height, my)
+    """Returns a plane with the value of `plane` at (x + mx/2, y + my/2) for each (x, y) [motion-sign].
+    y counts rows in stored order [motion-vertical]."""
+    left, right = neighbors(width, mx)
+    upper, lower = neighbors(height, my)
     rows = groups(plane, width)
     result = bytearray()
     for above, below in zip(upper, lower):
         a, b = rows[above], rows[below]
-        # [motion-half] The mean of four, rounded once. Where a vector is whole two of them, or all
-        # four, are the same texel, and this is the mean of two, or the texel itself.
+        # [motion-half] The mean of four texels, rounded once. If mx or my is even, two or all four
+        # of them are the same texel, so this is the mean of two texels, or the texel itself.
         result += bytes((a[l] + a[r] + b[l] + b[r] + 2) // 4 for l, r in zip(left, right))
     return bytes(result)
 
 
-def neighbours(size, half_steps):
-    """For each place 0 .. size-1, the places on both sides of where the vector leads."""
-    # [motion-border] Outside the plane its edge goes on.
-    inside = lambda place: min(max(place, 0), size - 1)
-    before, behind = half_steps // 2, (half_steps + 1) // 2
-    return [inside(i + before) for i in range(size)], [inside(i + behind) for i in range(size)]
+def neighbors(size, half_steps):
+    """Returns, for each position, the positions on both sides of the point to which the vector leads."""
+    # [motion-border] Positions outside the plane are clamped to its edge.
+    inside = lambda position: min(max(position, 0), size - 1)
+    lower, upper = half_steps // 2, (half_steps + 1) // 2
+    return [inside(i + lower) for i in range(size)], [inside(i + upper) for i in range(size)]
 
 
 # 2.9.8: the streams of the planes, and their side information
@@ -384,19 +384,19 @@ def decode_jpeg_ls(stream, width, height):
         import pillow_jpls
     except ImportError:
         raise Unsupported("JPEG-LS: pillow-jpls is not installed")
-    if b"\xff\xd9" not in stream:                   # [plane-damage] CharLS looks long for the end of a cut stream.
+    if b"\xff\xd9" not in stream:                   # [plane-damage] CharLS is very slow if the end is missing.
         raise Malformed("JPEG-LS stream without an end")
-    # Image.open knows JPEG-LS only by a frame header right at the beginning.
+    # Image.open recognizes JPEG-LS only if the frame header comes first.
     return decode_stream(pillow_jpls.JplsImageFile, stream, width, height)
 
 
-def decode_stream(opened, stream, width, height):
-    """The samples of one component of 8 bits, as many as the map has texels [plane-stream]."""
+def decode_stream(open_image, stream, width, height):
+    """Returns the samples of a stream with one component of 8 bits and the size of the map [plane-stream]."""
     try:
-        image = opened(io.BytesIO(stream))
+        image = open_image(io.BytesIO(stream))
         found = image.mode, image.size
         samples = image.tobytes() if found == ("L", (width, height)) else b""
-    except Exception as what:                       # [plane-damage] Codecs raise anything.
+    except Exception as what:                       # [plane-damage] Codecs raise any exception.
         raise Malformed("stream: %s" % what)
     if len(samples) != width * height:
         raise Malformed("stream of %r, not %r" % (found, ("L", (width, height))))
@@ -404,12 +404,12 @@ def decode_stream(opened, stream, width, height):
 
 
 def correct(plane, side):
-    """Side information: records of a position, high byte first, and the value for it."""
+    """Applies side information: records with a position, high byte first, and its value."""
     if len(side) % 5 != 0:                          # [side-malformed]
         raise Malformed("%d bytes of side information" % len(side))
-    # [side-lossless, side-twice] All records count, whatever the parameter; the last one wins.
+    # [side-lossless, side-twice] Records apply for any parameter. The last one for a position wins.
     for record in groups(side, 5):
-        # [side-information] Positions count along the rows of the plane as they are stored.
+        # [side-information] Positions count texels along the rows in stored order.
         position = int.from_bytes(record[:4], "big")
         if position >= len(plane):
             raise Malformed("side information at %d of %d texels" % (position, len(plane)))
@@ -438,16 +438,16 @@ reject_exit: 65
 
 
 def capabilities():
-    """What this decoder says of itself: it reads compressed planes where it finds the codecs."""
-    def found(format):
+    """Returns the capabilities. They include a compressed format if its codec is installed."""
+    def is_supported(format):
         codecs = ["PIL", "pillow_jpls"] if b"JPEGLS" in format else ["PIL"]
         return format in READ_TEXELS or all(map(importlib.util.find_spec, codecs))
-    formats = filter(found, [*READ_TEXELS, *COMPRESSED])
+    formats = filter(is_supported, [*READ_TEXELS, *COMPRESSED])
     return CAPABILITIES % ", ".join(format.decode() for format in formats)
 
 
 def parse_view(view):
-    """The name of the view and its light, if it has one."""
+    """Returns the name of a view and its light, if it has one."""
     name, _, light = view.partition(b":")
     words = light.split(b",")
     if view in (b"raw", b"coef"):

@@ -8,12 +8,12 @@ class Decoder {
     static final String SCALE = "[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][+-]?\\d+)?", BIAS = "[+-]?\\d+", BREAK = "(?: +| ?\n)";
     static final Pattern HEADER = Pattern.compile(String.format(
         "PTM_1\\.2 ?\n(PTM_FORMAT_\\w+) ?\n(\\d{1,9})%3$s(\\d{1,9}) ?\n(%1$s(?: +%1$s){5})%3$s(%2$s(?: +%2$s){5}) ?\n", SCALE, BIAS, BREAK));
-    /** Exit status 65: malformed. 69: files of this kind, or the view, are not supported. */
+    /** Exit status 65: the file is malformed. 69: the kind of file or the view is not supported. */
     static class Refusal extends Exception { final int status; Refusal(int status) { this.status = status; } }
     record Image(int width, int height, int channels, String type, byte[] samples) {}
 
-    /** Fill in: returns the image of a view; samples are u8 or f32, texel by texel, top row first.
-     *  This decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first. */
+    /** To do: return the image of a view. Samples are u8 or f32, texel by texel, top row first.
+     *  This example decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first. */
     static Image decode(String view, byte[] file) throws Refusal {
         Matcher header = HEADER.matcher(new String(file, StandardCharsets.ISO_8859_1));
         if (!view.equals("raw") || header.lookingAt() && !header.group(1).equals("PTM_FORMAT_LRGB")) throw new Refusal(69);
@@ -31,7 +31,7 @@ class Decoder {
         }
         return new Image(width, height, 9, "u8", samples);
     }
-    // Answers a request and returns the exit status; there is no sequence number in one-shot mode.
+    // Answers a request and returns the exit status. In one-shot mode, there is no sequence number.
     static int answer(String sequence, String view, String path, PrintStream out) throws IOException {
         try {
             Image image = decode(view, Files.readAllBytes(Path.of(path)));

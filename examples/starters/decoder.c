@@ -1,10 +1,10 @@
-/* A minimal PTM decoder for ptm-conform, built by cc -O2 -o decoder decoder.c -lm: ./decoder VIEW FILE, or ./decoder serve. */
+/* A minimal PTM decoder for ptm-conform: ./decoder VIEW FILE, or ./decoder serve. To build: cc -O2 -o decoder decoder.c -lm */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 typedef struct { unsigned long width, height, channels; int is_real; unsigned char *samples; size_t size; } Image;
-/* Reads the next word of the header; returns its separator: ' ' for spaces, '\n' for a line feed after at most one space. */
+/* Reads the next word of the header. Returns its separator: ' ' for spaces, '\n' for a line feed after at most one space. */
 static int next_word(const char **rest, char word[64]) {
     size_t length = strcspn(*rest, " \n"), spaces = strspn(*rest + length, " ");
     if (length > 63) return 0;
@@ -12,10 +12,10 @@ static int next_word(const char **rest, char word[64]) {
     return **rest == '\n' && spaces < 2 ? *(*rest)++ : spaces > 0 ? ' ' : 0;
 }
 
-/* Fill in: sets the image of a view, or returns 65 for malformed files, 69 for files or views that are not supported. Samples are
- * u8 or f32, texel by texel, top row first. This decodes PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first. */
+/* To do: set the image of a view, or return 65 for malformed files, 69 for unsupported files or views. Samples are u8 or f32,
+ * texel by texel, top row first. This example decodes PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first. */
 static int decode(const char *view, const char *file, size_t size, Image *image) {
-    const char *rest = file, *ends = "\n\n*\n     *     \n"; /* '*' stands for a space or a line feed */
+    const char *rest = file, *ends = "\n\n*\n     *     \n"; /* '*' is a space or a line feed */
     char words[16][64], *end;
     for (int i = 0; i < 16; i++) {
         int separator = next_word(&rest, words[i]), wanted = ends[i], is_other = i == 1 && !strncmp(words[1], "PTM_FORMAT_", 11) && strcmp(words[1], "PTM_FORMAT_LRGB");
@@ -34,7 +34,7 @@ static int decode(const char *view, const char *file, size_t size, Image *image)
     }
     return 0;
 }
-/* Answers a request, without a sequence number in one-shot mode; returns the exit status. */
+/* Answers a request and returns the exit status. In one-shot mode, there is no sequence number. */
 static int answer(const char *sequence, const char *view, const char *path) {
     Image image = {0};
     FILE *in = fopen(path, "rb");

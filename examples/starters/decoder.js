@@ -7,7 +7,7 @@ const six = (number) => `(${number}(?: +${number}){5})`, BREAK = "(?: +| ?\\n)";
 const NUMBERS = six("[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][+-]?\\d+)?") + BREAK + six("[+-]?\\d+") + " ?\\n";
 const HEADER = new RegExp(`^PTM_1\\.2 ?\\n(PTM_FORMAT_\\w+) ?\\n(\\d+)${BREAK}(\\d+) ?\\n${NUMBERS}`);
 
-// Exit status 65: the file must be refused. 69: files of this kind, or the view, are not supported.
+// Exit status 65: the file is malformed. 69: the kind of file or the view is not supported.
 class Refusal extends Error {
   constructor(status) {
     super(`exit status ${status}`);
@@ -15,8 +15,8 @@ class Refusal extends Error {
   }
 }
 
-// Fill in: returns width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
-// This decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first.
+// To do: return width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
+// This example decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first.
 function decode(view, file) {
   const header = HEADER.exec(file.toString("latin1"));
   if (view !== "raw" || (header && header[1] !== "PTM_FORMAT_LRGB")) throw new Refusal(69);

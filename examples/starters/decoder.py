@@ -9,13 +9,13 @@ HEADER = re.compile(rb"PTM_1\.2 ?\n(PTM_FORMAT_\w+) ?\n" + SIZE + NUMBERS)
 
 
 class Refusal(Exception):
-    """Its argument is the exit status: 65 for malformed files, 69 for files or views that are not supported."""
+    """The argument is the exit status: 65 for malformed files, 69 for unsupported files or views."""
 
 
 def decode(view, file):
-    """Fill in: returns width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
+    """To do: return width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
 
-    This decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first."""
+    This example decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first."""
     header = HEADER.match(file)
     if view != "raw" or header and header[1] != b"PTM_FORMAT_LRGB":
         raise Refusal(69)

@@ -1,7 +1,7 @@
-//! A minimal PTM decoder for ptm-conform, built by `rustc -O decoder.rs`: ./decoder VIEW FILE, or ./decoder serve.
+//! A minimal PTM decoder for ptm-conform: ./decoder VIEW FILE, or ./decoder serve. To build: `rustc -O decoder.rs`.
 use std::io::{self, BufRead, Write};
 
-/// Returns the next word and the separator after it: spaces, or a line feed with at most one space before it.
+/// Returns the next word and its separator: spaces, or a line feed with at most one space before it.
 fn word<'a>(rest: &mut &'a [u8]) -> Option<(&'a str, &'a [u8])> {
     let (word, after) = rest.split_at(rest.iter().position(|byte| b" \n".contains(byte))?);
     let spaces = after.iter().take_while(|byte| **byte == b' ').count();
@@ -10,9 +10,9 @@ fn word<'a>(rest: &mut &'a [u8]) -> Option<(&'a str, &'a [u8])> {
     Some((std::str::from_utf8(word).ok()?, &after[..length]))
 }
 
-/// Fill in: returns width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
-/// The error is an exit status: 65 for malformed files, 69 for files or views that are not supported.
-/// This decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first.
+/// To do: return width, height, channels, "u8" or "f32", and the samples, texel by texel, top row first.
+/// The error is an exit status: 65 for malformed files, 69 for unsupported files or views.
+/// This example decodes the stored values of PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first.
 fn decode(view: &str, file: &[u8]) -> Result<(usize, usize, usize, &'static str, Vec<u8>), u8> {
     let (mut rest, mut words) = (file, Vec::new());
     for i in 0..16 {

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A PTM fitter: the least-squares optimum for pictures under known lights, as RGB or LRGB.
+"""A PTM fitter: the least-squares optimum for images under known lights, as RGB or LRGB.
 
     ptm_fitter.py fit REQUEST OUT
 
-REQUEST is a JSON file with format, width, height and the path of an .lp file, OUT the PTM file to write; see
-docs/writers.md. Exit status: 0 written, 69 another format. It needs NumPy; the pictures are PNG files of 8 bits.
+REQUEST is a JSON file with format, width, height and the path of an .lp file. OUT is the PTM file to write. See
+docs/writers.md. Exit status: 0 written, 69 unsupported format. It needs NumPy. The images are 8-bit RGB PNG files.
 
     ptm-conform check-writer --fitter -- python3 examples/writers/ptm_fitter.py
 """
@@ -19,7 +19,7 @@ import numpy as np
 
 
 def read_png(path):
-    """Height × width × 3 values of a PNG file with 8 bits of red, green and blue."""
+    """Returns the height × width × 3 values of an 8-bit RGB PNG file."""
     with open(path, "rb") as file:
         data = file.read()
     at, packed = 8, b""
@@ -32,19 +32,19 @@ def read_png(path):
             packed += chunk
         at += length + 12
     if (depth, color) != (8, 2):
-        raise ValueError("%s: not a PNG of 8 bits of red, green and blue" % path)
+        raise ValueError("%s: not an 8-bit RGB PNG file" % path)
     rows = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + 3 * width)
-    picture = np.zeros((height + 1, 3 * width + 3), int)
+    image = np.zeros((height + 1, 3 * width + 3), int)
     for y, row in enumerate(rows, 1):
         for x, value in enumerate(row[1:], 3):
-            left, up, corner = picture[y, x - 3], picture[y - 1, x], picture[y - 1, x - 3]
-            nearest = min((left, up, corner), key=lambda one: abs(left + up - corner - one))
-            picture[y, x] = (int(value) + (0, left, up, (left + up) // 2, nearest)[row[0]]) % 256
-    return picture[1:, 3:].reshape(height, width, 3)
+            left, up, corner = image[y, x - 3], image[y - 1, x], image[y - 1, x - 3]
+            nearest = min((left, up, corner), key=lambda value: abs(left + up - corner - value))
+            image[y, x] = (int(value) + (0, left, up, (left + up) // 2, nearest)[row[0]]) % 256
+    return image[1:, 3:].reshape(height, width, 3)
 
 
 def read_lp(path):
-    """The vectors to the lights, and the pictures: lights × height × width × 3."""
+    """Returns the light vectors, and the images: lights × height × width × 3."""
     with open(path) as file:
         lines = [line.split() for line in file if line.strip()][1:]
     folder = os.path.dirname(path)
@@ -53,48 +53,48 @@ def read_lp(path):
 
 
 def terms(lights):
-    """1.0: u², v², uv, u, v, 1 for each light, whose vector has the length 1."""
+    """1.0: returns u², v², uv, u, v, 1 of each normalized light vector."""
     lights = lights / np.linalg.norm(lights, axis=1, keepdims=True)
     u, v = lights[:, 0], lights[:, 1]
     return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
 
 
 def fit(design, values):
-    """The coefficients with the smallest sum of squares, and of these the smallest ones."""
+    """Returns the least-squares solution. If there are several, it has the smallest norm."""
     return np.linalg.lstsq(design, values, rcond=1e-6)[0]
 
 
-def one_color(design, coefficients):
-    """LRGB: of each texel the best luminance, six coefficients, and the best color."""
-    shown = np.einsum("ki,itc->tkc", design, coefficients)
-    color = np.abs(np.linalg.svd(shown, full_matrices=False)[2][:, 0])
+def split_color(design, coefficients):
+    """LRGB: returns the best six luminance coefficients and the best color of each texel."""
+    rendered = np.einsum("ki,itc->tkc", design, coefficients)
+    color = np.abs(np.linalg.svd(rendered, full_matrices=False)[2][:, 0])
     color = np.round(color / color.max(axis=1, keepdims=True) * 255)
     along = np.einsum("itc,tc->it", coefficients, color)
     return along / (color ** 2).sum(axis=1) * 255, color
 
 
 def scale_and_bias(coefficients):
-    """2.4: six scales and biases for the range of each coefficient; a bias is a whole number of steps."""
+    """2.4: returns six scales and biases for the ranges of the coefficients. Biases are integers."""
     low, high = coefficients.min(axis=1), coefficients.max(axis=1)
     scale = np.maximum((high - low) / 254, 1e-6)
     return scale, np.round(-low / scale)
 
 
 def stored(coefficients, scale, bias):
-    """Bytes, texel after texel."""
+    """Returns the stored bytes, texel by texel."""
     raw = np.round(coefficients / scale[:, None] + bias[:, None])
     return np.clip(raw, 0, 255).astype(np.uint8).T.tobytes()
 
 
 def write(request):
-    """The PTM file."""
-    lights, pictures = read_lp(request["lp"])
+    """Returns the PTM file."""
+    lights, images = read_lp(request["lp"])
     # Texels are stored with the bottom row first (2.7).
-    texels = pictures[:, ::-1].reshape(len(pictures), -1)
+    texels = images[:, ::-1].reshape(len(images), -1)
     design = terms(lights)
     coefficients = fit(design, texels.astype(float)).reshape(6, -1, 3)
     if request["format"] == "PTM_FORMAT_LRGB":
-        luminance, color = one_color(design, coefficients)
+        luminance, color = split_color(design, coefficients)
         scale, bias = scale_and_bias(luminance)
         payload = stored(luminance, scale, bias) + color.astype(np.uint8).tobytes()
     else:
@@ -108,10 +108,10 @@ def write(request):
 
 
 def main():
-    _, verb, request, out = sys.argv
+    _, command, request, out = sys.argv
     with open(request) as file:
         request = json.load(file)
-    if verb != "fit" or request["format"] not in ("PTM_FORMAT_RGB", "PTM_FORMAT_LRGB"):
+    if command != "fit" or request["format"] not in ("PTM_FORMAT_RGB", "PTM_FORMAT_LRGB"):
         sys.exit(69)
     with open(out, "wb") as file:
         file.write(write(request))

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A PTM writer in plain Python: the three uncompressed formats and the two with a table.
+"""A PTM writer in plain Python for the three uncompressed formats and the two formats with a table.
 
     ptm_writer.py write REQUEST OUT
 
-REQUEST is a JSON file, OUT the PTM file to write; see docs/writers.md. Exit status: 0 written, 65 no file can hold these
-values, 69 not a format that this program writes (the compressed ones). It needs nothing but Python 3.
+REQUEST is a JSON file. OUT is the PTM file to write. See docs/writers.md. Exit status: 0 written, 65 no file can contain
+these values, 69 unsupported format (the compressed ones). It needs only Python 3.
 
     ptm-conform check-writer -- python3 examples/writers/ptm_writer.py
 """
@@ -18,11 +18,11 @@ EXIT_IMPOSSIBLE, EXIT_UNSUPPORTED = 65, 69
 
 
 class Impossible(Exception):
-    """No PTM file can hold these values."""
+    """No PTM file can contain these values."""
 
 
 def read_array(path):
-    """Shape and bytes of a NumPy file of unsigned bytes."""
+    """Returns the shape and the bytes of a NumPy file of unsigned bytes."""
     with open(path, "rb") as file:
         data = file.read()
     if data[:6] != b"\x93NUMPY":
@@ -35,7 +35,7 @@ def read_array(path):
 
 
 def number(value):
-    """A number as a PTM reader expects it: all digits, and no exponent unless it needs one."""
+    """Formats a number with all digits, and without an exponent if possible."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
 
 
@@ -55,19 +55,19 @@ def header(request):
 
 
 def rows_from_the_bottom(request, values, channels):
-    """The texels as they are stored: the bottom row first (2.7.1)."""
+    """Returns the texels in stored order: bottom row first (2.7.1)."""
     row = request["width"] * channels
     rows = [values[start:start + row] for start in range(0, len(values), row)]
     return b"".join(reversed(rows))
 
 
 def block(texels, channels, first, count):
-    """Some channels of every texel, side by side."""
+    """Returns a block with some channels of every texel."""
     return b"".join(texels[i + first:i + first + count] for i in range(0, len(texels), channels))
 
 
 def write_rgb(request, texels):
-    """2.7.1: a block for red, one for green, one for blue."""
+    """2.7.1: three blocks for red, green and blue."""
     return header(request), block(texels, 18, 0, 6) + block(texels, 18, 6, 6) + block(texels, 18, 12, 6)
 
 
@@ -77,12 +77,12 @@ def write_lrgb(request, texels):
 
 
 def write_lum(request, texels):
-    """2.6 and 2.7.2: the matrix on one line, then eight bytes a texel."""
+    """2.6 and 2.7.2: the matrix on one line, then eight bytes per texel."""
     return header(request) + line(request["matrix"]), texels
 
 
 def table_of(texels, first, count):
-    """The distinct entries in the order in which they are stored, and the index of each texel."""
+    """Returns the distinct entries in stored order, and the index of each texel."""
     table, indices = {}, []
     for i in range(0, len(texels), 9):
         entry = texels[i + first:i + first + count]
@@ -91,16 +91,16 @@ def table_of(texels, first, count):
 
 
 def index_bytes(indices, entries):
-    """2.8.1: one byte for an index up to 256 entries, else two, low byte first."""
+    """2.8.1: one byte per index for up to 256 entries, else two bytes, low byte first."""
     wide = entries > 256
     return b"".join(index.to_bytes(2 if wide else 1, "little") for index in indices)
 
 
 def write_table(request, texels, entry_size):
-    """2.5 and 2.8: the count, the table, the indices; and the colors where the table has none."""
+    """2.5 and 2.8: the count, the table, the indices, and the colors if the table has none."""
     table, indices = table_of(texels, 0, entry_size)
     if len(table) > 65536:
-        raise Impossible("%d distinct entries, and two bytes name 65536" % len(table))
+        raise Impossible("%d distinct entries do not fit in a table of at most 65536" % len(table))
     text = header(request) + "%d N_LUT_ENTRIES\n" % len(table)
     payload = b"".join(table) + index_bytes(indices, len(table))
     if entry_size == 6:

@@ -1,8 +1,8 @@
 // Builds the npm package: node build.mjs PROGRAM OUT [--module MODULE] [--platform OS-CPU]
 //
-// PROGRAM is ptm-conform, which writes the cases that become data; MODULE is packages/wasm as it is built, without which
-// the package has no reference. With --platform, linux-x64 for example, OUT is instead the package that carries PROGRAM
-// for these machines; npm installs the one that fits, for runs in Node with causes.
+// PROGRAM is ptm-conform, which generates the cases. MODULE is the compiled packages/wasm; without it, the package has no
+// reference decoder. With --platform, such as linux-x64, OUT is instead the package that contains PROGRAM for this platform.
+// npm installs the one for the machine, and `check` in Node uses it.
 
 import { execFileSync } from "node:child_process";
 import { chmodSync, copyFileSync, cpSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -12,7 +12,7 @@ import { fileURLToPath } from "node:url";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const root = join(here, "..", "..");
-const [program, out, option, named] = process.argv.slice(2);
+const [program, out, option, argument] = process.argv.slice(2);
 const version = /^version = "(.*)"$/m.exec(readFileSync(join(root, "Cargo.toml"), "utf8"))[1];
 const platforms = ["linux-x64", "linux-arm64", "darwin-x64", "darwin-arm64"];
 const common = {
@@ -21,13 +21,13 @@ const common = {
   repository: { type: "git", url: "git+https://github.com/ptm-conform/ptm-conform.git" },
 };
 
-/** The samples of a NumPy file of bytes, in base64. */
+/** Returns the samples of a NumPy file of bytes, in base64. */
 function samples(path) {
   const file = readFileSync(path);
   return file.subarray(10 + file.readUInt16LE(8)).toString("base64");
 }
 
-/** Every case whose file has at most 64 KiB, with the stored values where there are right ones. */
+/** Returns every case whose file has at most 64 KiB, with the stored values if there are expected ones. */
 function cases(directory) {
   const manifest = JSON.parse(readFileSync(join(directory, "MANIFEST.json"), "utf8"));
   return manifest.cases.map((entry) => {
@@ -53,23 +53,23 @@ function write(name, value) {
 mkdirSync(out, { recursive: true });
 for (const name of ["LICENSE-APACHE", "LICENSE-MIT"]) copyFileSync(join(root, name), join(out, name));
 if (option === "--platform") {
-  const [os, cpu] = named.split("-");
+  const [os, cpu] = argument.split("-");
   mkdirSync(join(out, "bin"), { recursive: true });
   copyFileSync(program, join(out, "bin", basename(program)));
   chmodSync(join(out, "bin", basename(program)), 0o755);
   write("package.json", {
-    name: `@ptm-conform/${named}`, description: `The program ptm-conform for ${named}`, ...common, os: [os], cpu: [cpu],
+    name: `@ptm-conform/${argument}`, description: `The program ptm-conform for ${argument}`, ...common, os: [os], cpu: [cpu],
   });
 } else {
-  const made = mkdtempSync(join(tmpdir(), "ptm-"));
+  const scratch = mkdtempSync(join(tmpdir(), "ptm-"));
   try {
-    execFileSync(program, ["--quiet", "generate", "--profile", "standard", "--out", join(made, "corpus")]);
-    write("cases.json", cases(join(made, "corpus")));
+    execFileSync(program, ["--quiet", "generate", "--profile", "standard", "--out", join(scratch, "corpus")]);
+    write("cases.json", cases(join(scratch, "corpus")));
   } finally {
-    rmSync(made, { recursive: true });
+    rmSync(scratch, { recursive: true });
   }
   cpSync(join(here, "src"), out, { recursive: true });
-  if (option === "--module") copyFileSync(named, join(out, "reference.wasm"));
+  if (option === "--module") copyFileSync(argument, join(out, "reference.wasm"));
   copyFileSync(join(here, "README.md"), join(out, "README.md"));
   write("package.json", {
     name: "ptm-conform",

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Builds the wheel around a program that is already built. The standard library is enough.
+"""Builds a wheel from a compiled program. Needs only the standard library.
 
     build_wheel.py PROGRAM OUT_DIRECTORY --platform TAG [--version X.Y.Z]
 
-A wheel is a zip file with three lists in it. maturin would compile the program a second time to make one; here the very
-file that the release workflow has built, stripped, tried and attested goes into the archive, the wheel and the image. TAG
-says where it runs: manylinux2014_x86_64.musllinux_1_1_x86_64 for a static program of Linux, macosx_11_0_arm64,
-win_amd64. The same program gives the same wheel, byte for byte.
+maturin would compile the program a second time. This script uses the file that the release workflow has built, stripped,
+tested and attested, so the archive, the wheel and the container image contain the same program. TAG is the platform, such
+as manylinux2014_x86_64.musllinux_1_1_x86_64 for a static program on Linux, macosx_11_0_arm64 or win_amd64. The same
+program always gives the same wheel, byte for byte.
 """
 
 import argparse
@@ -55,15 +55,15 @@ def read(*path):
         return file.read()
 
 
-def version_of_crate():
+def crate_version():
     return re.search(r'(?m)^version = "(.*)"', read(ROOT, "Cargo.toml").decode()).group(1)
 
 
 def files(program, version, tags):
-    """The files of the wheel but its list, by name."""
+    """Returns the files of the wheel by name, except RECORD."""
     info = "%s-%s.dist-info" % (NAME, version)
-    of_package = os.path.join(HERE, NAME)
-    found = {"%s/%s" % (NAME, name): read(of_package, name) for name in sorted(os.listdir(of_package)) if name.endswith(".py")}
+    package = os.path.join(HERE, NAME)
+    found = {"%s/%s" % (NAME, name): read(package, name) for name in sorted(os.listdir(package)) if name.endswith(".py")}
     init = NAME + "/__init__.py"
     found[init] = found[init].replace(b"@VERSION@", version.encode())
     ids = re.findall(r"(?m)^- id: (\S+)$", read(ROOT, "corpus", "MANIFEST.yaml").decode())
@@ -79,7 +79,7 @@ def files(program, version, tags):
 
 
 def build(program, directory, platform, version):
-    """Writes the wheel; returns its path."""
+    """Writes the wheel and returns its path."""
     info, found = files(program, version, platform.split("."))
     record = ""
     for name, data in found.items():
@@ -102,6 +102,6 @@ if __name__ == "__main__":
     parser.add_argument("program")
     parser.add_argument("directory")
     parser.add_argument("--platform", required=True)
-    parser.add_argument("--version", default=version_of_crate())
+    parser.add_argument("--version", default=crate_version())
     arguments = parser.parse_args()
     print(build(arguments.program, arguments.directory, arguments.platform, arguments.version))

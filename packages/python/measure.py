@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compares check_callable with the protocol, and says how fast it asks.
+"""Compares the verdicts of check_callable with those of the protocol, and measures its speed.
 
     measure.py [--copies N] [--options "--smoke"] [--no-speed]
 
-The Python example and wrong copies of it are checked twice, as programs in serve mode and as functions; the verdicts on all cases
-and the causes must be equal. The speed is that of a function that returns prepared answers. PTM_CONFORM_PROGRAM names the
-program; NumPy is needed. Exit status 1 if anything differs.
+The Python example and wrong copies of it are checked twice: as programs in serve mode, and as functions. All verdicts and causes
+must be equal. The speed is measured with a function that returns precomputed answers. PTM_CONFORM_PROGRAM is the path of the
+program. NumPy is required. The exit status is 1 if anything differs.
 """
 
 import argparse
@@ -26,7 +26,7 @@ sys.path.insert(0, HERE)
 import numpy
 import ptm_conform
 
-# One mistake each.
+# Copies with one mistake: the text to replace, and the replacement.
 WRONG = [
     ('index, "little")', 'index, "big")'),
     ("reversed(range(height))", "range(height)"),
@@ -41,26 +41,26 @@ WRONG = [
 ]
 
 
-def module_of(path):
+def load_module(path):
     spec = importlib.util.spec_from_file_location("decoder", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def array_of(frame):
+def frame_to_array(frame):
     line, samples = frame.split(b"\n", 1)
     _, _, width, height, channels, kind = line.split()
     return numpy.frombuffer(samples, {b"u8": "u1", b"f32": "<f4"}[kind]).reshape(int(height), int(width), int(channels))
 
 
-def functions_of(path):
-    """The decoder's views as functions of bytes."""
-    module = module_of(path)
+def decoder_functions(path):
+    """Returns the views of a decoder as functions of the bytes of a file."""
+    module = load_module(path)
 
     def frame(view, file):
         module.open = lambda path, mode: io.BytesIO(file)
-        return array_of(module.frame(view.encode(), b""))
+        return frame_to_array(module.frame(view.encode(), b""))
 
     return {
         "raw": lambda file: frame("raw", file),
@@ -71,7 +71,7 @@ def functions_of(path):
     }
 
 
-def by_protocol(path, options):
+def check_by_protocol(path, options):
     with tempfile.TemporaryDirectory() as directory:
         report = os.path.join(directory, "report.json")
         command = [ptm_conform.program(), "check", "--serve", "--report", os.path.join(directory, "report.yaml"), "--json", report, *options]
@@ -87,7 +87,7 @@ def verdicts(report):
 
 
 def compare(copies, options):
-    """Whether both ways give equal verdicts on the example and on so many wrong copies."""
+    """Returns True if both ways give equal verdicts on the example and on the given number of wrong copies."""
     with open(EXAMPLE, encoding="utf-8") as file:
         source = file.read()
     equal = True
@@ -97,8 +97,8 @@ def compare(copies, options):
             path = os.path.join(directory, "decoder.py")
             with open(path, "w", encoding="utf-8") as out:
                 out.write(source.replace(*edit, 1))
-            called = ptm_conform.check_callable(**functions_of(path), options=options)
-            same = verdicts(called.data) == verdicts(by_protocol(path, options))
+            called = ptm_conform.check_callable(**decoder_functions(path), options=options)
+            same = verdicts(called.data) == verdicts(check_by_protocol(path, options))
         failed = sum(case["outcome"] == "fail" for case in called.data["cases"])
         print("%s: %d failures, %s  %s" % ("equal" if same else "DIFFERENT", failed, ", ".join(called.causes) or "no cause", edit[1] or "the example"), flush=True)
         equal = equal and same
@@ -106,7 +106,7 @@ def compare(copies, options):
 
 
 def speed():
-    """Cases a second of a function that only looks up its answer, from the call of check_callable to its return."""
+    """Prints the cases per second of check_callable for a function that only looks up its answer."""
     answers = {}
     path = os.path.join(tempfile.mkdtemp(), "x.ptm")
     reference = subprocess.Popen([ptm_conform.program(), "reference", "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
@@ -118,24 +118,24 @@ def speed():
             reference.stdin.write(b"1 raw %s\n" % path.encode())
             reference.stdin.flush()
             _, word, *rest = reference.stdout.readline().split(b" ")
-            answers[file] = array_of(reference.stdout.read(int(rest[0]))) if word == b"ok" else {b"reject": ptm_conform.Malformed, b"unsupported": ptm_conform.Unsupported}[word]
+            answers[file] = frame_to_array(reference.stdout.read(int(rest[0]))) if word == b"ok" else {b"reject": ptm_conform.Malformed, b"unsupported": ptm_conform.Unsupported}[word]
         answer = answers[file]
         if isinstance(answer, type):
-            raise answer("as prepared")
+            raise answer("expected")
         return answer
 
-    def processor():
+    def processor_time():
         used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
         return sum(one.ru_utime + one.ru_stime for one in used)
 
     ptm_conform.check_callable(decode)
-    began, used = time.perf_counter(), processor()
+    began, used = time.perf_counter(), processor_time()
     report = ptm_conform.check_callable(decode)
-    seconds, used = time.perf_counter() - began, processor() - used
+    seconds, used = time.perf_counter() - began, processor_time() - used
     reference.stdin.close()
     cases = len(report.data["cases"])
-    # By the clock a machine that does other things is slow; by the processor it is not.
-    print("%d cases, all included: %.2f s, %.0f a second; %.2f s of processor time, %.0f a second; %s" % (cases, seconds, cases / seconds, used, cases / used, report.data["verdict"]))
+    # Unlike wall-clock time, processor time hardly depends on other load of the machine.
+    print("%d cases: %.2f s, %.0f per second; %.2f s of processor time, %.0f per second; %s" % (cases, seconds, cases / seconds, used, cases / used, report.data["verdict"]))
 
 
 if __name__ == "__main__":

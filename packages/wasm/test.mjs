@@ -1,7 +1,7 @@
-// Compares the module with the program: node test.mjs MODULE PROGRAM FOLDER
+// Compares the module with the program: node test.mjs MODULE PROGRAM FOLDER [--speed]
 //
-// Every .ptm file in FOLDER and its subfolders must give the same fields, findings, planes and images under three lights. Then 1,000
-// mutated files must neither trap nor hang, and the time for an image of 1024 × 1024 is compared with plain JavaScript.
+// Every .ptm file in FOLDER and its subfolders must give the same fields, findings, planes and images under three lights. Then
+// 1,000 mutated files must neither trap nor hang, and the time for an image of 1024 × 1024 is compared with plain JavaScript.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -55,10 +55,10 @@ const answer = () => {
 };
 let maps = 0;
 // Returns the first difference of each file.
-const differ = [];
+const differences = [];
 for (const [i, name] of files.entries()) {
   const { inspect, lint, map } = open(wasm, readFileSync(paths[i]));
-  const [planes, ...pictures] = views.map(answer);
+  const [planes, ...images] = views.map(answer);
   const fields = JSON.parse(run(["inspect", "--json", paths[i]]));
   assert.equal(findings[i].file, paths[i]);
   const pairs = [["fields", inspect, fields], ["findings", lint, findings[i].findings], ["decoded", map !== null, planes !== null]];
@@ -66,16 +66,16 @@ for (const [i, name] of files.entries()) {
     maps += 1;
     pairs.push(["planes", map.planes, createHash("sha256").update(planes).digest("hex")]);
     for (const [n, [u, v]] of LIGHTS.entries()) {
-      pairs.push([views[n + 1], Buffer.from(relit(wasm, u, v, map).filter((_, i) => i % 4 < 3)), pictures[n]]);
+      pairs.push([views[n + 1], Buffer.from(relit(wasm, u, v, map).filter((_, i) => i % 4 < 3)), images[n]]);
     }
   }
   const short = (value) => JSON.stringify(value.error ?? value).slice(0, 300);
   const wrong = pairs.find(([, own, theirs]) => !isDeepStrictEqual(own, theirs));
-  if (wrong) { differ.push(`${name}, ${wrong[0]}: ${short(wrong[1])} here, ${short(wrong[2])} in the program`); }
+  if (wrong) { differences.push(`${name}, ${wrong[0]}: ${short(wrong[1])} here, ${short(wrong[2])} in the program`); }
 }
 assert.equal(at, served.length);
-assert.equal(differ.length, 0, differ.join("\n"));
-console.log(`${files.length} files, ${maps} maps: as the program reads them`);
+assert.equal(differences.length, 0, differences.join("\n"));
+console.log(`${files.length} files, ${maps} maps: equal to the program`);
 
 // A fixed generator makes the same mutations in every run.
 let seed = 1;
@@ -116,5 +116,5 @@ const time = (light) => {
   return (user + system) / 20_000;
 };
 const [module_ms, plain_ms] = [time((u, v) => fresh.relight(u, v)), time(plain)];
-console.log(`${map.width} × ${map.height}: ${module_ms.toFixed(1)} ms a picture (${(1000 / module_ms).toFixed(0)} a second); plain JavaScript ${plain_ms.toFixed(1)} ms`);
-if (process.argv.includes("--speed")) { assert.ok(module_ms < 1000 / 30, "30 pictures a second"); }
+console.log(`${map.width} × ${map.height}: ${module_ms.toFixed(1)} ms per image (${(1000 / module_ms).toFixed(0)} per second); plain JavaScript ${plain_ms.toFixed(1)} ms`);
+if (process.argv.includes("--speed")) { assert.ok(module_ms < 1000 / 30, "fewer than 30 images per second"); }

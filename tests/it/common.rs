@@ -60,7 +60,7 @@ impl Workspace {
         for [status, line, says] in rows(table) {
             let (found, text) = self.run(&line);
             assert_eq!(found.to_string(), status, "{line}: {text}");
-            assert_says(&text, &says);
+            assert_contains(&text, &says);
         }
     }
 
@@ -96,19 +96,19 @@ impl Workspace {
     }
 
     pub fn text(&self, name: &str) -> String {
-        String::from_utf8(self.read(name)).expect("a text")
+        String::from_utf8(self.read(name)).expect("UTF-8")
     }
 
     /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, to this directory.
     pub fn corpus(&self, file: &str) {
-        let name = file.rsplit('/').next().expect("a last part");
+        let name = file.rsplit('/').next().expect("a file name");
         fs::copy(repository(&format!("corpus/{file}")), self.path(name)).expect("a copy");
     }
 }
 
 /// Splits a command line like a shell.
 pub fn words(line: &str) -> Vec<String> {
-    shlex::split(line).unwrap_or_else(|| panic!("quotation marks in {line}"))
+    shlex::split(line).unwrap_or_else(|| panic!("unbalanced quotation marks in {line}"))
 }
 
 /// Returns the exit status of a program, and standard output followed by standard error.
@@ -118,17 +118,17 @@ pub fn outcome(output: &Output) -> (i32, String) {
     (output.status.code().unwrap_or(-1), text)
 }
 
-/// Runs a command of another program, asserts that it succeeds, and returns its standard output.
+/// Runs another program, asserts that it succeeds, and returns its standard output.
 #[track_caller]
 pub fn stdout(command: &mut Command) -> String {
-    let output = command.output().expect("it starts");
+    let output = command.output().expect("the program starts");
     assert!(output.status.success(), "{}", outcome(&output).1);
-    String::from_utf8(output.stdout).expect("a text")
+    String::from_utf8(output.stdout).expect("UTF-8")
 }
 
 /// Asserts that a text contains all given parts, which are separated by ` && `.
 #[track_caller]
-pub fn assert_says(text: &str, parts: &str) {
+pub fn assert_contains(text: &str, parts: &str) {
     for part in parts.split(" && ") {
         assert!(text.contains(part), "{part:?} is not in:\n{text}");
     }
@@ -170,11 +170,11 @@ pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> 
 
 /// Returns true if /proc lists processes. Prints SKIPPED if not.
 pub fn have_proc() -> bool {
-    let there = Path::new("/proc/self/environ").exists();
-    if !there {
-        println!("SKIPPED: there is no /proc to look for processes in");
+    let exists = Path::new("/proc/self/environ").exists();
+    if !exists {
+        println!("SKIPPED: /proc does not exist");
     }
-    there
+    exists
 }
 
 /// Result of a `check`.
@@ -200,9 +200,9 @@ impl Checked {
 
     /// Asserts the exit status, and that the output contains all parts, which are separated by ` && `.
     #[track_caller]
-    pub fn ends(&self, status: i32, parts: &str) {
+    pub fn assert_exit(&self, status: i32, parts: &str) {
         assert_eq!(self.status, status, "{}", self.text);
-        assert_says(&self.text, parts);
+        assert_contains(&self.text, parts);
     }
 
     /// Returns the entry of the report for a case, or null.
@@ -214,8 +214,9 @@ impl Checked {
     /// Returns the ids of the cases with the given outcome.
     pub fn cases(&self, outcome: &str) -> Vec<String> {
         let cases = self.report["cases"].as_array().into_iter().flatten();
-        let with = cases.filter(|case| case["outcome"] == outcome);
-        with.filter_map(|case| case["id"].as_str().map(str::to_owned))
+        let matching = cases.filter(|case| case["outcome"] == outcome);
+        matching
+            .filter_map(|case| case["id"].as_str().map(str::to_owned))
             .collect()
     }
 
@@ -262,13 +263,13 @@ pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
         child.stdout.take().map(read_in_background),
         child.stderr.take().map(read_in_background),
     ];
-    let mut most = 0;
+    let mut peak = 0;
     let exit = loop {
-        let held = fs::read_to_string(&status).unwrap_or_default();
-        let held = held.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-        let held = held.and_then(|held| held.trim().strip_suffix(" kB")?.parse().ok());
-        most = most.max(held.unwrap_or_default());
-        if let Some(exit) = child.try_wait().expect("it can be waited for") {
+        let memory = fs::read_to_string(&status).unwrap_or_default();
+        let memory = memory.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let memory = memory.and_then(|text| text.trim().strip_suffix(" kB")?.parse().ok());
+        peak = peak.max(memory.unwrap_or_default());
+        if let Some(exit) = child.try_wait().expect("a status") {
             break exit;
         }
         std::thread::sleep(Duration::from_millis(5));
@@ -278,7 +279,7 @@ pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
         .flat_map(|reader| reader.join().expect("no reader panics"))
         .collect();
     let text = String::from_utf8_lossy(&text).into_owned();
-    (Checked::new(exit.code().unwrap_or(-1), text, report), most)
+    (Checked::new(exit.code().unwrap_or(-1), text, report), peak)
 }
 
 fn read_in_background(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
@@ -293,8 +294,8 @@ fn read_in_background(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8
 #[track_caller]
 pub fn assert_conforms(value: &Value, schema: &str) {
     let text = repository_text(&format!("spec-cases/schema/{schema}.schema.json"));
-    let schema = serde_json::from_str(&text).expect("a schema is JSON");
-    let validator = jsonschema::validator_for(&schema).expect("a schema is a schema");
+    let schema = serde_json::from_str(&text).expect("the schema is JSON");
+    let validator = jsonschema::validator_for(&schema).expect("the schema is valid");
     let errors = validator.iter_errors(value).take(5);
     let errors: Vec<String> = errors
         .map(|error| format!("{}: {error}", error.instance_path()))
@@ -342,15 +343,15 @@ pub fn repository(path: &str) -> String {
     root.join(path).to_string_lossy().into_owned()
 }
 
-/// Reads a text file of the repository.
+/// Reads a text file in the repository.
 pub fn repository_text(path: &str) -> String {
     fs::read_to_string(repository(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
 /// Returns true if a program can be started. Prints SKIPPED if not.
 pub fn have(program: &str) -> bool {
-    let there = Command::new(program).arg("--version").output().is_ok();
-    there || skipped(&format!("{program} is not there"))
+    let starts = Command::new(program).arg("--version").output().is_ok();
+    starts || skipped(&format!("{program} is not installed"))
 }
 
 /// Returns true if the standard library is installed for a compiler target. Prints SKIPPED if not.
@@ -359,7 +360,7 @@ pub fn have_target(target: &str) -> bool {
         .args(["--print", "target-libdir", "--target", target])
         .output();
     libraries.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).exists())
-        || skipped(&format!("rustc has no {target}"))
+        || skipped(&format!("rustc has no target {target}"))
 }
 
 /// Returns true if the packages are installed for python3. Prints SKIPPED if not.
@@ -369,7 +370,7 @@ pub fn have_python(packages: &[&str]) -> bool {
         .args(["-c", &format!("import {imports}")])
         .output();
     imported.is_ok_and(|output| output.status.success())
-        || skipped(&format!("python3 with {imports} is not there"))
+        || skipped(&format!("python3 with {imports} is not installed"))
 }
 
 /// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set, because then everything
@@ -378,7 +379,7 @@ fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(
         std::env::var_os("PTM_CONFORM_SKIP_NOTHING").is_none(),
-        "nothing may be skipped here: {why}"
+        "no test may be skipped here: {why}"
     );
     false
 }

@@ -24,8 +24,8 @@ pub fn misreading(slug: &str) -> &'static Misreading {
     misreadings::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
 }
 
-/// Returns the misreading of a decoder that computes formulas differently.
-pub fn computing(edits: Vec<Edit>) -> Misreading {
+/// Returns a misreading that computes formulas differently.
+pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
     Misreading {
         slug: "none",
         clause: "1.0/1",
@@ -37,14 +37,14 @@ pub fn computing(edits: Vec<Edit>) -> Misreading {
     }
 }
 
-/// Answers as a decoder with these misreadings.
-pub fn misread(mistakes: &[&Misreading], request: &Request) -> Answer {
+/// Answers like a decoder with these misreadings.
+pub fn answer_with(mistakes: &[&Misreading], request: &Request) -> Answer {
     misreadings::answer(mistakes, Reading::SPEC, request.file, request.view)
 }
 
-/// Answers as the reference.
-pub fn right(request: &Request) -> Answer {
-    misread(&[], request)
+/// Answers like the reference.
+pub fn reference_answer(request: &Request) -> Answer {
+    answer_with(&[], request)
 }
 
 /// Runs the cases of a plan against a decoder.

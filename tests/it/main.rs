@@ -2,10 +2,10 @@
 
 #[cfg(all(unix, feature = "cli"))]
 mod common;
-#[cfg(feature = "generate")]
-mod draws;
 #[cfg(feature = "harness")]
 mod in_process;
+#[cfg(feature = "generate")]
+mod random;
 mod table;
 
 mod cli;

@@ -2,7 +2,7 @@
 
 /// Reads a table: one row in each line, with cells separated by the word `|`.
 ///
-/// An indented line continues the row above it, and `↵` stands for a line feed.
+/// An indented line continues the row above it, and `↵` represents a line feed.
 #[track_caller]
 pub fn rows<const N: usize>(table: &str) -> Vec<[String; N]> {
     let mut rows: Vec<String> = Vec::new();

@@ -1,11 +1,11 @@
-// A headless Chromium, driven over WebDriver by nothing but what node has. Needs chromium and chromedriver.
+// Drives a headless Chromium over WebDriver with only the modules of Node. Needs chromium and chromedriver.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-/** Starts a browser: `call` a method of its session, `run` a script in its page, `close` it. */
+/** Starts a browser. `call` calls a method of its session, `run` runs a script in its page, and `close` ends it. */
 export async function browser() {
   const profile = mkdtempSync(join(tmpdir(), "ptm-conform-browser-"));
   const driver = spawn("chromedriver", ["--port=0"], { stdio: ["ignore", "pipe", "ignore"] });
@@ -15,7 +15,7 @@ export async function browser() {
     rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
   };
   try {
-    const port = await portOf(driver);
+    const port = await readPort(driver);
     const ask = async (method, path, body) => {
       const response = await fetch(`http://127.0.0.1:${port}${path}`, { method, body: body && JSON.stringify(body) });
       const { value } = await response.json();
@@ -46,16 +46,16 @@ export async function browser() {
   }
 }
 
-function portOf(driver) {
+function readPort(driver) {
   return new Promise((resolve, reject) => {
-    let said = "";
+    let output = "";
     driver.stdout.on("data", (data) => {
-      said += data;
-      const match = /on port ([1-9]\d*)/.exec(said);
+      output += data;
+      const match = /on port ([1-9]\d*)/.exec(output);
       if (match) resolve(match[1]);
     });
     driver.on("error", reject);
-    driver.on("exit", () => reject(new Error(`chromedriver ended: ${said}`)));
-    setTimeout(() => reject(new Error(`chromedriver says no port: ${said}`)), 60_000).unref();
+    driver.on("exit", () => reject(new Error(`chromedriver exited: ${output}`)));
+    setTimeout(() => reject(new Error(`chromedriver printed no port: ${output}`)), 60_000).unref();
   });
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// The program itself, by the name that it has everywhere.
+// Runs the program ptm-conform.
 
 import { spawnSync } from "node:child_process";
 

@@ -1,4 +1,4 @@
-// Every file of the suite and what the program makes of it, for tests; the package does not hold this file.
+// Every file of the suite with the answer of the program, for tests. The package does not contain this module.
 
 import { spawn, execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -7,8 +7,8 @@ import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 
-/** What `decode` makes of a file, in words: size and digest of its samples, or the kind of refusal. Also runs in a browser. */
-export async function answerOf(decode, file) {
+/** Describes the answer of `decode`: size and digest of the samples, or the kind of refusal. Also runs in a browser. */
+export async function describeAnswer(decode, file) {
   try {
     const { width, height, channels, samples } = decode(file);
     const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", samples));
@@ -18,21 +18,21 @@ export async function answerOf(decode, file) {
   }
 }
 
-/** Every case of the suite as { id, file, answer }; `answer` is the program's, in the words of answerOf. */
+/** Returns every case of the suite as { id, file, answer }. `answer` is that of the program, in the format of describeAnswer. */
 export async function corpus(program) {
   const directory = mkdtempSync(join(tmpdir(), "ptm-"));
   try {
     execFileSync(program, ["--quiet", "generate", "--all", "--out", directory]);
     const paths = readdirSync(directory, { recursive: true }).filter((name) => name.endsWith(".ptm")).sort().map((name) => join(directory, name));
-    const answers = await programsAnswers(program, paths);
+    const answers = await programAnswers(program, paths);
     return paths.map((path, i) => ({ id: basename(path, ".ptm"), file: readFileSync(path), answer: answers[i] }));
   } finally {
     rmSync(directory, { recursive: true });
   }
 }
 
-/** Answers are "SEQ WORD NBYTES" and as many bytes for a frame, a line "SEQ WORD …" for a refusal. */
-async function programsAnswers(program, paths) {
+/** Returns the answers of the program. They are "SEQ ok NBYTES" and the bytes of a frame, or a line "SEQ WORD …". */
+async function programAnswers(program, paths) {
   const child = spawn(program, ["reference", "serve"], { stdio: ["pipe", "pipe", "inherit"] });
   child.stdin.end(paths.map((path, i) => `${i} raw ${path}\n`).join(""));
   const chunks = [];

@@ -1,8 +1,8 @@
-/** A decoded file: the stored values, texel after texel, top row first. */
-export interface Picture {
+/** A decoded file: the samples of each texel, top row first. */
+export interface DecodedImage {
   width: number;
   height: number;
-  /** 18 for RGB, 9 for LRGB and the tables, 8 for LUM. */
+  /** 18 for RGB, 9 for LRGB and the table formats, 8 for LUM. */
   channels: number;
   samples: Uint8Array | Uint8ClampedArray;
 }
@@ -15,11 +15,11 @@ export interface Case {
   because: string;
   clauses: string[];
   ruling?: string;
-  /** The valid file from which this one is one edit away. */
+  /** The id of the valid file that differs from this one in a single edit. */
   twin?: string;
   /** The file, in base64. */
   file: string;
-  /** The right answer; slack and samples in base64. */
+  /** The expected values. Samples and slack (the tolerance of each sample) are in base64. */
   raw?: { width: number; height: number; channels: number; samples: string; slack?: string; shows?: string[] };
 }
 
@@ -32,7 +32,7 @@ export interface Result {
 }
 
 export interface Results {
-  /** Whether no case failed and at least one file was decoded. */
+  /** True if no case failed and at least one file was decoded. */
   passed: boolean;
   results: Result[];
   failures: Result[];
@@ -41,13 +41,13 @@ export interface Results {
 type Thrown = new (...args: never[]) => Error;
 
 export interface Refusals {
-  /** What the decoder throws for a malformed file; Malformed by default. */
+  /** The error that the decoder throws for a malformed file. The default is Malformed. */
   malformed?: Thrown;
-  /** What it throws for a kind of file that it does not read; Unsupported by default. */
+  /** The error that the decoder throws for an unsupported file. The default is Unsupported. */
   unsupported?: Thrown;
 }
 
 export class Malformed extends Error {}
 export class Unsupported extends Error {}
-export function bytesOf(base64: string): Uint8Array;
-export function run(cases: Case[], decode: (file: Uint8Array) => Picture | Promise<Picture>, options?: Refusals): Promise<Results>;
+export function fromBase64(base64: string): Uint8Array;
+export function run(cases: Case[], decode: (file: Uint8Array) => DecodedImage | Promise<DecodedImage>, options?: Refusals): Promise<Results>;

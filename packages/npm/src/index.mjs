@@ -1,21 +1,21 @@
-// The cases as data, and a judge of a JavaScript decoder: in Node, in a browser, in a worker. Nothing here does any I/O.
+// Judges a JavaScript decoder with the cases as data, in Node, a browser or a worker. This module does no I/O.
 
 /** The file breaks a rule of the format. */
 export class Malformed extends Error {}
-/** The file may be sound, but it is not read. */
+/** The file may be valid, but the decoder does not support it. */
 export class Unsupported extends Error {}
 
-/** The bytes that base64 stands for. */
-export function bytesOf(base64) {
+/** Decodes base64. */
+export function fromBase64(base64) {
   return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 }
 
 /** Returns the result of the decoder for a file: an image, "malformed", "unsupported", or the error. */
 async function observe(decode, file, { malformed = Malformed, unsupported = Unsupported }) {
   try {
-    const picture = await decode(file);
-    const fault = faultOf(picture);
-    return fault ? { fault } : { picture };
+    const image = await decode(file);
+    const fault = findFault(image);
+    return fault ? { fault } : { image };
   } catch (error) {
     if (error instanceof malformed) return { refused: "malformed" };
     if (error instanceof unsupported) return { refused: "unsupported" };
@@ -23,23 +23,23 @@ async function observe(decode, file, { malformed = Malformed, unsupported = Unsu
   }
 }
 
-function faultOf(picture) {
-  const { width, height, channels, samples } = picture ?? {};
-  if (![width, height, channels].every(Number.isInteger)) return "no picture: width, height and channels are integers";
-  if (!(samples instanceof Uint8Array || samples instanceof Uint8ClampedArray)) return "its samples are no Uint8Array";
+function findFault(image) {
+  const { width, height, channels, samples } = image ?? {};
+  if (![width, height, channels].every(Number.isInteger)) return "not an image: width, height and channels must be integers";
+  if (!(samples instanceof Uint8Array || samples instanceof Uint8ClampedArray)) return "the samples must be a Uint8Array";
   const needed = width * height * channels;
-  return samples.length === needed ? null : `${width} x ${height} x ${channels} need ${needed} samples, there are ${samples.length}`;
+  return samples.length === needed ? null : `${width} x ${height} x ${channels} need ${needed} samples, found ${samples.length}`;
 }
 
-/** Where a picture is first wrong, in words; null where it is right. */
-function difference(raw, picture) {
+/** Describes the first difference from the expected values. Returns null if there is none. */
+function difference(raw, image) {
   for (const key of ["width", "height", "channels"]) {
-    if (picture[key] !== raw[key]) return `${key} ${picture[key]}, expected ${raw[key]}`;
+    if (image[key] !== raw[key]) return `${key} ${image[key]}, expected ${raw[key]}`;
   }
-  const right = bytesOf(raw.samples), slack = raw.slack ? bytesOf(raw.slack) : null;
+  const right = fromBase64(raw.samples), slack = raw.slack ? fromBase64(raw.slack) : null;
   const wrong = (i) => {
-    // Around the circle of 256 values, where inverse DCTs may differ.
-    const apart = Math.abs(right[i] - picture.samples[i]);
+    // The distance modulo 256, because predicted values wrap around.
+    const apart = Math.abs(right[i] - image.samples[i]);
     return Math.min(apart, 256 - apart) > (slack ? slack[i] : 0) && apart > 0;
   };
   for (let i = 0; i < right.length; i++) {
@@ -47,24 +47,24 @@ function difference(raw, picture) {
     const start = i - (i % raw.channels), texel = start / raw.channels;
     const values = (samples) => Array.from(samples.slice(start, start + raw.channels)).join(" ");
     const place = `(${texel % raw.width}, ${Math.floor(texel / raw.width)})`;
-    return `texel ${place}, first in channel ${i % raw.channels}: expected ${values(right)}, received ${values(picture.samples)}`;
+    return `texel ${place}, first in channel ${i % raw.channels}: expected ${values(right)}, received ${values(image.samples)}`;
   }
   return null;
 }
 
-/** The verdict on one case; `seen` knows what the decoder made of every file. */
+/** Returns the verdict on a case. `seen` contains the answer of the decoder to every file. */
 function judge(entry, seen) {
-  const { picture, refused, fault } = seen.get(entry.id);
+  const { image, refused, fault } = seen.get(entry.id);
   if (fault) return ["fail", fault];
   const twin = entry.twin && seen.get(entry.twin);
-  if (twin && !twin.picture) return ["inconclusive", "the valid twin was not decoded"];
-  const wrong = picture && entry.raw ? difference(entry.raw, picture) : null;
+  if (twin && !twin.image) return ["inconclusive", "the valid twin was not decoded"];
+  const wrong = image && entry.raw ? difference(entry.raw, image) : null;
   switch (entry.expect) {
     case "reject":
     case "refuse":
-      if (picture) return ["fail", "decoded a file that must be refused"];
+      if (image) return ["fail", "decoded a file that must be refused"];
       if (refused === "malformed" || entry.expect === "refuse") return ["pass", ""];
-      return ["fail", "answers unsupported to a malformed file"];
+      return ["fail", "answered unsupported to a malformed file"];
     case "robust":
       return ["pass", ""];
     case "lenient":
@@ -81,17 +81,17 @@ function judge(entry, seen) {
 }
 
 /**
- * Runs cases against `decode(file: Uint8Array) => { width, height, channels, samples: Uint8Array }`, the stored values, top
- * row first. It may return a promise.
+ * Runs cases against `decode(file: Uint8Array) => { width, height, channels, samples: Uint8Array }`, which returns the
+ * stored values, top row first, or a promise of them.
  */
 export async function run(cases, decode, options = {}) {
   const seen = new Map();
-  for (const entry of cases) seen.set(entry.id, await observe(decode, bytesOf(entry.file), options));
+  for (const entry of cases) seen.set(entry.id, await observe(decode, fromBase64(entry.file), options));
   const results = cases.map((entry) => {
     const [outcome, says] = judge(entry, seen);
     const { id, clauses, because } = entry;
     return { id, outcome, says, clauses, because };
   });
   const failures = results.filter(({ outcome }) => outcome === "fail");
-  return { passed: failures.length === 0 && [...seen.values()].some(({ picture }) => picture), results, failures };
+  return { passed: failures.length === 0 && [...seen.values()].some(({ image }) => image), results, failures };
 }

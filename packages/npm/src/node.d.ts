@@ -1,7 +1,7 @@
-import type { Case, Picture, Refusals } from "./index.js";
+import type { Case, DecodedImage, Refusals } from "./index.js";
 export { Malformed, Unsupported } from "./index.js";
 
-/** Coefficients as plain numbers, in the order of a Picture's samples. */
+/** Final coefficients as numbers, in the order of the samples of a DecodedImage. */
 export interface Coefficients {
   width: number;
   height: number;
@@ -10,17 +10,17 @@ export interface Coefficients {
 }
 
 export interface Decoders {
-  raw?: (file: Uint8Array) => Picture | Promise<Picture>;
+  raw?: (file: Uint8Array) => DecodedImage | Promise<DecodedImage>;
   coef?: (file: Uint8Array) => Coefficients | Promise<Coefficients>;
-  rgb?: (file: Uint8Array, lu: number, lv: number) => Picture | Promise<Picture>;
+  rgb?: (file: Uint8Array, lu: number, lv: number) => DecodedImage | Promise<DecodedImage>;
 }
 
 export interface Checked {
-  /** The exit status of `ptm-conform check`: 0 passes, 1 fails, 3 is not a decoder. */
+  /** The exit status of `ptm-conform check`: 0 passed, 1 failed, 3 not a decoder. */
   status: number;
-  /** What it prints: causes, examples, scores. */
+  /** Its output: causes, examples and scores. */
   text: string;
-  /** The report, as spec-cases/schema/report.schema.json describes it. */
+  /** The report, in the format of spec-cases/schema/report.schema.json. */
   report: { verdict: string; diagnoses: object[]; cases: { id: string; outcome: string; says?: string }[] };
 }
 

@@ -1,4 +1,4 @@
-// Runs in Node: the whole suite with its causes, by the program, which asks functions of this process over a socket.
+// Runs the whole suite with diagnosis in Node. The program requests views from functions of this process over a socket.
 
 import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -11,7 +11,7 @@ import { Malformed, Unsupported } from "./index.mjs";
 
 export { Malformed, Unsupported };
 
-/** The path of ptm-conform: PTM_CONFORM_PROGRAM, else the one that npm has installed for this machine. */
+/** Returns the path of ptm-conform: PTM_CONFORM_PROGRAM, or else the program that npm installed for this machine. */
 export function program() {
   if (process.env.PTM_CONFORM_PROGRAM) return process.env.PTM_CONFORM_PROGRAM;
   const carrier = `@ptm-conform/${process.platform}-${process.arch}`;
@@ -19,19 +19,19 @@ export function program() {
     const manifest = createRequire(import.meta.url).resolve(`${carrier}/package.json`);
     return join(dirname(manifest), "bin", "ptm-conform");
   } catch {
-    throw new Error(`${carrier} is not installed; PTM_CONFORM_PROGRAM may name a program`);
+    throw new Error(`${carrier} is not installed; install it, or set PTM_CONFORM_PROGRAM to the path of ptm-conform`);
   }
 }
 
-/** All cases, as index.mjs runs them. */
+/** Returns all cases, for `run`. */
 export function cases() {
   return JSON.parse(readFileSync(new URL("./cases.json", import.meta.url), "utf8"));
 }
 
 /**
- * Checks functions: `raw(file)` and `coef(file)` return { width, height, channels, samples }, `rgb(file, lu, lv)` an image
- * of 3 channels; one is enough. Returns { status, text, report }: the exit status of `ptm-conform check`, what it prints,
- * and the report.
+ * Checks functions. `raw(file)` and `coef(file)` return { width, height, channels, samples }. `rgb(file, lu, lv)` returns an
+ * image with 3 channels. One function is enough. Returns { status, text, report }: the exit status, the output and the report
+ * of `ptm-conform check`.
  */
 export async function check(functions, { malformed = Malformed, unsupported = Unsupported, options = [] } = {}) {
   const decoders = typeof functions === "function" ? { raw: functions } : functions;
@@ -42,7 +42,7 @@ export async function check(functions, { malformed = Malformed, unsupported = Un
     await new Promise((resolve) => server.listen(place("socket"), resolve));
     const words = ["check", "--caller", place("socket"), "--report", place("report.yaml"), "--json", place("report.json"), ...options];
     const { status, text, errors } = await finished(spawn(program(), words, { stdio: ["ignore", "pipe", "pipe"] }));
-    if (!existsSync(place("report.json"))) throw new Error(errors.trim() || `ptm-conform ended with ${status}`);
+    if (!existsSync(place("report.json"))) throw new Error(errors.trim() || `ptm-conform exited with ${status}`);
     const report = JSON.parse(readFileSync(place("report.json"), "utf8"));
     return { status, text: text.replace(/^report: .*\n/m, ""), report };
   } finally {
@@ -52,13 +52,13 @@ export async function check(functions, { malformed = Malformed, unsupported = Un
 }
 
 function finished(child) {
-  const said = { text: "", errors: "" };
-  child.stdout.setEncoding("utf8").on("data", (text) => { said.text += text; });
-  child.stderr.setEncoding("utf8").on("data", (text) => { said.errors += text; });
-  return new Promise((resolve, reject) => child.on("error", reject).on("close", (status) => resolve({ status, ...said })));
+  const output = { text: "", errors: "" };
+  child.stdout.setEncoding("utf8").on("data", (text) => { output.text += text; });
+  child.stderr.setEncoding("utf8").on("data", (text) => { output.errors += text; });
+  return new Promise((resolve, reject) => child.on("error", reject).on("close", (status) => resolve({ status, ...output })));
 }
 
-/** Requests are "NAME VIEW NBYTES", a line feed and the file; answers "WORD NBYTES", a line feed and the bytes. */
+/** Answers requests. A request is "NAME VIEW NBYTES", a line feed and the file. An answer is "WORD NBYTES", a line feed and bytes. */
 function answerAll(socket, answer) {
   let waiting = Buffer.alloc(0);
   let last = Promise.resolve();
@@ -84,16 +84,16 @@ function answerAll(socket, answer) {
 async function answer(decoders, request, file, { malformed, unsupported }) {
   const [view, light] = request.split(":");
   if (!decoders[view]) return ["unsupported", Buffer.alloc(0)];
-  let picture;
+  let image;
   try {
-    picture = await decoders[view](file, ...(light ? light.split(",").map(Number) : []));
+    image = await decoders[view](file, ...(light ? light.split(",").map(Number) : []));
   } catch (error) {
     const word = error instanceof malformed ? "reject" : error instanceof unsupported ? "unsupported" : "crash";
     return [word, Buffer.from(String(error)).subarray(0, 4000)];
   }
-  const { width, height, channels, samples } = picture ?? {};
+  const { width, height, channels, samples } = image ?? {};
   const [type, wanted] = view === "coef" ? ["f32", [Float32Array, Float64Array]] : ["u8", [Uint8Array, Uint8ClampedArray]];
-  if (!wanted.some((kind) => samples instanceof kind)) return ["error", Buffer.from(`its samples are no ${wanted[0].name}`)];
+  if (!wanted.some((kind) => samples instanceof kind)) return ["error", Buffer.from(`the samples must be a ${wanted[0].name}`)];
   const values = view === "coef" ? Float32Array.from(samples) : samples;
   const line = Buffer.from(`PTM1 ${view} ${width} ${height} ${channels} ${type}\n`);
   return ["ok", Buffer.concat([line, Buffer.from(values.buffer, values.byteOffset, values.byteLength)])];

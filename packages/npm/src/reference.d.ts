@@ -1,4 +1,4 @@
-import type { Picture } from "./index.js";
+import type { DecodedImage } from "./index.js";
 
 export interface Finding {
   code: string;
@@ -11,13 +11,13 @@ export interface Finding {
 }
 
 export interface Reference {
-  /** The stored values; throws Malformed or Unsupported where there is no map. */
-  decode(file: Uint8Array): Picture;
+  /** Returns the stored values. Throws Malformed or Unsupported if the file cannot be decoded. */
+  decode(file: Uint8Array): DecodedImage;
   lint(file: Uint8Array): Finding[];
-  /** As spec-cases/schema/inspect.schema.json describes it. */
+  /** Returns a value in the format of spec-cases/schema/inspect.schema.json. */
   inspect(file: Uint8Array): object;
-  /** Four channels: red, green, blue and 255. */
-  relight(file: Uint8Array, lu: number, lv: number): Picture;
+  /** Returns an image with four channels: red, green, blue and 255. */
+  relight(file: Uint8Array, lu: number, lv: number): DecodedImage;
 }
 
 export function load(module: BufferSource | WebAssembly.Module): Promise<Reference>;

@@ -1,17 +1,17 @@
-// The reference decoder as WebAssembly: in Node, in a browser, in a worker.
+// The reference decoder as WebAssembly, in Node, a browser or a worker.
 //
 //     const reference = await load(await (await fetch(new URL("reference.wasm", import.meta.url))).arrayBuffer());
 
 import { Malformed, Unsupported } from "./index.mjs";
 
-/** Starts the reference: `module` is the bytes of reference.wasm, or a WebAssembly.Module. */
+/** Loads the reference decoder. `module` is the bytes of reference.wasm, or a WebAssembly.Module. */
 export async function load(module) {
   const compiled = module instanceof WebAssembly.Module ? module : await WebAssembly.compile(module);
   const wasm = (await WebAssembly.instantiate(compiled, {})).exports;
 
-  /** Reads a file; what is said of it. */
+  /** Opens a file and returns the report on it. */
   const open = (file) => {
-    // First the call, which may let the memory grow and leave an older buffer empty.
+    // Get the buffer after the call, which may grow the memory and detach an older buffer.
     const place = wasm.reserve(file.length);
     new Uint8Array(wasm.memory.buffer, place, file.length).set(file);
     wasm.open();
@@ -25,16 +25,16 @@ export async function load(module) {
   const bytes = (pointer, length) => new Uint8Array(wasm.memory.buffer, pointer, length).slice();
 
   return {
-    /** The stored values. */
+    /** Returns the stored values. */
     decode(file) {
       const { width, height, channels } = map(file);
       return { width, height, channels, samples: bytes(wasm.samples(), width * height * channels) };
     },
-    /** What is wrong with a file, as `ptm-conform lint --json` says it. */
+    /** Returns the findings, like `ptm-conform lint --json`. */
     lint: (file) => open(file).lint,
-    /** Every field, as `ptm-conform inspect --json` says it. */
+    /** Returns every field, like `ptm-conform inspect --json`. */
     inspect: (file) => open(file).inspect,
-    /** The image under a light, +lu to the right, +lv up, as red, green, blue and 255. */
+    /** Returns the image under a light, with +lu to the right and +lv up, as red, green, blue and 255. */
     relight(file, lu, lv) {
       const { width, height } = map(file);
       return { width, height, channels: 4, samples: bytes(wasm.relight(lu, lv), width * height * 4) };

@@ -1,10 +1,10 @@
-// Tries the package: node test.mjs, in its directory. PTM_CONFORM_PROGRAM names the program, or it is installed.
+// Tests the package: node test.mjs, in its directory. PTM_CONFORM_PROGRAM is the path of the program, if it is not installed.
 
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 
-import { answerOf, corpus } from "./corpus.mjs";
-import { Malformed, Unsupported, bytesOf, run } from "./index.mjs";
+import { describeAnswer, corpus } from "./corpus.mjs";
+import { Malformed, Unsupported, fromBase64, run } from "./index.mjs";
 import { cases, check, program } from "./node.mjs";
 import { load } from "./reference.mjs";
 
@@ -13,19 +13,19 @@ assert(all.length > 2000, `${all.length} cases`);
 const answers = new Map(all.filter(({ raw }) => raw).map(({ file, raw }) => [file, raw]));
 const expected = new Map(all.map(({ file, expect }) => [file, expect]));
 const base64 = (file) => Buffer.from(file).toString("base64");
-const right = (file) => {
+const correct = (file) => {
   const raw = answers.get(base64(file));
-  if (!raw || !["decode", "spelling"].includes(expected.get(base64(file)))) throw new Malformed("as prepared");
-  return { ...raw, samples: bytesOf(raw.samples) };
+  if (!raw || !["decode", "spelling"].includes(expected.get(base64(file)))) throw new Malformed("expected");
+  return { ...raw, samples: fromBase64(raw.samples) };
 };
 const upsideDown = (file) => {
-  const picture = right(file), row = picture.width * picture.channels;
-  const rows = Array.from({ length: picture.height }, (_, y) => picture.samples.slice(y * row, (y + 1) * row));
-  return { ...picture, samples: Uint8Array.from(rows.reverse().flatMap((row) => [...row])) };
+  const image = correct(file), row = image.width * image.channels;
+  const rows = Array.from({ length: image.height }, (_, y) => image.samples.slice(y * row, (y + 1) * row));
+  return { ...image, samples: Uint8Array.from(rows.reverse().flatMap((row) => [...row])) };
 };
 
-// The judge of the data.
-const good = await run(all, right);
+// `run` with the cases as data.
+const good = await run(all, correct);
 assert(good.passed, JSON.stringify(good.failures.slice(0, 3)));
 assert(good.results.filter(({ outcome }) => outcome === "pass").length > 2000);
 const turned = await run(all, upsideDown);
@@ -35,9 +35,9 @@ for (const decode of [() => { throw new Malformed(); }, () => { throw new Unsupp
   assert(!(await run(all, decode)).passed);
 }
 
-// The program, asking the same functions.
+// `check` with the same functions.
 const options = ["--case", "hand-*", "--case", "first-*"];
-const checked = await check(right, { options });
+const checked = await check(correct, { options });
 assert.equal(checked.status, 0, checked.text);
 const wrong = await check({ raw: upsideDown }, { options });
 assert.equal(wrong.status, 1, wrong.text);
@@ -45,21 +45,21 @@ assert(wrong.text.includes("rows-top-down") || wrong.text.includes("upside down"
 const lost = await check({ raw: () => { throw new TypeError("lost"); } }, { options });
 assert.equal(lost.status, 3);
 
-// The cases as data are those of the program's files up to 64 KiB, and no other.
+// The cases as data are exactly those of the program with files up to 64 KiB.
 const whole = await corpus(program());
 const small = whole.filter(({ file }) => file.length <= 65536);
 assert.deepEqual(new Map(all.map(({ id, file }) => [id, file])), new Map(small.map(({ id, file }) => [id, base64(file)])));
-// The reference as WebAssembly, where the package was built with it.
+// The reference decoder as WebAssembly, if the package contains it.
 if (existsSync("reference.wasm")) {
   const reference = await load(readFileSync("reference.wasm"));
   const own = await run(all, (file) => reference.decode(file));
   assert(own.passed, JSON.stringify(own.failures.slice(0, 3)));
-  // It makes of every file of the suite what the program does, and refuses it for the same kind of reason.
-  for (const { id, file, answer } of whole) assert.equal(await answerOf(reference.decode, file), answer, id);
-  console.log(`${whole.length} files: as the program reads them`);
-  const lum = bytesOf(all.find(({ id }) => id === "hand-lum").file);
+  // It decodes or refuses every file of the suite like the program.
+  for (const { id, file, answer } of whole) assert.equal(await describeAnswer(reference.decode, file), answer, id);
+  console.log(`${whole.length} files: equal to the program`);
+  const lum = fromBase64(all.find(({ id }) => id === "hand-lum").file);
   assert.deepEqual(reference.lint(lum).map(({ code }) => code), ["PTM-W303", "PTM-W304"]);
   assert.equal(reference.relight(lum, 0, 0).samples.length, 8);
   assert.throws(() => reference.decode(new Uint8Array()), Malformed);
 }
-console.log("all right");
+console.log("all tests passed");

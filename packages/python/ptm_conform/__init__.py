@@ -1,11 +1,11 @@
-"""Checks a decoder of Polynomial Texture Maps (PTM 1.2) and says which clauses it misreads.
+"""Checks a decoder of Polynomial Texture Maps (PTM 1.2) and names the clauses that it misreads.
 
     report = ptm_conform.check_callable(my_decoder.decode)     # the whole suite, in this process
     print(report.text)
-    array = ptm_conform.decode(file)                           # the reference
+    array = ptm_conform.decode(file)                           # the reference decoder
     findings = ptm_conform.lint("coin.ptm")
 
-The work is done by the program `ptm-conform`, which this package carries.
+The functions call the program `ptm-conform`, which this package contains.
 """
 
 from ._checking import Case, Report, check_callable

@@ -24,34 +24,34 @@ class Case:
     #: pass, fail, unsupported, inconclusive, not judged or not run
     outcome: str
     clauses: list
-    #: why, where there is something to say
+    #: the reason, or an empty string
     says: str
 
 
 @dataclasses.dataclass(frozen=True)
 class Report:
-    """What `ptm-conform check` says of a decoder."""
+    """The result of `ptm-conform check` for a decoder."""
 
-    #: exit status of the program: 0 passes, 1 fails, 3 is not a decoder
+    #: exit status of the program: 0 passed, 1 failed, 3 not a decoder
     status: int
-    #: what it prints: causes, examples, scores
+    #: output of the program: causes, examples and scores
     text: str
-    #: the whole report, as spec-cases/schema/report.schema.json describes it
+    #: whole report, in the format of spec-cases/schema/report.schema.json
     data: dict
 
     @property
     def passed(self):
-        """Whether no case failed and at least one file was decoded."""
+        """True if no case failed and at least one file was decoded."""
         return self.status == 0
 
     @property
     def causes(self):
-        """The misreadings that explain the failures, most telling first."""
+        """The misreadings that explain the failures, most important first."""
         return [cause["misreading"] for cause in self.data["diagnoses"] if "misreading" in cause]
 
     @property
     def cases(self):
-        """The verdict on each case, by its id."""
+        """The verdicts by case id."""
         return {
             case["id"]: Case(case["id"], case["outcome"], case["clauses"], case.get("says", ""))
             for case in self.data["cases"]
@@ -59,22 +59,22 @@ class Report:
 
 
 def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupported=Unsupported, options=()):
-    """Runs the suite against functions, and returns a Report.
+    """Runs the suite against functions and returns a Report.
 
-    `raw(file)` and `coef(file)` take the bytes of a file and return an array of (height, width, channels), top row first:
-    the stored values as uint8, the final coefficients as floats. `rgb(file, lu, lv)` returns the image under a light as
-    uint8. One of them is enough. `malformed` and `unsupported` are the exceptions by which they refuse a file and say that
-    they do not read its kind; any other exception is a crash. `options` are options of `ptm-conform check`, for example
-    ["--smoke"]. A function has no time limit and runs in this process: if it does not return, or crashes the
-    interpreter, so does this call.
+    `raw(file)` and `coef(file)` take the bytes of a file and return an array of shape (height, width, channels), top row
+    first: the stored values as uint8, and the final coefficients as floats. `rgb(file, lu, lv)` returns the image under a
+    light as uint8. One function is enough. The functions raise `malformed` for a malformed file and `unsupported` for a kind
+    of file that they do not support. Any other exception counts as a crash. `options` are options of `ptm-conform check`,
+    such as ["--smoke"]. The functions run in this process without a time limit: if one hangs or crashes the interpreter, so
+    does this call.
     """
     if not hasattr(socket, "AF_UNIX"):
-        raise RuntimeError("check_callable needs Linux or macOS, as ptm-conform check does")
+        raise RuntimeError("check_callable needs Linux or macOS, like ptm-conform check")
     functions = {"raw": raw, "coef": coef, "rgb": rgb}
     if not any(functions.values()):
         raise TypeError("check_callable needs raw, coef or rgb")
     answer = _Answer(functions, malformed, unsupported)
-    # The name of a socket may have some hundred bytes.
+    # The path of a socket is limited to about a hundred bytes.
     short = None if len(tempfile.gettempdir()) < 60 else "/tmp"
     with tempfile.TemporaryDirectory(prefix="ptm-", dir=short) as directory:
         paths = {name: os.path.join(directory, name) for name in ("socket", "yaml", "json", "text", "errors")}
@@ -91,14 +91,14 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
                 run.wait()
         if not os.path.exists(paths["json"]):
             with open(paths["errors"], encoding="utf-8", errors="replace") as errors:
-                raise RuntimeError(errors.read().strip() or "ptm-conform ended with %d" % status)
+                raise RuntimeError(errors.read().strip() or "ptm-conform exited with %d" % status)
         with open(paths["text"], encoding="utf-8") as text, open(paths["json"], "rb") as data:
             lines = [line for line in text if not line.startswith("report: ")]
             return Report(status, "".join(lines), json.load(data))
 
 
 def _serve(listener, run, answer):
-    """Answers until the program asks no more. Returns if it ends without asking."""
+    """Answers requests until the program closes the connection, or exits without connecting."""
     listener.settimeout(0.1)
     while True:
         try:
@@ -116,7 +116,7 @@ def _serve(listener, run, answer):
 
 
 class _Answer:
-    """What the functions do with a request, as a word and what belongs to it."""
+    """Answers requests with the functions. An answer consists of a word and its data."""
 
     def __init__(self, functions, malformed, unsupported):
         self.functions = functions
@@ -148,7 +148,7 @@ def _message(what):
 
 
 def _frame(view, value):
-    """An array as a frame; bytes are read as a frame, a NumPy file or an image."""
+    """Converts an array to a frame. Bytes may already be a frame, a NumPy file or an image."""
     if isinstance(value, (bytes, bytearray)):
         return bytes(value)
     if not hasattr(value, "__array__"):

@@ -1,4 +1,4 @@
-"""The program that the package carries, and what it does with single files."""
+"""The program in the package, and its functions for single files."""
 
 import json
 import os
@@ -9,15 +9,15 @@ import tempfile
 
 
 class Malformed(ValueError):
-    """The file breaks a rule of the format; the message names the clause and the byte."""
+    """The file breaks a rule of the format. The message names the section and the byte."""
 
 
 class Unsupported(NotImplementedError):
-    """The file may be sound, but it is not read."""
+    """The file may be valid, but the decoder does not support it."""
 
 
 def program():
-    """The path of `ptm-conform`: PTM_CONFORM_PROGRAM, else the installed one, else one in PATH."""
+    """Returns the path of `ptm-conform`: PTM_CONFORM_PROGRAM, else the installed program, else the one in PATH."""
     named = os.environ.get("PTM_CONFORM_PROGRAM")
     if named:
         return named
@@ -29,15 +29,15 @@ def program():
             return path
     found = shutil.which(name)
     if found is None:
-        raise FileNotFoundError("the program ptm-conform is not installed with the package")
+        raise FileNotFoundError("the program ptm-conform is not installed")
     return found
 
 
 def decode(file, view="raw"):
-    """What the reference makes of `file` (bytes), as an array of (height, width, channels), top row first.
+    """Decodes `file` (bytes) with the reference. Returns an array of shape (height, width, channels), top row first.
 
-    `raw`: the stored values, uint8. `coef`: the final coefficients, float32. `rgb:LU,LV`: the image under that light,
-    uint8. Raises Malformed or Unsupported.
+    `raw`: the stored values as uint8. `coef`: the final coefficients as float32. `rgb:LU,LV`: the image under this light
+    as uint8. Raises Malformed or Unsupported.
     """
     import numpy
 
@@ -56,7 +56,7 @@ def decode(file, view="raw"):
 
 
 def lint(path):
-    """What is wrong with a file, a dictionary for each finding: code, severity, offset, clause, says, found, fix."""
+    """Returns the findings for a file, as dictionaries with code, severity, offset, clause, says, found and fix."""
     run = subprocess.run([program(), "lint", "--json", os.fspath(path)], capture_output=True)
     if run.returncode == 2:
         raise OSError(run.stderr.decode(errors="replace").strip())

@@ -1,4 +1,4 @@
-"""One test for each case of the suite.
+"""Pytest plugin with one test for each case of the suite.
 
     # test_ptm.py
     @pytest.fixture(scope="session")
@@ -8,7 +8,7 @@
     def test_ptm(ptm_case):
         ptm_case.check()
 
-The suite runs once, when the first of them does; with `-k` or an id, only the cases that are asked for.
+The suite runs once, before the first of these tests. With `-k` or a test id, only the selected cases run.
 """
 
 import json
@@ -22,7 +22,7 @@ SKIPPED = ("unsupported", "inconclusive", "not judged", "not run")
 
 
 def case_ids():
-    """All ids, in the order of the suite."""
+    """Returns all case ids in the order of the suite."""
     with open(os.path.join(os.path.dirname(__file__), "cases.json"), encoding="utf-8") as file:
         return json.load(file)
 
@@ -35,7 +35,7 @@ def pytest_generate_tests(metafunc):
 
 @pytest.fixture(scope="session")
 def ptm_report(request, ptm_decoder):
-    """The Report on `ptm_decoder`, of the cases that this session runs."""
+    """The Report on `ptm_decoder` for the cases of this session."""
     named = [item.callspec.params["ptm_case"] for item in request.session.items if "ptm_case" in getattr(getattr(item, "callspec", None), "params", {})]
     named = sorted(set(named))
     options = [] if len(named) in (0, len(case_ids())) else [word for id in named for word in ("--case", id)]
@@ -45,12 +45,12 @@ def ptm_report(request, ptm_decoder):
 
 @pytest.fixture
 def ptm_case(request, ptm_report):
-    """One case; its check() fails, passes or skips as the suite's verdict says."""
+    """A case. Its check() fails, passes or skips according to the verdict."""
     return Verdict(request.param, ptm_report)
 
 
 class Verdict:
-    """The verdict on a case, as a test."""
+    """The verdict on a case."""
 
     def __init__(self, id, report):
         self.id = id
@@ -63,14 +63,14 @@ class Verdict:
         outcome, says = self.case["outcome"], self.case.get("says", "")
         if outcome == "fail":
             pytest.fail("\n".join(["%s (%s)" % (self.id, ", ".join(self.case["clauses"])), says, *self.causes()]), pytrace=False)
-        # A fault of all images is reported once, and undone before the cases are judged.
-        everywhere = [remark["says"] for remark in self.report.data.get("remarks", []) if remark.get("failure")]
-        if everywhere and outcome == "pass" and self.case["expect"] == "decode":
-            pytest.fail("\n".join([self.id, *everywhere]), pytrace=False)
+        # A fault that all images share is reported once, and undone before the cases are judged.
+        common_faults = [remark["says"] for remark in self.report.data.get("remarks", []) if remark.get("failure")]
+        if common_faults and outcome == "pass" and self.case["expect"] == "decode":
+            pytest.fail("\n".join([self.id, *common_faults]), pytrace=False)
         if outcome in SKIPPED:
             pytest.skip("%s: %s" % (outcome, says))
 
     def causes(self):
-        """What the report names as the cause of this failure."""
+        """Returns the causes of this failure in the report."""
         causes = self.report.data["diagnoses"]
         return ["The decoder %s. Fix: %s." % (cause["effect"], cause["fix"]) for cause in causes if self.id in cause["explains"]]

@@ -1,8 +1,8 @@
 //! The reference decoder for web pages: fields, findings, planes and images of a file.
 //!
-//! All exports are plain functions over numbers, so the module is built by `cargo` alone, without generated scripts. A page calls
-//! [`reserve`], writes a file there, calls [`open`], and reads the results at [`report`] and [`relight`]. One file is open at a
-//! time.
+//! All exports are functions that take and return numbers, so only `cargo` is needed to build the module. A page calls
+//! [`reserve`], writes a file there, calls [`open`], and reads the results at [`report`], [`samples`] and [`relight`]. One file
+//! is open at a time.
 
 use std::cell::RefCell;
 
@@ -14,39 +14,39 @@ use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::lint::lint;
 use serde_json::json;
 
-/// The open file.
+/// The open file and its results.
 #[derive(Default)]
 struct Opened {
-    /// The bytes that the page writes.
+    /// The bytes of the file, which the page writes.
     file: Vec<u8>,
     /// The report in JSON.
     report: String,
     map: Option<Ptm>,
     /// The last image: red, green, blue and 255 of every texel.
-    picture: Vec<u8>,
+    image: Vec<u8>,
 }
 
 thread_local! {
     static OPENED: RefCell<Opened> = RefCell::default();
 }
 
-fn with<T>(act: impl FnOnce(&mut Opened) -> T) -> T {
-    OPENED.with(|opened| act(&mut opened.borrow_mut()))
+fn with_opened<T>(action: impl FnOnce(&mut Opened) -> T) -> T {
+    OPENED.with(|opened| action(&mut opened.borrow_mut()))
 }
 
-/// Returns room for a file of `length` bytes, which the page writes.
+/// Allocates memory for a file of `length` bytes, and returns its address. The page writes the file there.
 #[unsafe(no_mangle)]
 pub extern "C" fn reserve(length: usize) -> *mut u8 {
-    with(|opened| {
+    with_opened(|opened| {
         opened.file = vec![0; length];
         opened.file.as_mut_ptr()
     })
 }
 
-/// Reads the written file. Returns 1 if it is a map, and 0 if not; both have a report.
+/// Decodes the file that the page has written, and creates its report. Returns 1 if the file is a map, and 0 if not.
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> u32 {
-    with(|opened| {
+    with_opened(|opened| {
         let decoded = ptm_conform::decode(&opened.file);
         opened.report = report_on(&opened.file, decoded.as_ref());
         opened.map = decoded.ok();
@@ -54,7 +54,7 @@ pub extern "C" fn open() -> u32 {
     })
 }
 
-/// Returns fields and findings as the program prints them, and the size and the digest of the planes, or the error.
+/// Returns the report in JSON: fields and findings as the program prints them, and properties of the map, or the error.
 pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
     let refused = decoded.err().map(|error| {
         let malformed = error.class() == Class::Malformed;
@@ -75,43 +75,43 @@ pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
     json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused }).to_string()
 }
 
-/// Returns the report.
+/// Returns the address of the report.
 #[unsafe(no_mangle)]
 pub extern "C" fn report() -> *const u8 {
-    with(|opened| opened.report.as_ptr())
+    with_opened(|opened| opened.report.as_ptr())
 }
 
-/// Returns the number of bytes of the report.
+/// Returns the length of the report in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn report_length() -> usize {
-    with(|opened| opened.report.len())
+    with_opened(|opened| opened.report.len())
 }
 
-/// Returns the stored values, texel by texel, top row first, or null if no map is open. The report has width, height and
-/// channels.
+/// Returns the address of the stored values, texel by texel, top row first, or null if no map is open. The report contains
+/// width, height and number of channels.
 #[unsafe(no_mangle)]
 pub extern "C" fn samples() -> *const u8 {
-    with(|opened| match &opened.map {
+    with_opened(|opened| match &opened.map {
         Some(ptm) => ptm.planes.samples.as_ptr(),
         None => std::ptr::null(),
     })
 }
 
-/// Returns the map under a light, four bytes per texel, or null if no map is open.
+/// Returns the address of the map under a light, four bytes per texel, or null if no map is open.
 #[unsafe(no_mangle)]
 pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
-    with(|opened| {
+    with_opened(|opened| {
         let Some(ptm) = &opened.map else {
             return std::ptr::null();
         };
-        light_into(ptm, lu, lv, &mut opened.picture);
-        opened.picture.as_ptr()
+        relight_into(ptm, lu, lv, &mut opened.image);
+        opened.image.as_ptr()
     })
 }
 
-/// Computes exactly the image of `Coefficients::evaluate` and `RelitImage::to_bytes` from stored bytes: each term of the polynomial
-/// is looked up by its byte.
-pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
+/// Computes exactly the image of `Coefficients::evaluate` and `RelitImage::to_bytes`. Looks up each term of the polynomial by its
+/// stored byte.
+pub fn relight_into(ptm: &Ptm, lu: f64, lv: f64, image: &mut Vec<u8>) {
     let set = &ptm.header.scale_bias;
     let terms: [[f64; 256]; 6] = std::array::from_fn(|i| {
         std::array::from_fn(|raw| {
@@ -125,14 +125,14 @@ pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
     };
     let samples = &ptm.planes.samples;
     match ptm.planes.shape {
-        Shape::Rgb => paint(samples, picture, |texel: &[u8; 18]| {
+        Shape::Rgb => paint(samples, image, |texel: &[u8; 18]| {
             [0, 6, 12].map(|c| sum(std::array::from_fn(|i| texel[c + i])))
         }),
-        Shape::Lrgb => paint(samples, picture, |&[a0, a1, a2, a3, a4, a5, r, g, b]| {
+        Shape::Lrgb => paint(samples, image, |&[a0, a1, a2, a3, a4, a5, r, g, b]| {
             let luminance = sum([a0, a1, a2, a3, a4, a5]);
             [r, g, b].map(|color| luminance * f64::from(color) / 255.0)
         }),
-        Shape::Lum(m) => paint(samples, picture, |&[a0, a1, a2, a3, a4, a5, cr, cb]| {
+        Shape::Lum(m) => paint(samples, image, |&[a0, a1, a2, a3, a4, a5, cr, cb]| {
             let y = sum([a0, a1, a2, a3, a4, a5]);
             let (cr, cb) = (f64::from(cr), f64::from(cb));
             [0, 1, 2].map(|r| m.0[r] * y + m.0[4 + r] * cr + m.0[8 + r] * cb + m.0[12 + r])
@@ -140,21 +140,21 @@ pub fn light_into(ptm: &Ptm, lu: f64, lv: f64, picture: &mut Vec<u8>) {
     }
 }
 
-/// Returns the color of every texel of `N` channels as bytes.
+/// Writes the color of every texel with `N` channels to an image.
 fn paint<const N: usize>(
     samples: &[u8],
-    picture: &mut Vec<u8>,
+    image: &mut Vec<u8>,
     color: impl Fn(&[u8; N]) -> [f64; 3],
 ) {
     let (texels, _) = samples.as_chunks::<N>();
-    picture.resize(texels.len() * 4, 255);
-    for (texel, pixel) in texels.iter().zip(picture.as_chunks_mut::<4>().0) {
+    image.resize(texels.len() * 4, 255);
+    for (texel, pixel) in texels.iter().zip(image.as_chunks_mut::<4>().0) {
         let [r, g, b] = color(texel).map(byte);
         *pixel = [r, g, b, 255];
     }
 }
 
-/// Clamps and rounds half up, exactly like `round`, for which WebAssembly has no instruction.
+/// Clamps and rounds half up, exactly like `f64::round`, for which WebAssembly has no instruction.
 fn byte(value: f64) -> u8 {
     let value = value.clamp(0.0, 255.0);
     let whole = value as u8;

@@ -1,7 +1,7 @@
 //! Tests of the command-line interface.
 
 use crate::common::{
-    PROGRAM, Workspace, assert_says, check, repository, repository_text, rows, zoo,
+    PROGRAM, Workspace, assert_contains, check, repository, repository_text, rows, zoo,
 };
 
 #[test]
@@ -31,7 +31,7 @@ fn check_files_continues_after_an_unreadable_file() {
     here.corpus("lrgb/first-lrgb.ptm");
     std::os::unix::fs::symlink("no-such-file", here.path("a.ptm")).expect("a link");
     let output = here.exits(1, "check --files .");
-    assert_says(
+    assert_contains(
         &output,
         "not run a.ptm && pass first-lrgb.ptm && not run: 2 files",
     );
@@ -79,7 +79,7 @@ fn commands_have_the_expected_status_and_output() {
   | Fix: read the low byte first && cases: table-of-257-entries-ptm-lut
   && generate --case entries-of-the-first-and-last-texels-of-a-wide-table-ptm-lut && raw: refused a legal file",
     );
-    assert_says(
+    assert_contains(
         &here.run("generate --case hand-lom").1,
         "did you mean hand-lum",
     );
@@ -91,7 +91,7 @@ fn check_without_a_decoder_mentions_the_reference() {
     for suite in ["ptm", "texture"] {
         let line = format!("check --quiet --suite {suite} --case *lum* --case DEP-01");
         let output = here.command(&line).output().expect("the program starts");
-        let text = String::from_utf8(output.stdout).expect("a text");
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
         let lines: Vec<&str> = text.lines().collect();
         for line in [lines[0], lines[lines.len() - 1]] {
             assert!(line.contains("built-in reference"), "{suite}: {text}");
@@ -108,7 +108,7 @@ fn interrupted_run_prints_the_reason_to_standard_error() {
     let output = here.command(&line).output().expect("the program starts");
     for text in [output.stdout, output.stderr] {
         let why = "the run ended early: three legal files in a row hung";
-        assert_says(&String::from_utf8_lossy(&text), why);
+        assert_contains(&String::from_utf8_lossy(&text), why);
     }
 }
 
@@ -142,7 +142,7 @@ fn files_that_cannot_be_executed_are_described() {
         (missing, "no program with this name is in PATH"),
     ] {
         let checked = check(&format!("--case hand-lum {decoder}"));
-        checked.ends(3, says);
+        checked.assert_exit(3, says);
         assert!(!checked.text.contains("os error"), "{}", checked.text);
     }
 }
@@ -151,7 +151,7 @@ fn files_that_cannot_be_executed_are_described() {
 fn pipes_get_no_color_by_default() {
     let here = Workspace::new();
     here.corpus("lrgb/first-lrgb.ptm");
-    for [line, multiply_by_color] in rows(
+    for [line, is_colored] in rows(
         "
 explain lut-count | false
 --color always explain lut-count | true
@@ -160,11 +160,7 @@ inspect --color always first-lrgb.ptm | true
 --color never inspect first-lrgb.ptm | false",
     ) {
         let text = here.succeeds(&line);
-        assert_eq!(
-            text.contains('\x1b').to_string(),
-            multiply_by_color,
-            "{line}"
-        );
+        assert_eq!(text.contains('\x1b').to_string(), is_colored, "{line}");
     }
 }
 

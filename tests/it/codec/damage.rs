@@ -1,14 +1,14 @@
-//! Tests streams with changed, lost and duplicated bytes. The decoders must refuse them or return the requested
-//! number of samples.
+//! Tests streams with changed, missing and duplicated bytes. The decoders must refuse them or return the requested number of
+//! samples.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
-use crate::draws::DraftGenerator;
+use crate::random::Rng;
 
 type Decode = fn(&[u8], u32, u32) -> Result<Vec<u8>, StreamError>;
 
 /// Generates an image with flat rows at the top, a slope in the middle, and noise at the bottom.
-fn image(width: u32, height: u32, draws: &mut DraftGenerator) -> Vec<u8> {
+fn image(width: u32, height: u32, rng: &mut Rng) -> Vec<u8> {
     let texel = |x: u32, y: u32, noise: u8| match 3 * y / height {
         0 => 77,
         1 => u8::try_from((3 * x + 5 * y) % 256).expect("a byte"),
@@ -16,17 +16,17 @@ fn image(width: u32, height: u32, draws: &mut DraftGenerator) -> Vec<u8> {
     };
     (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .map(|(x, y)| texel(x, y, draws.byte()))
+        .map(|(x, y)| texel(x, y, rng.byte()))
         .collect()
 }
 
 const SIZES: [(u32, u32); 5] = [(1, 1), (8, 8), (17, 9), (40, 30), (3, 50)];
 
-/// Streams with their sizes, and the decoder for them.
+/// A decoder, and streams with their widths and heights.
 type Streams = (Decode, Vec<(Vec<u8>, u32, u32)>);
 
 fn jpeg_streams() -> Streams {
-    let (mut draws, mut streams) = (DraftGenerator(1), Vec::new());
+    let (mut rng, mut streams) = (Rng(1), Vec::new());
     for (width, height) in SIZES {
         for (quality, optimized) in [10, 75, 100]
             .map(|quality| [(quality, false), (quality, true)])
@@ -38,7 +38,7 @@ fn jpeg_streams() -> Streams {
                 restart_interval: if optimized { 2 } else { 0 },
                 ..jpeg::JpegOptions::new(quality)
             };
-            let samples = image(width, height, &mut draws);
+            let samples = image(width, height, &mut rng);
             let encoded = jpeg::encode(&samples, width, height, &options);
             streams.push((encoded.stream, width, height));
         }
@@ -47,7 +47,7 @@ fn jpeg_streams() -> Streams {
 }
 
 fn jpeg_ls_streams() -> Streams {
-    let (mut draws, mut streams) = (DraftGenerator(2), Vec::new());
+    let (mut rng, mut streams) = (Rng(2), Vec::new());
     for (width, height) in SIZES {
         for (near, reset) in [0, 1, 9]
             .map(|near| [(near, None), (near, Some(5))])
@@ -58,7 +58,7 @@ fn jpeg_ls_streams() -> Streams {
                 ..Default::default()
             });
             let options = jpeg_ls::JpegLsOptions { near, presets };
-            let samples = image(width, height, &mut draws);
+            let samples = image(width, height, &mut rng);
             let encoded = jpeg_ls::encode(&samples, width, height, &options);
             streams.push((encoded.stream, width, height));
         }
@@ -70,11 +70,11 @@ fn jpeg_ls_streams() -> Streams {
 #[test]
 fn damaged_streams_cause_no_panic() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {
-        let mut draws = DraftGenerator(3);
+        let mut rng = Rng(3);
         let mut outcomes = [0; 3];
         for (stream, width, height) in streams.iter().cycle().take(5_000) {
             let mut damaged = stream.clone();
-            draws.damage(&mut damaged, 200);
+            rng.damage(&mut damaged, 200);
             let outcome = match decode(&damaged, *width, *height) {
                 Ok(samples) => {
                     assert_eq!(samples.len(), (width * height) as usize);
@@ -92,8 +92,7 @@ fn damaged_streams_cause_no_panic() {
     }
 }
 
-/// A truncated stream is never mistaken for a complete one, and any other size than that of the stream is refused, no
-/// matter how large.
+/// Every truncated stream is refused, and so is every size other than that of the stream, no matter how large.
 #[test]
 fn truncated_or_resized_streams_are_malformed() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {

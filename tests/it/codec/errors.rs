@@ -2,7 +2,7 @@
 //!
 //! Each row of a table contains a stream and its result. A stream consists of bytes in hexadecimal, with `01*64` for
 //! sixty-four 01 bytes, and of the names of parts of the smallest stream. It may end early if the rest does not
-//! matter. A result is an error, or samples that repeat to fill the image.
+//! matter. A result is an error, or samples that are repeated to fill the image.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
@@ -29,7 +29,7 @@ const JPEG: Codec = (
     ],
 );
 
-/// The smallest JPEG-LS stream: a row of four zeros, which is a run, written as four ones.
+/// The smallest JPEG-LS stream: a run of four zero samples, which is coded as four one bits.
 const JPEG_LS: Codec = (
     jpeg_ls::decode,
     &[
@@ -50,7 +50,7 @@ fn parse_bytes(cell: &str, parts: &[(&str, &str)]) -> Vec<u8> {
         }
         let (digits, times) = word.split_once('*').unwrap_or((word, "1"));
         let byte = u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
-        vec![byte; times.parse().expect("a number of times")]
+        vec![byte; times.parse().expect("a repeat count")]
     };
     cell.split_whitespace().flat_map(word).collect()
 }
@@ -88,9 +88,9 @@ SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
 SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
-/// Values beyond the range of the inverse transform, which no encoder writes. A DC coefficient of 1,200 times 4 is 600 above
-/// gray, which in ten bits is 424 below gray: black, although plain clamping would produce white. An AC coefficient of 1,000
-/// times 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
+/// Values out of range for the inverse transform, which no encoder writes. A DC coefficient of 1,200 · 4 is 600 above gray,
+/// which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient of
+/// 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
 SOI FF DB 00 43 00 04*64 SOF FF C4 00 14 00 01 00*15 0B DHT1 SOS 4B 07 EOI | 00
 SOI FF DB 00 43 00 C8*64 SOF DHT0 FF C4 00 15 10 00 02 00*14 00 0A SOS 3F 41 EOI | 00 00 FF 00 FF 00 FF FF
@@ -162,9 +162,9 @@ SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zero
 SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros extends past the end of the block
 ";
 
-/// Streams with two blocks. In the first table, code 0 is no difference and code 1 is a difference of four bits. 01
-/// 1000 0 | 01 1000 0 is eight, then sixteen, which the transform divides by eight. After a restart marker, the
-/// second value is eight again. The last row has two differences with eleven one bits.
+/// Streams with two blocks. In all rows but the last, DC code 00 means no difference, and 01 a difference of four bits.
+/// 01 1000 0 | 01 1000 0 gives the values 8 and 16, which the transform divides by 8. After a restart marker, the second
+/// value is 8 again. In the last row, both differences are 2047.
 const JPEG_BLOCKS: &str = "
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 SOS 60 C3 EOI | 81*8 82*8
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D0 61 EOI | 81
@@ -204,8 +204,8 @@ SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
 SOI SOF SOS F7 EOI | 00
 ";
 
-/// In the last row, an empty run is followed by 22 zeros, a one and 1111 1111. This is number 256, one more than the
-/// largest error.
+/// In the last row, an empty run is followed by 22 zeros, a one and 1111 1111. They code the mapped error 256, one more
+/// than the largest one.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
 D8 FF | byte 0: the stream does not start with SOI, bytes FF D8
@@ -253,10 +253,10 @@ SOI SOF SOS 00 00 01 FF 00 EOI | byte 29: the prediction error -129 is out of ra
 fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 4, 1, JPEG_LS_SPELLINGS);
     check_results(JPEG_LS, 4, 1, JPEG_LS_ERRORS);
-    // 0: empty run. Then 1 and 11, because k is 2: number 3, which is error 2.
+    // 0: empty run. Then 1 and 11, because k = 2: mapped error 3, which is error 2.
     let interrupted = "SOI FF F7 00 0B 08 00 01 00 01 01 01 11 00 SOS 70 EOI | 02";
     check_results(JPEG_LS, 1, 1, interrupted);
-    // Four samples, then a run that ends: one more sample, and another one that interrupts the run.
+    // Four samples, then the end of the run: one more sample, and one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
         | byte 25: interrupted run of 5 samples, but the line has 5 left";
     check_results(JPEG_LS, 5, 1, long);

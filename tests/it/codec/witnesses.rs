@@ -1,19 +1,19 @@
-//! Tests every image in witnesses.txt against the streams and samples of libjpeg and `CharLS`.
+//! Compares streams and samples with those of libjpeg and `CharLS` for every image in witnesses.txt.
 //!
-//! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generated each image from its
-//! recipe, encoded and decoded it with the other codecs, and recorded the digests. This test generates the same images again.
+//! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generates each image from its
+//! recipe, encodes and decodes it with the other codecs, and records the digests. This test generates the same images.
 
 #![allow(
     clippy::manual_midpoint,
     clippy::manual_is_multiple_of,
-    reason = "the recipes are spelled as the script spells them"
+    reason = "the formulas are written as in the script"
 )]
 
 use ptm_conform::codec::jpeg_ls::PresetParameters;
 use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
 use ptm_conform::kit::digest::sha256;
 
-use crate::draws::DraftGenerator;
+use crate::random::Rng;
 
 /// A line of witnesses.txt.
 struct Witness {
@@ -50,7 +50,7 @@ fn witnesses(codec: &str) -> Vec<Witness> {
     lines.map(witness).collect()
 }
 
-#[expect(clippy::many_single_char_names, reason = "the letters of the formula")]
+#[expect(clippy::many_single_char_names, reason = "variables of formulas")]
 fn paint(witness: &Witness) -> Vec<u8> {
     let &Witness {
         kind,
@@ -59,12 +59,12 @@ fn paint(witness: &Witness) -> Vec<u8> {
         seed,
         ..
     } = witness;
-    let mut draws = DraftGenerator(seed);
-    let (p, q, s) = (draws.next(), draws.next(), draws.next());
+    let mut rng = Rng(seed);
+    let (p, q, s) = (rng.next(), rng.next(), rng.next());
     let mut samples: Vec<u8> = Vec::new();
     for y in 0..height {
         for x in 0..width {
-            let r = draws.next();
+            let r = rng.next();
             let value = match kind {
                 "noise" => r >> 8,
                 "gradient" => (x * (p % 7) + y * (q % 5) + s) % 256,
@@ -85,7 +85,7 @@ fn paint(witness: &Witness) -> Vec<u8> {
                     let (left, above) = (u32::from(left), u32::from(above));
                     ((left + above) / 2 + r % 32).saturating_sub(15).min(255)
                 }
-                _ => panic!("no painter paints {kind}"),
+                _ => panic!("unknown kind {kind}"),
             };
             samples.push(u8::try_from(value).expect("a sample"));
         }
@@ -121,7 +121,7 @@ fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
     for parameter in parameters.split(',') {
         match parameter.split_once('=') {
             Some(("near", near)) => options.near = near.parse().expect(parameters),
-            // Samples with fewer bits, and the parameters that follow from this.
+            // Samples with fewer bits, with the default thresholds for their MAXVAL.
             Some(("bits", bits)) => {
                 let bits: u32 = bits.parse().expect(parameters);
                 options.presets = Some(PresetParameters {
@@ -170,7 +170,7 @@ fn compare(witness: &Witness, digested: &[u8], encoded: &Encoded, decoded: &[u8]
     assert_eq!(sha256(decoded), witness.samples, "the samples of {recipe}");
     assert!(
         encoded.samples == decoded,
-        "the encoder's samples of {recipe}"
+        "the samples of the encoder of {recipe}"
     );
 }
 
@@ -204,7 +204,7 @@ fn jpeg_ls_scans_and_samples_equal_those_of_charls() {
             jpeg_ls::decode(&encoded.stream, witness.width, witness.height).expect("an image");
         compare(witness, scan_bytes(&encoded.stream), &encoded, &decoded);
         let mut pairs = originals.iter().zip(&decoded);
-        let near = pairs.all(|(&a, &b)| a.abs_diff(b) <= options.near);
-        assert!(near, "{} is left by more than NEAR", witness.parameters);
+        let are_near = pairs.all(|(&a, &b)| a.abs_diff(b) <= options.near);
+        assert!(are_near, "{}: an error exceeds NEAR", witness.parameters);
     }
 }

@@ -52,12 +52,12 @@ fn tolerance_grows_with_each_predictor_and_is_zero_where_corrected() {
                 records.any(|&(position, _)| position as usize == stored)
             };
             for (texel, slack) in model.slack.iter().skip(plane).step_by(channels).enumerate() {
-                let most = if corrected(texel) {
+                let limit = if corrected(texel) {
                     0
                 } else {
                     1 + depth(plane)
                 };
-                assert!(usize::from(*slack) <= most, "{}: plane {plane}", case.id);
+                assert!(usize::from(*slack) <= limit, "{}: plane {plane}", case.id);
             }
         }
     }
@@ -75,32 +75,32 @@ fn cases_with_overflows_have_corrections() {
 }
 
 #[test]
-fn cases_depend_only_on_choices_of_their_lists() {
+fn cases_depend_only_on_the_choices_of_their_recipes() {
     for (case, _) in generated_cases() {
         let recipe = case.recipe().expect("painted");
-        let touched = recipe.compression.axes();
-        let are_touched = case.axes().iter().all(|axis| touched.contains(axis));
-        assert!(are_touched, "{}", case.id);
+        let relevant = recipe.compression.axes();
+        let are_relevant = case.axes().iter().all(|axis| relevant.contains(axis));
+        assert!(are_relevant, "{}", case.id);
     }
 }
 
 #[test]
 fn every_choice_except_inversion_has_an_isolated_case() {
     let cases = generated_cases();
-    let is_shown = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
+    let has_case = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
     let axes = "jpeg-ls-offset motion-sign motion-vertical motion-half motion-border side-lossless";
     for axis in axes.split(' ') {
-        assert!(is_shown(&[axis]), "{axis}");
+        assert!(has_case(&[axis]), "{axis}");
     }
-    assert!(is_shown(&["motion-half", "motion-inversion"]));
+    assert!(has_case(&["motion-half", "motion-inversion"]));
 }
 
 #[test]
 fn lossy_planes_near_0_or_255_are_requested_only_raw() {
     for (case, model) in generated_cases() {
         let mut samples = model.samples.iter().zip(&model.slack);
-        let near =
+        let is_near =
             samples.any(|(&sample, &slack)| slack > 0 && (sample < slack || 255 - sample < slack));
-        assert!(!near || case.views == [View::Raw], "{}", case.id);
+        assert!(!is_near || case.views == [View::Raw], "{}", case.id);
     }
 }

@@ -1,6 +1,6 @@
-//! Tests the decoder without any other part of the library, on the corpus. `cargo mutants` runs this test.
+//! Tests the decoder alone on the corpus, without any other part of the library. `cargo mutants` runs this test.
 //!
-//! `PTM_CORPUS` selects a different corpus, such as one with large files that `generate` wrote.
+//! `PTM_CORPUS` selects a different corpus, such as one with the large files, which `generate` writes.
 
 use std::path::PathBuf;
 
@@ -31,14 +31,14 @@ fn entries(manifest: &str) -> Vec<Entry> {
         let (Some(entry), Some((key, value))) = (entries.last_mut(), line.split_once(": ")) else {
             continue;
         };
-        let place = match key {
+        let field = match key {
             "  file" => &mut entry.file,
             "  expect" => &mut entry.expect,
             "    view" => &mut entry.view,
             "    file" => &mut entry.frame,
             _ => continue,
         };
-        value.trim_matches('"').clone_into(place);
+        value.trim_matches('"').clone_into(field);
     }
     entries
 }
@@ -74,21 +74,22 @@ fn frame_samples(frame: &[u8]) -> Vec<f64> {
 fn mismatch(entry: &Entry, file: &[u8], frame: Option<Vec<u8>>) -> Option<String> {
     let outcome = decode(file);
     if let Ok(ptm) = &outcome {
-        let stored = open(file).expect("what can be decoded can be opened");
+        let stored = open(file).expect("a decodable file opens");
         let pieces = stored.pieces().flat_map(|piece| piece.planes.samples);
         if !pieces.eq(ptm.planes.samples.iter().copied()) {
-            return Some("another image, row by row".to_owned());
+            return Some("a different image, row by row".to_owned());
         }
     }
     match (entry.expect.as_str(), outcome) {
         ("decode" | "lenient", Ok(ptm)) => {
             let (samples, slack) = samples(&ptm, &entry.view);
             let received = frame_samples(&frame.expect("a frame next to its file"));
-            let near = |(&a, &b): (&f64, &f64)| {
+            let is_near = |(&a, &b): (&f64, &f64)| {
                 (a - b).abs() <= slack || a as f32 == b as f32 || (a - b).abs() <= 1e-6 * b.abs()
             };
-            let same = samples.len() == received.len() && samples.iter().zip(&received).all(near);
-            (!same).then(|| "another image".to_owned())
+            let same =
+                samples.len() == received.len() && samples.iter().zip(&received).all(is_near);
+            (!same).then(|| "a different image".to_owned())
         }
         ("reject", Err(error)) if error.class() != Class::Malformed => Some(error.to_string()),
         ("decode", Err(error)) => Some(error.to_string()),

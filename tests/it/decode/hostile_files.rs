@@ -3,9 +3,9 @@
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::{Limits, Reading, decode, decode_as};
 
-use crate::draws::DraftGenerator;
+use crate::random::Rng;
 
-/// Returns the files of some cases in the suite.
+/// Returns the files of the wanted cases of the suite.
 fn suite_files(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
     let suite = Suite::load().expect("the suite loads");
     let cases = suite.cases.iter().filter(|case| is_wanted(case));
@@ -14,13 +14,13 @@ fn suite_files(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Returns small accepted files in the suite, one for each format and spelling.
+/// Returns small legal files of the suite with every format and spelling.
 fn files() -> Vec<Vec<u8>> {
     let prefixes = ["header-plain", "space-behind-every", "hand-"];
     suite_files(|case| prefixes.iter().any(|prefix| case.id.starts_with(prefix)))
 }
 
-/// Returns the length of the header, which is everything before the payload.
+/// Returns the length of the header in bytes.
 fn header_length(file: &[u8]) -> usize {
     let (fields, _) = ptm_conform::decode::fields(file);
     let payload = fields
@@ -50,10 +50,10 @@ fn truncated_files_are_refused() {
 #[test]
 fn any_header_byte_gives_a_result() {
     for file in files() {
-        for place in 0..header_length(&file) {
+        for at in 0..header_length(&file) {
             for byte in 0..=255 {
                 let mut file = file.clone();
-                file[place] = byte;
+                file[at] = byte;
                 assert_decodes_or_fails(&file);
             }
         }
@@ -106,12 +106,12 @@ fn damaged_compressed_files_give_a_result() {
     });
     assert!(files.len() > 100, "{} files", files.len());
     let limits = Limits { memory: 16 << 20 };
-    let mut draws = DraftGenerator(1);
+    let mut rng = Rng(1);
     let (mut decoded, mut slowest) = (0, std::time::Duration::ZERO);
     for i in 0..3_000 {
         let mut file = files[i % files.len()].clone();
         let header = header_length(&file);
-        draws.damage(&mut file, header);
+        rng.damage(&mut file, header);
         let start = std::time::Instant::now();
         match decode_as(&file, &Reading::SPEC, &limits) {
             Ok(ptm) => {
@@ -124,6 +124,6 @@ fn damaged_compressed_files_give_a_result() {
         slowest = slowest.max(start.elapsed());
     }
     println!("{decoded} of 3,000 decoded, the slowest took {slowest:?}");
-    // This is not a test of speed. It detects hangs, which take thousands of times as long.
+    // This limit detects hangs. It does not test the speed.
     assert!(slowest.as_secs() < 20, "{slowest:?}");
 }

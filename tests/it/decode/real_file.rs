@@ -1,5 +1,5 @@
-//! Compares a real file, written by HP's fitter, with the photographs from which it was computed. Skipped if the
-//! shared data is not available.
+//! Compares a real file, written by HP's fitter, with the photographs from which it was computed. The tests are skipped if
+//! the shared data is missing.
 
 use std::fs;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use ptm_conform::kit::digest::sha256;
 fn read_real_file() -> Option<(PathBuf, Ptm)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/ptmfitter-8x5");
     let Ok(file) = fs::read(format!("{folder}/reference_8x5.ptm")) else {
-        println!("SKIPPED: ../shared/data/ptmfitter-8x5 is not there");
+        println!("SKIPPED: ../shared/data/ptmfitter-8x5 is missing");
         return None;
     };
     let ptm = ptm_conform::decode(&file).expect("a real file decodes");
@@ -27,8 +27,8 @@ fn planes_have_the_digest_of_an_independent_reader() {
     let planes: Vec<u8> = (0..9)
         .flat_map(|channel| ptm.planes.texels().map(move |texel| texel[channel]))
         .collect();
-    // Computed by two independent decoders in Python. The note with the file contains a different digest, which does
-    // not match any order of planes, rows or texels. The photographs below are decisive.
+    // Two independent decoders in Python gave this digest. The note with the file contains a different one, which does not
+    // match any order of planes, rows or texels. The comparison with the photographs below decides.
     assert_eq!(
         sha256(&planes),
         "79409eba1ef1d61e6f2c89015102fdda53e7c78374b4a2110159ef5dd56c1dbb"

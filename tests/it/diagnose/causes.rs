@@ -15,7 +15,9 @@ use ptm_conform::session::run::Run;
 use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
-use crate::in_process::{computing, jobs, misread, misreading, right, run_all, suite};
+use crate::in_process::{
+    answer_with, formula_misreading, jobs, misreading, reference_answer, run_all, suite,
+};
 use crate::table::rows;
 
 /// Returns the causes that the diagnosis finds. Fails if the search panics.
@@ -50,27 +52,27 @@ fn cause_text(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Changes the correct answer like a faulty decoder.
+/// Function that changes the correct answer like a faulty decoder.
 type ChangeAnswer = fn(&Request, Answer) -> Answer;
 
 /// Runs the suite against a decoder that changes the correct answers.
-fn run_faulty_decoder(suite: &Suite, wrong: impl Fn(&Request, Answer) -> Answer + Sync) -> Run {
-    run_all(suite, |request| wrong(request, right(request)))
+fn run_faulty_decoder(suite: &Suite, change: impl Fn(&Request, Answer) -> Answer + Sync) -> Run {
+    run_all(suite, |request| change(request, reference_answer(request)))
 }
 
 /// Returns the diagnosis of a decoder that changes the correct answers, one line per cause.
 fn diagnose_faulty_decoder(
     suite: &Suite,
-    wrong: impl Fn(&Request, Answer) -> Answer + Sync,
+    change: impl Fn(&Request, Answer) -> Answer + Sync,
 ) -> Vec<String> {
-    let run = run_faulty_decoder(suite, wrong);
+    let run = run_faulty_decoder(suite, change);
     let diagnoses = causes(suite, &run);
     let explained = diagnoses
         .iter()
         .flat_map(|one| one.explains.iter().chain(&one.partly));
     let mut explained: Vec<usize> = explained.copied().collect();
     explained.sort_unstable();
-    assert_eq!(explained, failures(&run), "every failure has one diagnosis");
+    assert_eq!(explained, failures(&run), "one diagnosis per failure");
     let lines = diagnoses.iter().map(|one| {
         let (explains, partly, except) = (one.explains.len(), one.partly.len(), one.except.len());
         format!("{explains}+{partly}-{except}: {}", cause_text(one))
@@ -109,7 +111,7 @@ fn search_ends_for_unrelated_failures() {
 fn mistake_in_one_channel_names_the_channel() {
     let wraps = misreading("color-wraps");
     let causes = diagnose_faulty_decoder(&suite().prepared(), |request, answer| {
-        let wrong = misread(&[wraps], request);
+        let wrong = answer_with(&[wraps], request);
         match (answer, wrong) {
             (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == ViewKind::Rgb => {
                 if let (Samples::U8(right), Samples::U8(wrong)) =
@@ -151,8 +153,8 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     let (refused, unsupported) = (count(Outcome::Fail), count(Outcome::Unsupported));
     assert!(unsupported > 3 * refused, "{refused} {unsupported}");
     let lum = (suite.cases.iter()).filter(|case| case.format() == Format::Lum);
-    let of_length = lum.filter(|case| is_refused(&case.build(TableSpelling::default()).file));
-    assert!((1..=of_length.count()).contains(&refused), "{refused}");
+    let refusable = lum.filter(|case| is_refused(&case.build(TableSpelling::default()).file));
+    assert!((1..=refusable.count()).contains(&refused), "{refused}");
 }
 
 /// Mistakes in a formula: its name, the expression that the decoder computes, the only view that it supports, and
@@ -173,17 +175,16 @@ fn formula_mistake_is_described() {
     for [formula, expression, view, says] in rows(FORMULA_MISTAKES) {
         println!("{formula} = {expression}");
         let edit = Edit::parse(&formula, &expression).expect("a formula");
-        let mistake = computing(vec![edit]);
+        let mistake = formula_misreading(vec![edit]);
         let causes = diagnose_faulty_decoder(&suite, |request, answer| match answer {
             Answer::Decoded(_) if view != "any" && view != request.view.name() => {
                 Answer::Unsupported
             }
-            _ => misread(&[&mistake], request),
+            _ => answer_with(&[&mistake], request),
         });
-        let is_said = says
-            .split(" && ")
-            .all(|cause_text| causes[0].contains(cause_text));
-        assert!(is_said, "{expression}: {causes:#?}");
+        let mut parts = says.split(" && ");
+        let is_described = parts.all(|part| causes[0].contains(part));
+        assert!(is_described, "{expression}: {causes:#?}");
     }
 }
 
@@ -216,7 +217,7 @@ fn mistake_outside_the_formulas_is_described() {
             &["crashes", "more than 256 entries"],
         ),
         (
-            "last texel lost",
+            "last texel zero",
             |_, answer| match answer {
                 Answer::Decoded(mut frame) if frame.view == ViewKind::Raw => {
                     if let Samples::U8(samples) = &mut frame.samples {
@@ -231,15 +232,15 @@ fn mistake_outside_the_formulas_is_described() {
             &["wrong stored values"],
         ),
     ];
-    for (name, wrong, says) in decoders {
+    for (name, change, says) in decoders {
         println!("{name}");
-        let causes = diagnose_faulty_decoder(&suite, wrong);
-        let is_said = says.iter().all(|cause_text| causes[0].contains(cause_text));
-        assert!(is_said, "{name}: {causes:#?}");
+        let causes = diagnose_faulty_decoder(&suite, change);
+        let is_described = says.iter().all(|part| causes[0].contains(part));
+        assert!(is_described, "{name}: {causes:#?}");
     }
 }
 
-/// Counts the mistakes that are among the first causes.
+/// Counts the mistakes that are among the first causes, as many as there are mistakes.
 fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usize {
     let first = || diagnoses.iter().take(mistakes.len());
     let is_named =
@@ -251,8 +252,8 @@ fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usi
 fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Vec<String> {
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
-        let is_made = mistakes.iter().any(|mistake| slugs.contains(&mistake.slug));
-        diagnosis.certain && !is_made
+        let is_real = mistakes.iter().any(|mistake| slugs.contains(&mistake.slug));
+        diagnosis.certain && !is_real
     };
     diagnoses.iter().filter(is_false).map(cause_text).collect()
 }
@@ -270,7 +271,7 @@ fn describe_result(
     format!("{slugs:?}, {failing} failures:\n{}", causes.join("\n"))
 }
 
-/// Misreadings with which a decoder that expects a line feed after tables reads hardly any table, so they look the same.
+/// Misreadings that look alike in a decoder that expects a line feed after tables, because it reads hardly any table.
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
@@ -365,7 +366,7 @@ fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     sets
 }
 
-/// Returns true if each member of the set changes some answer of a decoder that makes the other mistakes.
+/// Returns true if each mistake of the set changes at least one answer of a decoder that makes the others.
 fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     let answer = |set: &[&Misreading], file: &[u8], view| {
         misreadings::answer(set, Reading::SPEC, file, view)
@@ -381,13 +382,13 @@ fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     })
 }
 
-/// Tests `count` sets of `size` mistakes that all have an effect. Each set must be caught. At least `least` percent
-/// of the sets must be named completely among the first causes, and at most `most_false` percent may have a false
-/// cause that is reported as certain.
-fn check_sets(count: usize, size: usize, least: usize, most_false: usize) {
+/// Tests `count` sets of `size` mistakes that all have an effect. Each set must be caught. All mistakes of at least
+/// `min_named` percent of the sets must be among the first causes, and at most `max_false` percent of the sets may have a
+/// false cause that is reported as certain.
+fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
     let suite = suite().prepared();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
-    let (mut tried, mut whole, mut false_ones) = (0, 0, 0);
+    let (mut tried, mut named, mut misled) = (0, 0, 0);
     for set in random_sets(count * 4, size) {
         if tried == count {
             break;
@@ -398,23 +399,20 @@ fn check_sets(count: usize, size: usize, least: usize, most_false: usize) {
         tried += 1;
         let (run, _) = run_with_mistakes(&suite, &set, &[], jobs(), &right);
         let failing = failures(&run).len();
-        assert!(failing > 0, "{set:?} fail no case");
+        assert!(failing > 0, "no case fails for {set:?}");
         let diagnoses = causes(&suite, &run);
-        let is_whole = count_named(&set, &diagnoses) == size;
+        let is_named = count_named(&set, &diagnoses) == size;
         let wrong = false_causes(&set, &diagnoses);
-        whole += usize::from(is_whole);
-        false_ones += usize::from(!wrong.is_empty());
-        if !is_whole || !wrong.is_empty() {
+        named += usize::from(is_named);
+        misled += usize::from(!wrong.is_empty());
+        if !is_named || !wrong.is_empty() {
             println!("{}", describe_result(&set, failing, &diagnoses));
             println!("  FALSE {wrong:?}");
         }
-        println!("{tried} sets of {size}: {whole} named whole, {false_ones} with a false cause");
+        println!("{tried} sets of {size}: {named} named, {misled} with a false cause");
     }
-    assert!(whole * 100 >= tried * least, "{whole} of {tried}");
-    assert!(
-        false_ones * 100 <= tried * most_false,
-        "{false_ones} of {tried}"
-    );
+    assert!(named * 100 >= tried * min_named, "{named} of {tried}");
+    assert!(misled * 100 <= tried * max_false, "{misled} of {tried}");
 }
 
 #[test]

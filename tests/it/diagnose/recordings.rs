@@ -5,7 +5,7 @@
 
 use std::collections::HashMap;
 
-use crate::in_process::{right, suite};
+use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded};
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::kit::yaml;
@@ -40,7 +40,7 @@ struct Row {
     omitted: String,
 }
 
-/// Parts of a false statement that the program once made.
+/// Parts of a false statement that an earlier version of the program made.
 #[derive(Deserialize)]
 struct Forbidden {
     effect: String,
@@ -57,20 +57,20 @@ struct ReportedCause {
 }
 
 impl Forbidden {
-    fn matches(&self, said: &ReportedCause) -> bool {
-        let text = format!("{} {}", said.effect, said.example);
-        said.effect.contains(&self.effect) && text.contains(&self.and)
+    fn matches(&self, cause: &ReportedCause) -> bool {
+        let text = format!("{} {}", cause.effect, cause.example);
+        cause.effect.contains(&self.effect) && text.contains(&self.and)
     }
 }
 
 /// Replays the recorded run, for all cases whose answers were recorded.
 fn replay(suite: &Suite, reader: &str) -> Run {
-    let known = recorded(reader);
+    let answers = recorded(reader);
     let is_recorded = |case: &Case| {
         TableSpelling::all().any(|table| {
             let file = digest(&case.build(table).file);
             let mut views = case.views.iter();
-            views.any(|view| known.contains_key(&(file.clone(), view.to_string())))
+            views.any(|view| answers.contains_key(&(file.clone(), view.to_string())))
         })
     };
     let withheld = |case: &Case| (!is_recorded(case)).then(|| "no answer was recorded".to_owned());
@@ -81,21 +81,22 @@ fn replay(suite: &Suite, reader: &str) -> Run {
     };
     let ask = |request: &Request<'_>, _: usize| -> Reply {
         let key = (digest(request.file), request.view.to_string());
-        let Some(kept) = known.get(&key) else {
+        let Some(recorded) = answers.get(&key) else {
             return Answer::Unsupported.into();
         };
         // Images that equal the expected ones were not recorded.
-        let answer = kept.answer.clone().unwrap_or_else(|| right(request));
+        let answer = recorded.answer.clone();
+        let answer = answer.unwrap_or_else(|| reference_answer(request));
         Reply {
-            stderr: kept.stderr.clone(),
-            exit: kept.exit,
+            stderr: recorded.stderr.clone(),
+            exit: recorded.exit,
             ..answer.into()
         }
     };
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
 
-/// Returns every cause that is named for a decoder.
+/// Returns every cause that is reported for a decoder.
 fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     let run = replay(suite, reader);
     let failures = run.judgement.with_outcome(Outcome::Fail).count();
@@ -105,7 +106,7 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
         "\n{reader}: {failures} failures, {} answers computed in {:?}",
         found.answered, found.cpu_time
     );
-    let said = found.diagnoses.into_iter().map(|diagnosis| {
+    let causes = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {
             Cause::Misreading {
                 misreading, with, ..
@@ -122,18 +123,18 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
                 effect, example, ..
             } => (effect, example),
         };
-        let said = ReportedCause {
+        let cause = ReportedCause {
             count: diagnosis.explains.len() + diagnosis.partly.len(),
             effect,
             example,
         };
         println!(
             "  {:>4} {}\n         {}",
-            said.count, said.effect, said.example
+            cause.count, cause.effect, cause.example
         );
-        said
+        cause
     });
-    said.collect()
+    causes.collect()
 }
 
 fn readers() -> Vec<Reader> {
@@ -146,15 +147,14 @@ fn mistakes_of_seven_readers_are_named_without_false_statements() {
     let suite = suite().prepared();
     let mut missed = Vec::new();
     for reader in readers() {
-        let said = causes(&suite, &reader.name);
+        let causes = causes(&suite, &reader.name);
         for row in reader.rows.iter().filter(|row| row.omitted.is_empty()) {
-            let is_named = |said: &&ReportedCause| {
-                row.cause
-                    .split(" or ")
-                    .any(|cause| said.effect.contains(cause))
+            let is_named = |cause: &&ReportedCause| {
+                let mut alternatives = row.cause.split(" or ");
+                alternatives.any(|part| cause.effect.contains(part))
             };
-            let named = said.iter().filter(is_named);
-            let count: usize = named.map(|said| said.count).sum();
+            let named = causes.iter().filter(is_named);
+            let count: usize = named.map(|cause| cause.count).sum();
             println!(
                 "  {:<6} {:<40} {count} of {}",
                 row.mistake, row.cause, row.at_least
@@ -167,36 +167,40 @@ fn mistakes_of_seven_readers_are_named_without_false_statements() {
             }
         }
         for forbidden in &reader.forbidden {
-            let made = said.iter().filter(|said| forbidden.matches(said));
-            missed.extend(made.map(|said| format!("{}: false: {}", reader.name, said.effect)));
+            let made = causes.iter().filter(|cause| forbidden.matches(cause));
+            missed.extend(made.map(|cause| format!("{}: false: {}", reader.name, cause.effect)));
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
-/// A forbidden statement that never matches would prove nothing, so each must match some earlier output of the program.
+/// A forbidden statement that never matches would prove nothing, so each must match earlier output of the program.
 #[test]
 fn forbidden_statements_match_earlier_output() {
     let text = std::fs::read_to_string(folder().join("before.yaml")).expect("before.yaml");
     let before: HashMap<String, Vec<[String; 2]>> =
         yaml::from_yaml(&text).expect("before.yaml is valid");
     for reader in readers() {
-        let said = before[&reader.name]
+        let causes = before[&reader.name]
             .iter()
             .map(|[effect, example]| ReportedCause {
                 count: 0,
                 effect: effect.clone(),
                 example: example.clone(),
             });
-        let said: Vec<ReportedCause> = said.collect();
+        let causes: Vec<ReportedCause> = causes.collect();
         for forbidden in &reader.forbidden {
-            let matches = said.iter().any(|said| forbidden.matches(said));
-            assert!(matches, "{}: {} never fired", reader.name, forbidden.effect);
+            let matches = causes.iter().any(|cause| forbidden.matches(cause));
+            assert!(
+                matches,
+                "{}: {} matches nothing",
+                reader.name, forbidden.effect
+            );
         }
     }
 }
 
-/// Returns the part of a report in `reports/readers` that follows from the run.
+/// Returns the part of a report in `reports/readers` that is computed from the run.
 fn report_text(suite: &Suite, run: &Run) -> String {
     let views = run.offer.views.join(", ");
     let mut text = format!(
@@ -217,7 +221,7 @@ fn report_text(suite: &Suite, run: &Run) -> String {
     text
 }
 
-/// To update the reports, set `WRITE_REPORTS`.
+/// `WRITE_REPORTS=1` updates the reports.
 #[test]
 fn reports_of_readers_match_their_recordings() {
     let suite = suite().prepared();

@@ -1,4 +1,4 @@
-//! Tests that the search for causes does a bounded amount of work for any decoder.
+//! Tests that the amount of work of the search for causes is bounded for any decoder.
 
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
@@ -6,14 +6,14 @@ use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::runner::run::Request;
 
-use crate::in_process::{misread, misreading, right, run_all, suite};
+use crate::in_process::{answer_with, misreading, reference_answer, run_all, suite};
 
 /// Maximum number of answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
 
-/// Returns the correct answer with one value in every sample.
+/// Returns the correct answer with all samples set to one value.
 fn with_uniform_samples(request: &Request) -> Answer {
-    let mut answer = right(request);
+    let mut answer = reference_answer(request);
     if let Answer::Decoded(frame) = &mut answer {
         match &mut frame.samples {
             Samples::U8(samples) => samples.fill(77),
@@ -63,11 +63,11 @@ fn search_is_bounded_for_any_decoder() {
     let suite = suite().prepared();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", with_uniform_samples, ""),
-        ("the same image", constant_image, ""),
+        ("constant image", constant_image, ""),
         ("sizes in bytes", with_sizes_in_bytes, ""),
         (
             "exchanged sizes",
-            |request| misread(&[misreading("height-before-width")], request),
+            |request| answer_with(&[misreading("height-before-width")], request),
             "height-before-width",
         ),
     ];
@@ -75,12 +75,12 @@ fn search_is_bounded_for_any_decoder() {
         let run = run_all(&suite, decoder);
         let causes = diagnose(&suite, &run, &[], 2);
         println!("{name}: {} answers, {:?}", causes.answered, causes.cpu_time);
-        for one in &causes.diagnoses {
-            let said = match &one.cause {
+        for diagnosis in &causes.diagnoses {
+            let name = match &diagnosis.cause {
                 Cause::Misreading { misreading, .. } => misreading.slug,
                 Cause::Described { effect, .. } => effect,
             };
-            println!("  {} {said}", one.explains.len());
+            println!("  {} {name}", diagnosis.explains.len());
         }
         assert!(causes.answered <= MAX_ANSWERS, "{}", causes.answered);
         let named = causes.diagnoses.iter().any(|one| {

@@ -6,18 +6,18 @@ use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-use crate::in_process::computing;
+use crate::in_process::formula_misreading;
 
-/// Maximum number of samples in an answer. Larger maps are skipped because they take long and reveal nothing new.
+/// Maximum number of samples in an answer. Larger maps are skipped because they are slow and reveal nothing new.
 const MAX_SAMPLES: usize = 1 << 15;
 
 /// Returns a decoder that computes these formulas with the expressions of the specification.
-fn stated_decoder(formulas: &[Formula]) -> Misreading {
+fn specified_decoder(formulas: &[Formula]) -> Misreading {
     let edit = |&formula: &Formula| Edit {
         formula,
         change: EditedForm::Expression(formula.stated().expression.clone()),
     };
-    computing(formulas.iter().map(edit).collect())
+    formula_misreading(formulas.iter().map(edit).collect())
 }
 
 fn sample_count(answer: &Answer) -> usize {
@@ -27,8 +27,8 @@ fn sample_count(answer: &Answer) -> usize {
     }
 }
 
-/// Returns true if two answers are equal. Bytes must be equal; final values may differ in the last bit, because sums
-/// are added in a different order.
+/// Returns true if two answers are equal. Bytes must be equal; final values may differ in the last bit, because the
+/// terms are added in a different order.
 fn is_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => match (&a.samples, &b.samples) {
@@ -42,10 +42,10 @@ fn is_equal(a: &Answer, b: &Answer) -> bool {
 #[test]
 fn each_formula_equals_the_function_of_the_reference() {
     let suite = Suite::load().expect("the suite loads");
-    let single = Formula::ALL.map(|row| (row.1, stated_decoder(&[row.0])));
+    let single = Formula::ALL.map(|row| (row.1, specified_decoder(&[row.0])));
     let all = (
         "all formulas",
-        stated_decoder(&Formula::ALL.map(|row| row.0)),
+        specified_decoder(&Formula::ALL.map(|row| row.0)),
     );
     let mut used = vec![0; single.len() + 1];
     for case in &suite.cases {
@@ -55,14 +55,14 @@ fn each_formula_equals_the_function_of_the_reference() {
             if sample_count(&right) > MAX_SAMPLES {
                 continue;
             }
-            for (place, (name, decoder)) in single.iter().chain([&all]).enumerate() {
+            for (i, (name, decoder)) in single.iter().chain([&all]).enumerate() {
                 let answer = misreadings::answer(&[decoder], Reading::SPEC, &built.file, view);
                 assert!(
                     is_equal(&answer, &right),
                     "{name} differs in {} {view}",
                     case.id
                 );
-                used[place] += usize::from(sample_count(&right) > 0);
+                used[i] += usize::from(sample_count(&right) > 0);
             }
         }
     }

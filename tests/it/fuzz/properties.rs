@@ -1,4 +1,4 @@
-//! The properties of the fuzz targets, tested with proptest and with every input on which a target has failed.
+//! The properties of the fuzz targets, tested with proptest and with every input that made a target fail.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use ptm_conform::fuzz::properties;
 
 use crate::repository::files_below;
 
-/// Fast targets by name, as in `fuzz/fuzz_targets/`.
+/// Fast targets and their names in `fuzz/fuzz_targets/`.
 const TARGETS: [(&str, fn(&[u8])); 10] = [
     ("file", properties::file),
     ("recipe", properties::recipe),
@@ -15,17 +15,17 @@ const TARGETS: [(&str, fn(&[u8])); 10] = [
     ("re_encoding", properties::re_encoding),
     ("jpeg_stream", properties::jpeg_stream),
     ("jpeg_ls_stream", properties::jpeg_ls_stream),
-    ("jpeg_round_trip", second_opinion),
+    ("jpeg_round_trip", compare_jpeg_decoders),
     ("jpeg_ls_round_trip", properties::jpeg_ls_round_trip),
     ("frame", properties::frame),
     ("case_file", properties::case_file),
 ];
 
-/// Targets that take about a second for each call.
+/// Targets that take about a second per call.
 const SLOW_TARGETS: [(&str, fn(&[u8])); 1] = [("diagnosis", properties::diagnosis)];
 
-/// Compares the samples of a JPEG stream with those of another decoder, within its rounding.
-fn second_opinion(bytes: &[u8]) {
+/// Compares the samples of a JPEG stream with those of another decoder, with a tolerance for rounding.
+fn compare_jpeg_decoders(bytes: &[u8]) {
     let Some((stream, width, height, samples)) = properties::jpeg_round_trip(bytes) else {
         return;
     };
@@ -38,7 +38,7 @@ fn second_opinion(bytes: &[u8]) {
 }
 
 #[test]
-fn seeds_and_earlier_finds_pass() {
+fn seeds_and_earlier_findings_pass() {
     for (target, property) in TARGETS.into_iter().chain(SLOW_TARGETS) {
         for kind in ["seeds", "finds"] {
             let directory = format!("{}/fuzz/{kind}/{target}", env!("CARGO_MANIFEST_DIR"));

@@ -19,7 +19,7 @@ use ptm_conform::suite::compare::Expected;
 use ptm_conform::suite::values::Values;
 use ptm_conform::{Reading, decode};
 
-use crate::in_process::{misread, misreading, suite};
+use crate::in_process::{answer_with, misreading, suite};
 
 fn plan(executions: usize) -> FuzzPlan {
     FuzzPlan {
@@ -46,7 +46,7 @@ fn fuzz_misreadings(slugs: &[&str], executions: usize) -> FuzzResult {
 
 /// Returns a decoder with these mistakes.
 fn decoder_with(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
-    |request, _| Reply::from(misread(mistakes, request))
+    |request, _| Reply::from(answer_with(mistakes, request))
 }
 
 #[test]
@@ -55,20 +55,20 @@ fn fuzzing_the_reference_finds_nothing() {
     let names: Vec<String> = outcomes
         .findings
         .iter()
-        .map(|find| format!("{} {:?}", find.cause.name(), find.small))
+        .map(|finding| format!("{} {:?}", finding.cause.name(), finding.small))
         .collect();
     assert_eq!(names, [""; 0]);
     assert!(outcomes.files > 2000);
 }
 
 #[test]
-fn finds_are_named_and_reduced() {
+fn findings_are_named_and_reduced() {
     for slug in ["width-by-largest-index", "rows-top-down"] {
         let outcomes = fuzz_misreadings(&[slug], 5000);
         let names: Vec<String> = outcomes
             .findings
             .iter()
-            .map(|find| find.cause.name())
+            .map(|finding| finding.cause.name())
             .collect();
         assert_eq!(names[0], slug);
         let small = &outcomes.findings[0].small;
@@ -76,7 +76,7 @@ fn finds_are_named_and_reduced() {
     }
 }
 
-/// A file, its first view and the correct answer.
+/// The file of a case, its first view, and the correct answer.
 struct Question {
     file: Vec<u8>,
     view: View,
@@ -84,14 +84,14 @@ struct Question {
 }
 
 impl Question {
-    fn of(case: &Case) -> Question {
+    fn new(case: &Case) -> Question {
         let file = case.build(TableSpelling::default()).file.clone();
         let view = case.views[0].clone();
         let right = misreadings::answer(&[], Reading::SPEC, &file, &view);
         Question { file, view, right }
     }
 
-    fn shows(&self, mistake: &Misreading) -> bool {
+    fn reveals(&self, mistake: &Misreading) -> bool {
         can_affect_file(mistake, &self.file)
             && misreadings::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
     }
@@ -121,11 +121,11 @@ const RARE: [&str; 20] = [
     "side-position-in-16-bits",
 ];
 
-/// A mistake for which reduction ends at one and a half times the size of the smallest known file.
+/// A mistake for which reduction ends at up to 1.5 times the length of the shortest known file.
 const INCOMPLETELY_REDUCED: &str = "side-position-in-16-bits";
 
-/// Each is found, as itself or as the damage that it overlooks, and its file is not much longer than the smallest of the
-/// suite, in the same format, that shows it.
+/// Each mistake is found, and named either by its slug or by the damage that it overlooks. Its file is at most 1.2 times as
+/// long as the shortest file of the suite that reveals it in the same format.
 #[test]
 #[ignore = "takes minutes"]
 fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
@@ -133,8 +133,8 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
     let suite = suite();
     let draws = DraftGenerator::new(&suite);
     let last = |draft: &Draft| draft.cases("drawn").ok()?.pop();
-    let drawn: Vec<Question> = (0..GENERATED_FILES as u64)
-        .filter_map(|number| Some(Question::of(&last(&draws.file(7, number)?)?)))
+    let files: Vec<Question> = (0..GENERATED_FILES as u64)
+        .filter_map(|number| Some(Question::new(&last(&draws.file(7, number)?)?)))
         .collect();
     let known: Vec<(Format, Question)> = suite
         .cases
@@ -146,52 +146,52 @@ fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {
             )
         })
         .filter(|case| case.recipe().is_some())
-        .map(|case| (case.format(), Question::of(case)))
+        .map(|case| (case.format(), Question::new(case)))
         .collect();
     let mut common = Vec::new();
     for slug in RARE {
         let mistake = misreading(slug);
-        let count = drawn.iter().filter(|file| file.shows(mistake)).count();
+        let count = files.iter().filter(|file| file.reveals(mistake)).count();
         let plan = plan(200_000);
-        let outcomes = fuzz(&suite, &plan, &decoder_with(&[mistake]), &|news| {
-            if matches!(news, FuzzProgress::Found(_)) {
+        let outcomes = fuzz(&suite, &plan, &decoder_with(&[mistake]), &|progress| {
+            if matches!(progress, FuzzProgress::Found(_)) {
                 plan.stop.store(true, Ordering::Relaxed);
             }
         });
-        let Some(find) = outcomes.findings.first() else {
+        let Some(finding) = outcomes.findings.first() else {
             panic!("{slug} is not found");
         };
-        let small = last(&find.small).expect("it was written");
+        let small = last(&finding.small).expect("a valid draft");
         let length = small.build(TableSpelling::default()).file.len();
-        let least = known
+        let shortest = known
             .iter()
-            .filter(|(format, file)| *format == small.format() && file.shows(mistake))
+            .filter(|(format, file)| *format == small.format() && file.reveals(mistake))
             .map(|(_, file)| file.file.len())
             .min();
         println!(
-            "{slug}: {count} of {GENERATED_FILES}, found as {} after {} calls, {length} bytes; {least:?}",
-            find.cause.name(),
+            "{slug}: {count} of {GENERATED_FILES}, found as {} after {} calls, {length} bytes; {shortest:?}",
+            finding.cause.name(),
             outcomes.executions
         );
         if count * 200 >= GENERATED_FILES {
             common.push(slug);
         }
-        let overlooked = find
+        let overlooked = finding
             .small
             .damage
             .map(|damage| format!("accepts-{}", damage.name));
-        assert_eq!(find.cause.name(), overlooked.unwrap_or(slug.to_owned()));
-        let (times, over) = if slug == INCOMPLETELY_REDUCED {
+        assert_eq!(finding.cause.name(), overlooked.unwrap_or(slug.to_owned()));
+        let (numerator, denominator) = if slug == INCOMPLETELY_REDUCED {
             (3, 2)
         } else {
             (6, 5)
         };
         assert!(
-            least.is_none_or(|least| length * over <= least * times),
+            shortest.is_none_or(|shortest| length * denominator <= shortest * numerator),
             "{slug}"
         );
     }
-    assert_eq!(common, [""; 0], "these are not rare");
+    assert_eq!(common, [""; 0], "these mistakes are not rare");
 }
 
 proptest! {

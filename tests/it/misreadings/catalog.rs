@@ -14,7 +14,7 @@ use crate::in_process::{jobs, suite};
 use crate::table::rows;
 
 /// Misreadings that only affect files larger than 4×4 texels, with the reason.
-const LARGE_BY_NATURE: &[(&str, &str)] = &[
+const LARGE_ONLY: &[(&str, &str)] = &[
     ("sizes-of-four-digits", "a size needs five digits"),
     ("texels-counted-in-16-bits", "a map needs 65,536 texels"),
     ("columns-counted-in-8-bits", "a map needs 257 columns"),
@@ -26,15 +26,15 @@ const EQUIVALENT_PAIRS: &str = "
 side-sizes-are-records | sizes-include-side-information | both refuse every file with records
 sizes-include-side-information | side-information-before-its-plane | both refuse every file with records
 sof1-refused | tables-of-16-bits-refused | an encoder that writes one writes the other
-table-one-entry-long | table-separated | both find every table too short and refuse all files with one
+table-one-entry-long | table-separated | both find every table too short and refuse all files with a table
 ";
 
 /// Misreadings that cannot be detected in a decoder that only outputs colors, with the reason.
 const HIDDEN_IN_COLORS: &str = "
 tables-of-16-bits-cut
-  | the files that show it leave the range in which lossy planes are asked for in colors
+  | the files that reveal it are outside the range in which lossy planes are requested in colors
 scale-with-three-decimals | the loss in an ordinary scale is less than the tolerance of a color
-byte-order-mark-skipped | its files are hand-assembled and have stored values only
+byte-order-mark-skipped | its files are assembled by hand and requested only in stored values
 ";
 
 fn is_small(case: &Case) -> bool {
@@ -42,7 +42,7 @@ fn is_small(case: &Case) -> bool {
         .is_none_or(|recipe| recipe.size.width <= 4 && recipe.size.height <= 4)
 }
 
-/// Returns the slugs with a function in these files of `src/misreadings`.
+/// Returns the slugs of the functions in these files of `src/misreadings`, in their order.
 fn slugs_with_functions(files: &[&str]) -> Vec<String> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/misreadings");
     let text = |file: &&str| fs::read_to_string(directory.join(file)).expect("a source file");
@@ -56,8 +56,8 @@ fn slugs_with_functions(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn functions_are_in_the_order_of_the_catalog() {
-    let own = misreadings::all().filter(|one| !matches!(one.at, Hook::Edits(_)));
-    let slugs: Vec<&str> = own.map(|one| one.slug).collect();
+    let functions = misreadings::all().filter(|one| !matches!(one.at, Hook::Edits(_)));
+    let slugs: Vec<&str> = functions.map(|one| one.slug).collect();
     let sections = [
         "header.rs",
         "buffers.rs",
@@ -95,12 +95,12 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
     }
     let equivalent = rows(EQUIVALENT_PAIRS);
     alike.retain(|&(a, b)| !equivalent.iter().any(|[c, d, _]| (a, b) == (c, d)));
-    assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
+    assert!(alike.is_empty(), "equal answers to every case: {alike:?}");
     let hidden = matrix.iter().filter(|row| !is_seen_in_colors(&suite, row));
     let hidden: HashSet<&str> = hidden.map(|row| row.misreading.slug).collect();
     let known = rows(HIDDEN_IN_COLORS);
     let known: HashSet<&str> = known.iter().map(|[slug, _]| slug.as_str()).collect();
-    assert_eq!(hidden, known, "not seen in colors");
+    assert_eq!(hidden, known, "not caught in colors");
 }
 
 /// Returns true if the misreading is also caught in a decoder that only outputs colors, by a case that catches it in
@@ -126,18 +126,18 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
 /// Returns the reason why a misreading is not caught well enough, if any.
 fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
     let slug = row.misreading.slug;
-    let large = LARGE_BY_NATURE.iter().any(|&(known, _)| known == slug);
+    let large = LARGE_ONLY.iter().any(|&(known, _)| known == slug);
     let small = row.killed_by.iter().any(|&i| is_small(&suite.cases[i]));
     let mut killers = row.killed_by.iter().map(|&i| &suite.cases[i]);
-    let own = killers.any(|case| case.clauses.iter().any(|id| id == row.misreading.clause));
+    let is_cited = killers.any(|case| case.clauses.iter().any(|id| id == row.misreading.clause));
     // Sections 1.0 to 2.8 need a small case. In 2.9, the size of a stream differs from that of its image.
-    let smallness_counts = !row.misreading.clause.starts_with("2.9");
+    let needs_small_case = !row.misreading.clause.starts_with("2.9");
     match row.killed_by.len() {
         count @ 0..2 => Some(format!("{slug} is caught by {count} cases")),
-        _ if smallness_counts && small == large => {
+        _ if needs_small_case && small == large => {
             Some(format!("{slug}: caught by a small case: {small}"))
         }
-        _ if !own => Some(format!(
+        _ if !is_cited => Some(format!(
             "{slug} is caught by no case about {}",
             row.misreading.clause
         )),
@@ -146,7 +146,7 @@ fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
 }
 
 #[test]
-fn every_clause_is_tested_or_gives_a_reason() {
+fn every_clause_is_tested_or_has_a_reason() {
     let suite = suite().prepared();
     let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
@@ -159,7 +159,7 @@ fn every_clause_is_tested_or_gives_a_reason() {
             ClauseStatus::Ruled => {
                 let ruling = clause.ruling.as_ref().expect("a ruled clause has a ruling");
                 let ruling = rulings.iter().find(|one| one.id == *ruling).expect(id);
-                // Every listed reading of a choice is correct, and none of them is a misreading.
+                // Every listed reading of a choice is correct, so there is no misreading.
                 has_case && (has_misreading || ruling.kind == RulingKind::Choice)
             }
             ClauseStatus::Informative | ClauseStatus::Untestable => clause.why.is_some(),

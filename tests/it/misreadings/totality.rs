@@ -1,5 +1,4 @@
-//! Tests that every misreading returns for any file, even after another misreading: no panic, no excessive memory, no
-//! endless loop.
+//! Tests that every misreading terminates for any file, even after another misreading, without a panic or excessive memory.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
@@ -12,12 +11,12 @@ use ptm_conform::misreadings::{self, Misreading, answer};
 use ptm_conform::protocol::frame::View;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-use crate::draws::DraftGenerator;
 use crate::in_process::jobs;
+use crate::random::Rng;
 
-/// Maximum size of a tested file in bytes. The suite covers everything with smaller files.
+/// Maximum size of a tested file in bytes. Smaller files of the suite cover everything.
 const MAX_FILE_BYTES: usize = 8 << 10;
-/// Maximum number of texels in a tested file, so that the time is spent on files and not on planes.
+/// Maximum number of texels in a tested file. A few large maps would take most of the time.
 const MAX_TEXELS: u64 = 1 << 16;
 
 /// Returns true if a file is small enough to test.
@@ -36,12 +35,12 @@ fn is_small(file: &[u8]) -> bool {
 /// Returns the small files, each with a copy that has one to four random edits.
 fn with_damaged_copies(
     files: impl Iterator<Item = (String, Vec<u8>)>,
-    draws: &mut DraftGenerator,
+    rng: &mut Rng,
 ) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for (name, file) in files {
         let mut edited = file.clone();
-        draws.damage(&mut edited, 200);
+        rng.damage(&mut edited, 200);
         all.push((format!("{name}, damaged"), edited));
         all.push((name, file));
     }
@@ -50,15 +49,15 @@ fn with_damaged_copies(
 }
 
 /// Returns the files of the suite, legal and damaged, and files with random bytes.
-fn suite_files(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
+fn suite_files(rng: &mut Rng) -> Vec<(String, Vec<u8>)> {
     let suite = Suite::load().expect("the suite loads");
     let files = suite.cases.iter().map(|case| {
         let built = case.build(TableSpelling::default());
         (case.id.clone(), built.file.clone())
     });
-    let mut files = with_damaged_copies(files, draws);
+    let mut files = with_damaged_copies(files, rng);
     for length in (0..600).step_by(3) {
-        let bytes = (0..length).map(|_| draws.byte()).collect();
+        let bytes = (0..length).map(|_| rng.byte()).collect();
         files.push((format!("{length} bytes"), bytes));
     }
     files
@@ -66,24 +65,24 @@ fn suite_files(draws: &mut DraftGenerator) -> Vec<(String, Vec<u8>)> {
 
 /// Runs a decoder with two mistakes. Returns a message if it panics.
 fn try_pair(pair: [&Misreading; 2], name: &str, file: &[u8], view: &View) -> Option<String> {
-    let asked = AssertUnwindSafe(|| drop(answer(&pair, Reading::SPEC, file, view)));
-    let panic = catch_unwind(asked).err()?;
-    let words = panic.downcast_ref::<String>().cloned();
-    let words = words.or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
+    let call = AssertUnwindSafe(|| drop(answer(&pair, Reading::SPEC, file, view)));
+    let panic = catch_unwind(call).err()?;
+    let message = panic.downcast_ref::<String>().cloned();
+    let message = message.or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
     let [first, second] = pair.map(|misreading| misreading.slug);
     Some(format!(
         "{first}, then {second}, on {name}: {}",
-        words.unwrap_or_default()
+        message.unwrap_or_default()
     ))
 }
 
-/// Runs `count` trials on all processors. Fails with the messages of the first failed trials.
+/// Runs `count` trials on all processors. Fails with the first messages in alphabetical order.
 fn run_trials(count: usize, trial: impl Fn(usize) -> Option<String> + Sync) {
     let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || {
         while let Some(i) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count) {
-            if let Some(words) = trial(i) {
-                wrong.lock().expect("no holder panics").push(words);
+            if let Some(message) = trial(i) {
+                wrong.lock().expect("no holder panics").push(message);
             }
         }
     };
@@ -104,7 +103,7 @@ fn views() -> [View; 3] {
 
 #[test]
 fn any_two_misreadings_terminate() {
-    let files = suite_files(&mut DraftGenerator(0x9e37_79b9));
+    let files = suite_files(&mut Rng(0x9e37_79b9));
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
     // Every ordered pair, each on a different file.
@@ -116,31 +115,34 @@ fn any_two_misreadings_terminate() {
 }
 
 #[test]
-#[ignore = "runs for half an hour"]
-fn any_misreading_after_another_returns_on_random_files() {
+#[ignore = "takes half an hour"]
+fn any_two_misreadings_terminate_on_random_files() {
     let suite = Suite::load().expect("the suite loads");
-    let draws = generator::DraftGenerator::new(&suite);
+    let drafts = generator::DraftGenerator::new(&suite);
     let all: Vec<&Misreading> = misreadings::all().collect();
     let views = views();
-    let tries = AtomicUsize::new(0);
+    let trials = AtomicUsize::new(0);
     run_trials(10_000, |number| {
-        let draft = draws.file(1, number as u64)?;
+        let draft = drafts.file(1, number as u64)?;
         let cases = draft.cases("drawn").ok()?;
         let built = cases.iter().map(|case| {
             let built = case.build(TableSpelling::default());
             (format!("file {number}"), built.file.clone())
         });
-        let mut draw = DraftGenerator(number as u32 * 2 + 1);
-        let files = with_damaged_copies(built.take(1), &mut draw);
+        let mut rng = Rng(number as u32 * 2 + 1);
+        let files = with_damaged_copies(built.take(1), &mut rng);
         let mut wrong = None;
         for (name, file) in &files {
             for i in 0..200 {
-                let pair = [all[draw.below(all.len())], all[draw.below(all.len())]];
+                let pair = [
+                    all[rng.next_below(all.len())],
+                    all[rng.next_below(all.len())],
+                ];
                 wrong = wrong.or(try_pair(pair, name, file, &views[i % 3]));
-                tries.fetch_add(1, Ordering::Relaxed);
+                trials.fetch_add(1, Ordering::Relaxed);
             }
         }
         wrong
     });
-    println!("{} tries", tries.into_inner());
+    println!("{} trials", trials.into_inner());
 }

@@ -1,6 +1,6 @@
-// Holds the package's decode against the program in a browser: node browser.mjs PACKAGE PROGRAM
+// Compares the package's `decode` with the program in a browser: node browser.mjs PACKAGE PROGRAM
 //
-// Every file of the suite is decoded in a headless Chromium; size and samples, or the kind of refusal, are those of the program.
+// A headless Chromium decodes every file of the suite. Size and samples, or the kind of refusal, must equal those of the program.
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -11,13 +11,13 @@ import { pathToFileURL } from "node:url";
 import { browser } from "../webdriver.mjs";
 
 const [directory, program] = process.argv.slice(2);
-const { answerOf, corpus } = await import(pathToFileURL(resolve(directory, "corpus.mjs")));
-const whole = await corpus(program);
+const { describeAnswer, corpus } = await import(pathToFileURL(resolve(directory, "corpus.mjs")));
+const cases = await corpus(program);
 const TYPES = { ".mjs": "text/javascript", ".wasm": "application/wasm" };
 const server = createServer(({ url }, response) => {
   const type = TYPES[extname(url)];
   if (type) response.setHeader("content-type", type).end(readFileSync(join(directory, url)));
-  else response.setHeader("content-type", "text/html").end(url === "/" ? "" : whole[Number(url.slice(1))]?.file);
+  else response.setHeader("content-type", "text/html").end(url === "/" ? "" : cases[Number(url.slice(1))]?.file);
 }).listen(0, "127.0.0.1");
 await new Promise((listening) => server.on("listening", listening));
 const script = `
@@ -28,7 +28,7 @@ const script = `
     const answers = [];
     for (let i = 0; i < count; i++) {
       const file = new Uint8Array(await (await fetch("/" + i)).arrayBuffer());
-      answers.push(await (${answerOf})(reference.decode, file));
+      answers.push(await (${describeAnswer})(reference.decode, file));
     }
     return answers;
   })().then(done, (error) => done(String(error)));`;
@@ -36,9 +36,9 @@ const { call, run, close } = await browser();
 try {
   await call("POST", "/timeouts", { script: 600_000 });
   await call("POST", "/url", { url: `http://127.0.0.1:${server.address().port}/` });
-  const answers = await call("POST", "/execute/async", { script, args: [whole.length] });
-  whole.forEach(({ id, answer }, i) => assert.equal(answers[i], answer, id));
-  console.log(`${whole.length} files in ${await run("return navigator.userAgent")}: as the program reads them`);
+  const answers = await call("POST", "/execute/async", { script, args: [cases.length] });
+  cases.forEach(({ id, answer }, i) => assert.equal(answers[i], answer, id));
+  console.log(`${cases.length} files in ${await run("return navigator.userAgent")}: equal to the program`);
 } finally {
   await close();
   server.close();

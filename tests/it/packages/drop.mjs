@@ -1,6 +1,6 @@
-// Uses the page on which files can be dropped in a headless Chromium: node drop.mjs PAGE
+// Tests the page for dropped files in a headless Chromium: node drop.mjs PAGE
 //
-// Drops a legal, a damaged and a foreign file, and drags the light.
+// Drops a legal file, a damaged file and a file of another kind, and moves the light.
 
 import assert from "node:assert/strict";
 import { pathToFileURL } from "node:url";
@@ -13,7 +13,7 @@ const until = async (what, script) => {
     if (await run(script)) return;
     await new Promise((resolve) => setTimeout(resolve, 50));
   }
-  assert.fail(`never came: ${what}`);
+  assert.fail(`timed out waiting for ${what}`);
 };
 const status = "document.getElementById('status').textContent";
 const drop = (index) => run(`
@@ -36,17 +36,17 @@ try {
     at("pointerdown", 0.5, 0.5);
     at("pointermove", 0.9, 0.4);`);
   await until("the light", "return document.getElementById('light').textContent.startsWith('u 0.8')");
-  assert.notEqual(await pixels(), before, "another light, the same image");
+  assert.notEqual(await pixels(), before, "the image changes with the light");
 
   await drop(1);
-  await until("the fault", `return ${status}.includes("not decoded") && document.querySelector("#faults .fault")?.textContent.includes("clause 2.")`);
+  await until("the error", `return ${status}.includes("not decoded") && document.querySelector("#faults .fault")?.textContent.includes("clause 2.")`);
   await drop(2);
   await until("another kind of file", `return ${status}.includes("not decoded") && document.querySelector("#faults .fault")?.textContent.includes("clause 2.1/1")`);
   for (const button of [0, 1, 2]) {
     await run("document.querySelectorAll('#try button')[arguments[0]].click()", button);
     await until(`sample ${button}`, `return ${status}.includes(JSON.parse(document.getElementById("samples").textContent)[${button}][1])`);
   }
-  console.log("three files dropped, the light dragged");
+  console.log("three files dropped, the light moved");
 } finally {
   await close();
 }

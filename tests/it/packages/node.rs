@@ -1,4 +1,4 @@
-//! The npm package: built by its script and tested by its test; its reference is also tested in a browser.
+//! The npm package: its build script, its test, and its reference decoder in a browser.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +14,7 @@ fn module() -> String {
     format!("{DIRECTORY}/{TARGET}/release/ptm_conform_wasm.wasm")
 }
 
-/// Builds the package, without the optimization of a release, which would take too long.
+/// Builds the package with little optimization, because a release build would take too long.
 fn build(package: &Path) {
     stdout(
         Command::new("cargo")
@@ -37,20 +37,20 @@ fn build(package: &Path) {
 }
 
 #[test]
-fn the_package_reads_every_file_as_the_program_does_in_node_and_in_a_browser() {
+fn npm_package_reads_every_file_like_the_program_in_node_and_in_a_browser() {
     if !(have("node") && have_target(TARGET)) {
         return;
     }
     let here = Workspace::new();
     let package = here.path("package");
     build(&package);
-    let own = stdout(
+    let tested = stdout(
         Command::new("node")
             .arg("test.mjs")
             .current_dir(&package)
             .env("PTM_CONFORM_PROGRAM", PROGRAM),
     );
-    assert!(own.contains("as the program reads them"), "{own}");
+    assert!(tested.contains("equal to the program"), "{tested}");
     if !(have("chromium") && have("chromedriver")) {
         return;
     }
@@ -59,12 +59,12 @@ fn the_package_reads_every_file_as_the_program_does_in_node_and_in_a_browser() {
             .arg(repository("tests/it/packages/browser.mjs"))
             .args([&package, Path::new(PROGRAM)]),
     );
-    assert!(browser.contains("as the program reads them"), "{browser}");
+    assert!(browser.contains("equal to the program"), "{browser}");
     stdout(here.command("site --out site --module").arg(module()));
     let dropped = stdout(
         Command::new("node")
             .arg(repository("tests/it/packages/drop.mjs"))
             .arg(here.path("site/drop.html")),
     );
-    assert!(dropped.contains("the light dragged"), "{dropped}");
+    assert!(dropped.contains("the light moved"), "{dropped}");
 }

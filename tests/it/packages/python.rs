@@ -1,10 +1,12 @@
-//! The wheel, and the functions of its module.
+//! The Python wheel and the functions of its module.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::common::{PROGRAM, Workspace, assert_says, have_python, outcome, repository, stdout};
+use crate::common::{
+    PROGRAM, Workspace, assert_contains, have_python, outcome, repository, stdout,
+};
 use data_encoding::HEXLOWER;
 
 fn python(arguments: &[&str]) -> Command {
@@ -35,7 +37,7 @@ fn wheel_is_reproducible_and_its_record_is_correct() {
         format!("ptm_conform-{version}-py3-none-manylinux2014_x86_64.musllinux_1_1_x86_64.whl");
     assert_eq!(first.file_name().expect("a name"), name.as_str());
     assert_eq!(fs::read(&first).ok(), fs::read(&second).ok());
-    // Every file is listed with its digest, every file of the package is there, and the program can be executed.
+    // The record lists every file with its digest, and the program is executable.
     let check = r#"
 import base64, hashlib, sys, zipfile
 wheel = zipfile.ZipFile(sys.argv[1])
@@ -44,8 +46,8 @@ assert sorted(name for name, _, _ in record) == sorted(wheel.namelist())
 for name, digest, size in record:
     if not name.endswith("/RECORD"):
         data = wheel.read(name)
-        made = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
-        assert (digest, size) == ("sha256=" + made, str(len(data))), name
+        expected = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+        assert (digest, size) == ("sha256=" + expected, str(len(data))), name
 program = next(i for i in wheel.infolist() if i.filename.endswith("/scripts/ptm-conform"))
 assert program.external_attr >> 16 == 0o100755
 assert wheel.read("ptm_conform/__init__.py").count(b"@") == 0
@@ -55,7 +57,7 @@ assert wheel.read("ptm_conform/cases.json").startswith(b'["first-rgb", ')
 }
 
 #[test]
-fn the_module_reads_files_as_the_reference_does() {
+fn python_module_reads_files_like_the_reference() {
     if !have_python(&["numpy"]) {
         return;
     }
@@ -71,7 +73,7 @@ print(sorted({finding["code"] for finding in ptm_conform.lint(sys.argv[2])}))
 for damaged in (b"", file[:-1]):
     try:
         ptm_conform.decode(damaged)
-        sys.exit("decoded")
+        sys.exit("a damaged file was decoded")
     except ptm_conform.Malformed as what:
         assert "byte" in str(what) and "/" not in str(what), what
 "#;
@@ -87,7 +89,7 @@ for damaged in (b"", file[:-1]):
     let frame = reference.expect("the program starts").stdout;
     let samples = frame.splitn(2, |byte| *byte == b'\n').nth(1);
     let hex = HEXLOWER.encode(samples.expect("samples"));
-    assert_says(
+    assert_contains(
         &text,
         &format!(" uint8  &&  float32  && {hex} && 'PTM-W303'"),
     );
@@ -106,14 +108,14 @@ fn functions_and_programs_get_equal_verdicts() {
         "--options=--smoke",
         "--no-speed",
     ]));
-    assert_says(
+    assert_contains(
         &text,
         "equal: 0 failures, no cause  the example && big-endian-index",
     );
 }
 
 #[test]
-fn mistakes_of_a_function_have_their_own_messages() {
+fn mistakes_of_a_function_have_separate_messages() {
     if !have_python(&["numpy"]) {
         return;
     }
@@ -133,7 +135,7 @@ def interrupted(file):
     raise KeyboardInterrupt
 try:
     ptm_conform.check_callable(interrupted)
-    sys.exit("it went on")
+    sys.exit("the interrupt was lost")
 except KeyboardInterrupt:
     pass
 "#;
@@ -145,7 +147,7 @@ except KeyboardInterrupt:
         "KeyError: 'lost'; if that means a malformed file, pass malformed=KeyError",
         "True ['pass'",
     ] {
-        assert_says(&text, part);
+        assert_contains(&text, part);
     }
 }
 
@@ -171,5 +173,5 @@ fn pytest_has_a_test_for_each_case() {
         .output();
     let (_, text) = outcome(&output.expect("python3 starts"));
     let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] && test_ptm[width-zero-lrgb]";
-    assert_says(&text, says);
+    assert_contains(&text, says);
 }

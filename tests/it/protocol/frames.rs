@@ -1,4 +1,4 @@
-//! Valid and hostile answers in other forms than a PTM1 frame.
+//! Valid and hostile answers in forms other than a PTM1 frame.
 
 use std::io::Cursor;
 
@@ -30,8 +30,8 @@ fn frame(view: ViewKind, size: (u32, u32, u32), samples: Samples) -> Frame {
 }
 
 #[track_caller]
-fn refuses(bytes: &[u8], says: &str) {
-    let error = read(bytes, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("no answer");
+fn assert_refused(bytes: &[u8], says: &str) {
+    let error = read(bytes, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("an error");
     assert!(error.contains(says), "{error:?} should say {says:?}");
 }
 
@@ -112,8 +112,8 @@ fn malformed_netpbm_files_are_refused() {
         (b"P3\n1 1\n255\n1 2\n", ""),
         (b"P3\n1 1\n255\n1 2 3\n4\n", "follow the end"),
     ] {
-        refuses(file, "a Netpbm file: ");
-        refuses(file, says);
+        assert_refused(file, "a Netpbm file: ");
+        assert_refused(file, says);
     }
 }
 
@@ -163,20 +163,20 @@ fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec
     let mut windows = file.windows(before.len());
     let at = windows
         .position(|window| window == before)
-        .expect("it is there")
+        .expect("an occurrence")
         + offset;
     file[at..at + bytes.len()].copy_from_slice(bytes);
     file
 }
 
-/// Returns short files that announce far more texels than they have.
+/// Returns short files whose headers announce far more texels than follow.
 fn oversized_frames() -> Vec<(&'static str, Vec<u8>)> {
     let small = |format| small(ExtendedColorType::Rgb8, format);
     let side = 60_000_u32.to_le_bytes();
     let mut png = Vec::new();
     let writer = png::Encoder::new(&mut png, 60_000, 60_000).write_header();
-    let begun = writer.and_then(|mut writer| writer.write_chunk(png::chunk::IDAT, &[0x78]));
-    begun.expect("it is written");
+    let written = writer.and_then(|mut writer| writer.write_chunk(png::chunk::IDAT, &[0x78]));
+    written.expect("a start");
     let tiff = patched(
         small(ImageFormat::Tiff),
         &[0, 1, 4, 0, 1, 0, 0, 0, 2],
@@ -185,7 +185,7 @@ fn oversized_frames() -> Vec<(&'static str, Vec<u8>)> {
     );
     let tiff = patched(tiff, &[1, 1, 4, 0, 1, 0, 0, 0, 2], 8, &side);
     let bmp = patched(small(ImageFormat::Bmp), b"BM", 18, &[side, side].concat());
-    // Fourteen bits for each side, one less than it is.
+    // VP8L stores each side minus one in fourteen bits.
     let webp = patched(
         small(ImageFormat::WebP),
         b"VP8L",
@@ -206,7 +206,7 @@ fn oversized_frames() -> Vec<(&'static str, Vec<u8>)> {
 #[test]
 fn huge_images_are_refused_before_allocation() {
     for (name, file) in oversized_frames() {
-        let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("no answer");
+        let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("an error");
         assert!(error.starts_with(name), "{error}");
         assert!(
             error.contains("texels are more than the requested file has"),
@@ -220,14 +220,14 @@ fn truncated_or_damaged_images_cause_no_panic() {
     let mut forms = LOSSLESS_FORMS.to_vec();
     forms.push((ImageFormat::Jpeg, "a JPEG"));
     for (format, name) in forms {
-        let sound = small(ExtendedColorType::Rgb8, format);
-        let half = &sound[..sound.len() / 2];
-        refuses(half, name);
-        for at in 0..sound.len() {
-            let mut torn = sound.clone();
-            torn[at] ^= 0x55;
-            let _ = read(&torn, &rgb(), MAX_DECOMPRESSED_BYTES);
-            let _ = read(&sound[..at], &rgb(), MAX_DECOMPRESSED_BYTES);
+        let valid = small(ExtendedColorType::Rgb8, format);
+        let half = &valid[..valid.len() / 2];
+        assert_refused(half, name);
+        for at in 0..valid.len() {
+            let mut damaged = valid.clone();
+            damaged[at] ^= 0x55;
+            let _ = read(&damaged, &rgb(), MAX_DECOMPRESSED_BYTES);
+            let _ = read(&valid[..at], &rgb(), MAX_DECOMPRESSED_BYTES);
         }
     }
 }
@@ -248,20 +248,20 @@ fn coarse_jpegs_are_refused() {
         read(&jpeg(&samples, (8, 8), 95), &rgb(), MAX_DECOMPRESSED_BYTES).expect("an image");
     assert!(frame.lossy && (frame.width, frame.height, frame.channels) == (8, 8, 3));
     // A frame round-trips through text.
-    let text = serde_json::to_string(&frame).expect("text");
+    let text = serde_json::to_string(&frame).expect("UTF-8");
     let read_back: Frame = serde_json::from_str(&text).expect("a frame");
     assert_eq!(read_back, frame);
-    refuses(&jpeg(&samples, (8, 8), 90), "too coarse");
+    assert_refused(&jpeg(&samples, (8, 8), 90), "too coarse");
     let fine = jpeg(&samples, (8, 8), 95);
-    let of_four = patched(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
-    refuses(&of_four, "several texels share one color");
-    refuses(&fine[..fine.len() - 2], "does not end");
+    let subsampled = patched(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
+    assert_refused(&subsampled, "several texels share one color");
+    assert_refused(&fine[..fine.len() - 2], "does not end");
 }
 
 #[test]
-fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
+fn every_correct_image_of_the_suite_passes_as_a_high_quality_jpeg() {
     let suite = Suite::load().expect("the suite loads");
-    let (mut images, mut most) = (0, 0.0_f64);
+    let (mut images, mut largest) = (0, 0.0_f64);
     for case in &suite.cases {
         let Some(view) = case.views.iter().find(|view| view.name() == "rgb") else {
             continue;
@@ -283,13 +283,13 @@ fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
             unreachable!("an image has bytes")
         };
         let losses = values.iter().zip(found);
-        most = losses.fold(most, |most, (value, &found)| {
-            most.max((value - f64::from(found)).abs())
+        largest = losses.fold(largest, |largest, (value, &found)| {
+            largest.max((value - f64::from(found)).abs())
         });
         images += 1;
     }
     println!(
-        "{images} images; the farthest sample is {most:.1} from its color, the tolerance is {LOSSY_TOLERANCE}"
+        "{images} images; the largest error is {largest:.1}, the tolerance is {LOSSY_TOLERANCE}"
     );
     assert!(images > 1000);
     let page = include_str!("../../../docs/check.md");
@@ -300,7 +300,7 @@ fn every_correct_image_of_the_suite_passes_as_a_fine_jpeg() {
 fn pngs_of_every_color_type_are_images() {
     use png::{BitDepth::Eight, BitDepth::One, ColorType};
     let color = [10, 20, 30, 40, 50, 60];
-    let grey = [7, 7, 7, 200, 200, 200];
+    let gray = [7, 7, 7, 200, 200, 200];
     for (color_type, depth, samples, expected) in [
         (ColorType::Rgb, Eight, &color[..], color),
         (
@@ -309,8 +309,8 @@ fn pngs_of_every_color_type_are_images() {
             &[10, 20, 30, 255, 40, 50, 60, 255],
             color,
         ),
-        (ColorType::Grayscale, Eight, &[7, 200], grey),
-        (ColorType::GrayscaleAlpha, Eight, &[7, 255, 200, 255], grey),
+        (ColorType::Grayscale, Eight, &[7, 200], gray),
+        (ColorType::GrayscaleAlpha, Eight, &[7, 255, 200, 255], gray),
         (ColorType::Indexed, Eight, &[0, 1], [1, 2, 3, 250, 251, 252]),
         (ColorType::Grayscale, One, &[0x40], [0, 0, 0, 255, 255, 255]),
     ] {
@@ -327,26 +327,26 @@ fn pngs_of_every_color_type_are_images() {
 #[test]
 fn malformed_pngs_are_refused() {
     use png::{BitDepth, ColorType};
-    let sound = png(ColorType::Rgb, BitDepth::Eight, (2, 1), b"123456");
-    refuses(&[&sound[..], b"x"].concat(), "1 bytes follow the end");
-    refuses(&[&sound[..], &sound[..]].concat(), "bytes follow the end");
-    for length in 0..sound.len() {
-        let found = read(&sound[..length], &rgb(), MAX_DECOMPRESSED_BYTES);
+    let valid = png(ColorType::Rgb, BitDepth::Eight, (2, 1), b"123456");
+    assert_refused(&[&valid[..], b"x"].concat(), "1 bytes follow the end");
+    assert_refused(&[&valid[..], &valid[..]].concat(), "bytes follow the end");
+    for length in 0..valid.len() {
+        let found = read(&valid[..length], &rgb(), MAX_DECOMPRESSED_BYTES);
         assert!(found.is_err(), "{length} bytes");
     }
     let deep = png(ColorType::Rgb, BitDepth::Sixteen, (1, 1), b"123456");
-    refuses(&deep, "16 bits");
+    assert_refused(&deep, "16 bits");
     let clear = png(ColorType::Rgba, BitDepth::Eight, (1, 2), b"123\xff456\x80");
-    refuses(&clear, "texel (0, 1) is not opaque");
-    // Two thousand black rows compress to a few bytes.
+    assert_refused(&clear, "texel (0, 1) is not opaque");
+    // Two thousand black rows compress well.
     let (gray, black) = (ColorType::Grayscale, vec![0; 4_000_000]);
     let large = png(gray, BitDepth::Eight, (2000, 2000), &black);
     assert!(large.len() < 50_000);
-    refuses(&large, "than the requested file has");
-    let mut torn = sound;
-    let stream = torn.windows(4).position(|name| name == b"IDAT");
-    torn[stream.expect("a stream") + 8] ^= 1;
-    assert!(read(&torn, &rgb(), MAX_DECOMPRESSED_BYTES).is_err());
+    assert_refused(&large, "than the requested file has");
+    let mut damaged = valid;
+    let stream = damaged.windows(4).position(|name| name == b"IDAT");
+    damaged[stream.expect("a stream") + 8] ^= 1;
+    assert!(read(&damaged, &rgb(), MAX_DECOMPRESSED_BYTES).is_err());
 }
 
 #[test]
@@ -393,7 +393,7 @@ fn malformed_arrays_are_refused() {
     ) {
         let header =
             format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
-        refuses(&npy(1, &header, data.as_bytes()), &says);
+        assert_refused(&npy(1, &header, data.as_bytes()), &says);
     }
     let deep = format!("{{'shape': {}\n", "(".repeat(60_000));
     for (version, header, says) in [
@@ -409,21 +409,21 @@ fn malformed_arrays_are_refused() {
         (4, "{}\n", "version"),
         (1, &deep, "a number before"),
     ] {
-        refuses(&npy(version, header, b"1"), says);
+        assert_refused(&npy(version, header, b"1"), says);
     }
-    refuses(&npy(2, "", b"")[..10], "within its header");
+    assert_refused(&npy(2, "", b"")[..10], "within its header");
     let mut cut = npy(2, "{}\n", b"");
     cut[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
-    refuses(&cut, "within its header");
+    assert_refused(&cut, "within its header");
 }
 
 #[test]
 fn unsupported_forms_are_named() {
     let gif = "a GIF image; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG";
-    refuses(b"GIF89a", gif);
-    refuses(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");
-    refuses(b"BM1234", "a BMP: ");
-    refuses(b"PTM_1.2\n", "the PTM file itself");
-    refuses(b"", "standard output is empty");
-    refuses(b"hello", "begins with \"hello\"");
+    assert_refused(b"GIF89a", gif);
+    assert_refused(b"\xff\xd8\xff\xe0JFIF", "a JPEG: ");
+    assert_refused(b"BM1234", "a BMP: ");
+    assert_refused(b"PTM_1.2\n", "the PTM file itself");
+    assert_refused(b"", "standard output is empty");
+    assert_refused(b"hello", "begins with \"hello\"");
 }

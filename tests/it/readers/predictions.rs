@@ -16,11 +16,11 @@ use ptm_conform::{decode, misreadings};
 
 fn reader(name: &str) -> &'static ReaderProfile {
     let found = profiles().iter().find(|profile| profile.name == name);
-    found.unwrap_or_else(|| panic!("no reader is called {name}"))
+    found.unwrap_or_else(|| panic!("no reader {name}"))
 }
 
 #[test]
-fn every_reader_has_its_own_name_and_misreadings_of_the_catalog() {
+fn readers_have_unique_names_and_misreadings_of_the_catalog() {
     let mut names: Vec<&str> = profiles().iter().map(|profile| &*profile.name).collect();
     assert_eq!(names.len(), 24);
     names.sort_unstable();
@@ -44,23 +44,23 @@ reads: [RGB]↵  limits: [{ limit: none, evidence: code }] | none
 reads: [RGB]↵  likes: all | likes",
     ) {
         let yaml = format!("- name: x\n  reader: x/y\n  evidence: code\n  {more}\n");
-        let error = parse_profiles(&yaml).expect_err("it is refused");
+        let error = parse_profiles(&yaml).expect_err("an error");
         assert!(error.contains(&why), "{error}");
     }
 }
 
 /// Returns the recorded result of a reader for each legal file.
-fn answered(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
-    let known = recorded(name);
+fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
+    let answers = recorded(name);
     let shown = |place: usize| {
         let built = cases[place].build(TableSpelling::default());
         let file = digest(&built.file);
         let mut views = cases[place].views.iter();
-        let (view, kept) = views.find_map(|view| {
-            let kept = known.get(&(file.clone(), view.to_string()))?;
-            Some((view, kept))
+        let (view, recorded) = views.find_map(|view| {
+            let recorded = answers.get(&(file.clone(), view.to_string()))?;
+            Some((view, recorded))
         })?;
-        Some(match &kept.answer {
+        Some(match &recorded.answer {
             // An image that equals the expected one is not recorded.
             None => Shown::Right,
             Some(Answer::Decoded(frame)) => {
@@ -97,13 +97,13 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Returns precision and recall of predicting a result for which `is` returns true.
-    fn scores(&self, is: impl Fn(Shown) -> bool) -> (f64, f64) {
-        let both = self.count(|predicted, seen| is(predicted) && is(seen)) as f64;
-        let of = |all: usize| both / (all.max(1) as f64);
+    /// Returns precision and recall of predicting a result for which `matches` returns true.
+    fn scores(&self, matches: impl Fn(Shown) -> bool) -> (f64, f64) {
+        let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
+        let share = |all: usize| both / (all.max(1) as f64);
         (
-            of(self.count(|predicted, _| is(predicted))),
-            of(self.count(|_, seen| is(seen))),
+            share(self.count(|predicted, _| matches(predicted))),
+            share(self.count(|_, seen| matches(seen))),
         )
     }
 }
@@ -127,18 +127,18 @@ fn predictions_match_recorded_readers() {
     ] {
         let profile = reader(name.trim_end_matches("-rti"));
         let mut tally = Tally::default();
-        for (place, seen) in answered(name, &cases) {
+        for (place, seen) in recorded_results(name, &cases) {
             let file = &cases[place].build(TableSpelling::default()).file;
             let predicted = OpenedFile::new(file).predict(profile).shows;
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
         // Users want to know which files are displayed correctly.
-        let of_each = report(name, &tally);
-        assert!(of_each[3] >= 0.95, "{name}: {:?}", tally.pairs);
+        let scores = report(name, &tally);
+        assert!(scores[3] >= 0.95, "{name}: {:?}", tally.pairs);
     }
-    let of_all = report("all", &all);
-    assert!(of_all.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
+    let scores = report("all", &all);
+    assert!(scores.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
 }
 
 /// Prints precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
@@ -149,8 +149,8 @@ fn report(name: &str, tally: &Tally) -> [f64; 4] {
         ("nothing", |shown| shown == Shown::Nothing),
         ("not right", |shown| shown != Shown::Right),
     ];
-    kinds.map(|(kind, is)| {
-        let (precision, recall) = tally.scores(is);
+    kinds.map(|(kind, matches)| {
+        let (precision, recall) = tally.scores(matches);
         println!("{name}, {kind}: precision {precision:.3}, recall {recall:.3}");
         precision.min(recall)
     })
@@ -159,14 +159,14 @@ fn report(name: &str, tally: &Tally) -> [f64; 4] {
 #[test]
 fn files_converted_for_a_reader_keep_the_map() {
     let suite = suite();
-    let mut asked: BTreeMap<Format, usize> = BTreeMap::new();
+    let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
     let (mut converted, mut refused) = (0, 0);
     let legal = suite
         .cases
         .iter()
         .filter(|case| case.expect == Expect::Decode);
     for case in legal {
-        let count = asked.entry(case.format()).or_default();
+        let count = counts.entry(case.format()).or_default();
         let file = &case.build(TableSpelling::default()).file;
         if *count >= 6 || file.len() > 16_384 {
             continue;
@@ -190,17 +190,17 @@ fn files_converted_for_a_reader_keep_the_map() {
             }
         }
     }
-    assert_eq!(asked.values().sum::<usize>(), 54);
+    assert_eq!(counts.values().sum::<usize>(), 54);
     println!("{converted} converted, {refused} refused with a reason");
     assert!(converted > 90);
 }
 
-/// Checks that final coefficients are equal. If one polynomial became three, compares the colors under six lights instead.
+/// Asserts that the colors under six lights are equal, and the final coefficients if both maps have the same shape.
 #[track_caller]
-fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
+fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, id: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());
     if a.shape == b.shape {
-        assert_eq!(a.values, b.values, "{what}");
+        assert_eq!(a.values, b.values, "{id}");
     }
     let lights = [
         (0.0, 0.0),
@@ -213,7 +213,7 @@ fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, what: &str) {
     for (lu, lv) in lights {
         let images = [a.evaluate(lu, lv), b.evaluate(lu, lv)];
         let mut pairs = images[0].values.iter().zip(&images[1].values);
-        assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6), "{what}");
+        assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-6), "{id}");
     }
 }
 

@@ -15,16 +15,16 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
 }
 
-/// Returns the start of the digest of a file, by which recordings name it.
+/// Returns the first 16 hexadecimal digits of the digest of a file, by which recordings identify it.
 pub fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }
 
-/// Returns the responses of a reader by file and view. Files that the suite no longer has are never asked for.
+/// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
 pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
     let path = folder().join(format!("{reader}.answers.gz"));
     let mut text = String::new();
-    let file = File::open(path).expect("the recording is there");
+    let file = File::open(path).expect("the recording exists");
     GzDecoder::new(file)
         .read_to_string(&mut text)
         .expect("the recording is text");
@@ -32,7 +32,7 @@ pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|kept: &RecordedAnswer<Frame>| !kept.alone)
-        .map(|kept| ((kept.file.clone(), kept.view.clone()), kept))
+        .filter(|answer: &RecordedAnswer<Frame>| !answer.alone)
+        .map(|answer| ((answer.file.clone(), answer.view.clone()), answer))
         .collect()
 }

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::LazyLock;
 
 use crate::common::{Workspace, have_python, rows, stdout};
-use crate::in_process::{misread, misreading, right, suite};
+use crate::in_process::{answer_with, misreading, reference_answer, suite};
 use data_encoding::BASE64;
 use ptm_conform::diagnose::{Category, diagnose};
 use ptm_conform::misreadings;
@@ -31,14 +31,14 @@ use ptm_conform::texture::Rules;
 /// Output of a hostile decoder.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
 
-/// Runs a decoder with one mistake and hostile output on every fourth case. Returns the run and its report.
+/// Runs a decoder with one mistake and hostile output on every fourth case. Returns the suite, the run and its report.
 fn run_misreading(slug: &str) -> (Suite, Run, Report) {
     let (suite, mistake) = (suite(), misreading(slug));
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 4 == 0).collect();
     let ask = |request: &Request<'_>, _: usize| Reply {
         stderr: HOSTILE.to_owned(),
-        ..Reply::from(misread(&[mistake], request))
+        ..Reply::from(answer_with(&[mistake], request))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
@@ -47,7 +47,7 @@ fn run_misreading(slug: &str) -> (Suite, Run, Report) {
     (suite, run, report)
 }
 
-/// Returns the run of a decoder that reads rows top-down, which fails nearly every case.
+/// Returns the suite, run and report of a decoder that reads rows top-down, which fails nearly every case.
 fn run_upside_down() -> &'static (Suite, Run, Report) {
     static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| run_misreading("rows-top-down"));
     &RUN
@@ -88,15 +88,15 @@ fn large_pages_are_complete_small_and_self_contained() {
     for words in [&cause.effect, &cause.fix, &cause.clause] {
         assert!(page.contains(words.as_str()), "{words}");
     }
-    // Links lead to the site, and nothing else refers to another server.
+    // All links lead to the site, and nothing refers to another server.
     let links = page.matches("href=\"https://").count();
     assert!(links > 1000 && page.matches("https:").count() == links);
     assert_eq!(page.matches(&format!("href=\"{SITE}")).count(), links);
     for address in "http: //cdn @import url( fetch( XMLHttpRequest".split(' ') {
         assert!(!page.contains(address), "{address}");
     }
-    let twice = html::page(suite, report, Some(run)).expect("a page");
-    assert!(page == twice);
+    let again = html::page(suite, report, Some(run)).expect("a page");
+    assert!(page == again);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn decoder_output_is_escaped() {
         html::page(&suite, &report, None).expect("a page"),
         matrix(&[report.clone(), report.clone()]).expect("a page"),
     ] {
-        assert_eq!(page.matches("<script").count(), 1, "only the page's own");
+        assert_eq!(page.matches("<script").count(), 1, "only one script");
         assert!(!page.contains("<img src=x"));
         assert!(!page.contains("<b>decoder"));
         assert!(page.contains("default-src 'none'"));
@@ -120,7 +120,7 @@ fn decoder_output_is_escaped() {
 fn images_contain_the_generated_samples() {
     let (suite, run, report) = run_upside_down();
     let page = html::page(suite, report, Some(run)).expect("a page");
-    let mut seen = 0;
+    let mut compared = 0;
     for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
         let id = part.split('"').next().expect("an id");
         let case = suite.case(id).expect("a case");
@@ -152,9 +152,9 @@ fn images_contain_the_generated_samples() {
             let at = 4 * (y * total + channel * (width + 1) + x);
             assert_eq!(pixels[at..at + 4], [sample, sample, sample, 255], "{id}");
         }
-        seen += 1;
+        compared += 1;
     }
-    assert!(seen > 20, "{seen}");
+    assert!(compared > 20, "{compared}");
 }
 
 #[test]
@@ -280,8 +280,8 @@ fn failing_cases_have_a_file_and_a_command() {
 #[test]
 fn colors_are_explained_with_their_arithmetic() {
     let suite = suite();
-    let swap = |request: &Request<'_>, _: usize| {
-        let Answer::Decoded(mut frame) = right(request) else {
+    let halve_red = |request: &Request<'_>, _: usize| {
+        let Answer::Decoded(mut frame) = reference_answer(request) else {
             return Reply::from(Answer::Rejected);
         };
         if frame.view != ViewKind::Rgb {
@@ -296,8 +296,8 @@ fn colors_are_explained_with_their_arithmetic() {
     };
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
-    let mut run = check(&suite, &plan, &swap, &|_, _, _, _| ());
-    run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &swap);
+    let mut run = check(&suite, &plan, &halve_red, &|_, _, _, _| ());
+    run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &halve_red);
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     save_page("colors.html", &page);
@@ -385,9 +385,9 @@ fn junit_output_can_be_parsed() {
     report.cases[last - 1].outcome = Outcome::Unsupported;
     let xml = junit::junit(&report);
     save_page("junit.xml", &xml);
-    let with = |outcome: Outcome| report.with_outcome(outcome).count();
+    let count = |outcome: Outcome| report.with_outcome(outcome).count();
     let skipped =
-        report.cases.len() - with(Outcome::Pass) - with(Outcome::Fail) - with(Outcome::NotRun);
+        report.cases.len() - count(Outcome::Pass) - count(Outcome::Fail) - count(Outcome::NotRun);
     assert!(skipped > 0);
     let script = "import sys, junitparser\n\
         xml = junitparser.JUnitXml.fromfile(sys.argv[1])\n\
@@ -403,8 +403,8 @@ fn junit_output_can_be_parsed() {
     let text = stdout(Command::new("python3").args(["-c", script]).arg(path));
     let (cases, failed, not_run) = (
         report.cases.len(),
-        with(Outcome::Fail),
-        with(Outcome::NotRun),
+        count(Outcome::Fail),
+        count(Outcome::NotRun),
     );
     let counts = format!("{cases} {failed} {not_run} {skipped}");
     assert_eq!(text, format!("1 {counts}\n{counts}\n"));

@@ -18,10 +18,10 @@ try {
   const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
   const until = async (what, script, ...args) => {
     for (let i = 0; i < 100; i += 1) { if (await run(script, ...args)) { return; } await wait(50); }
-    assert.fail(`never came: ${what}`);
+    assert.fail(`timed out waiting for ${what}`);
   };
-  const shoot = async (name) => writeFileSync(join(screenshots, name), Buffer.from(await call("GET", "/screenshot"), "base64"));
-  const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
+  const screenshot = async (name) => writeFileSync(join(screenshots, name), Buffer.from(await call("GET", "/screenshot"), "base64"));
+  const setColorScheme = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   const keys = (...values) => call("POST", "/actions", { actions: [{ type: "key", id: "keys",
     actions: values.flatMap((value) => [{ type: "keyDown", value }, { type: "keyUp", value }]) }] });
   // Drags from one position to another, both relative to the size of the element.
@@ -52,19 +52,19 @@ try {
 
   // 1. Light and dark mode, set by the system and by the button.
   await open(page);
-  await tone("light");
+  await setColorScheme("light");
   const light = await colors();
   assert.deepEqual(await contrasts(), [], "light: text too faint");
-  await shoot("report-light.png");
-  await tone("dark");
+  await screenshot("report-light.png");
+  await setColorScheme("dark");
   const dark = await colors();
-  assert.notDeepEqual(light, dark, "dark is not light");
+  assert.notDeepEqual(light, dark, "dark and light mode differ");
   assert.deepEqual(await contrasts(), [], "dark: text too faint");
-  await shoot("report-dark.png");
+  await screenshot("report-dark.png");
   await run("document.getElementById('theme').click()");
   assert.deepEqual(await colors(), light, "the button overrules the system");
   assert.equal(await run("return document.getElementById('theme').getAttribute('aria-pressed')"), "false");
-  await tone("light");
+  await setColorScheme("light");
 
   // 2. Hostile output remains text.
   assert.match(await call("GET", "/title"), / — PTM 1\.2$/);
@@ -74,15 +74,15 @@ try {
 
   // 3. Every image is valid and has alternative text.
   await run("document.getElementById('open').click()");
-  await until("pictures", "return [...document.images].every((i) => i.complete)");
-  const pictures = await run("return [...document.images].map((i) => [i.naturalWidth, i.alt])");
-  assert.ok(pictures.length > 100, `${pictures.length} pictures`);
-  assert.ok(pictures.every(([width, alt]) => width > 0 && alt));
+  await until("images", "return [...document.images].every((i) => i.complete)");
+  const images = await run("return [...document.images].map((i) => [i.naturalWidth, i.alt])");
+  assert.ok(images.length > 100, `${images.length} images`);
+  assert.ok(images.every(([width, alt]) => width > 0 && alt));
   // The target of a link scrolls into view below the filter, even among hundreds of open cases.
   await run("[...document.querySelectorAll('article.cause a')].filter((a) => a.getAttribute('href').startsWith('#')).at(-1).click()");
   await wait(500);
-  const [below, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
-  assert.ok(top >= below && top < 500, `filter ends at ${below}, target begins at ${top}`);
+  const [bottom, top] = await run("const t = document.getElementById(decodeURIComponent(location.hash.slice(1))); return [document.querySelector('.tools').getBoundingClientRect().bottom, t.getBoundingClientRect().top]");
+  assert.ok(top >= bottom && top < 500, `filter ends at ${bottom}, target begins at ${top}`);
   await run("document.getElementById('close').click()");
   assert.equal(await run("return document.querySelectorAll('details.case[open]').length"), 0);
 
@@ -94,8 +94,8 @@ try {
   const after = await pixels(`#${id} canvas`);
   assert.notEqual(before[0], after[0], "expected changes with the light");
   assert.notEqual(before[1], after[1], "received changes with the light");
-  assert.notEqual(after[0], after[1], "what differs looks different");
-  await shoot("report-preview.png");
+  assert.notEqual(after[0], after[1], "wrong samples look different");
+  await screenshot("report-preview.png");
   const [data, u, v] = await run("const f = document.querySelector('#' + arguments[0] + ' figure.preview'); const r = f.querySelectorAll('input'); return [{...f.dataset}, Number(r[0].value), Number(r[1].value)]", id);
   assert.ok(u < -0.1 && v < -0.1, `u ${u}, v ${v}`);
   // The slider moves in steps, and the image at a step is known.
@@ -113,12 +113,12 @@ try {
   shown.split(",").forEach((value, i) => assert.ok(Math.abs(value - computed[i]) <= 1, `sample ${i}: ${value}, computed ${computed[i]}`));
 
   // 5. Keyboard operation of the sliders, the filter and a case.
-  const kept = await pixels(`#${id} canvas`);
+  const previous = await pixels(`#${id} canvas`);
   await run("document.querySelector('#' + arguments[0] + ' input').focus()", id);
   await keys("\uE014", "\uE014", "\uE014");
-  assert.notEqual((await pixels(`#${id} canvas`))[0], kept[0], "arrow keys move the light");
+  assert.notEqual((await pixels(`#${id} canvas`))[0], previous[0], "arrow keys move the light");
   await keys("/");
-  assert.equal(await run("return document.activeElement.id"), "filter", "a slider takes no slash");
+  assert.equal(await run("return document.activeElement.id"), "filter", "the slash key leaves a slider");
   await run("document.activeElement.blur(); scrollTo(0, document.body.scrollHeight)");
   await keys("/");
   assert.equal(await run("return document.activeElement.id"), "filter");
@@ -132,13 +132,13 @@ try {
   await until("the filter", "return / of /.test(document.getElementById('found').textContent)");
   const some = await visible();
   assert.ok(some > 0 && some < all, `${some} of ${all}`);
-  await shoot("report-filter.png");
+  await screenshot("report-filter.png");
   await keys(..."zzz");
-  await until("nothing", "return /^No case matches/.test(document.getElementById('found').textContent)");
+  await until("the empty result", "return /^No case matches/.test(document.getElementById('found').textContent)");
   assert.ok(await seen(), "the filter stays in view");
   await keys("\uE00C");
   assert.equal(await visible(), all);
-  assert.deepEqual(await folds(), folded, "the folds are as they were");
+  assert.deepEqual(await folds(), folded, "the folds are unchanged");
   await run("const all = [...document.querySelectorAll('details.case:not([open]) > summary')]; const s = all.find(s => s.checkVisibility()); s.focus(); s.scrollIntoView()");
   await keys("\uE007");
   assert.ok(await run("return document.activeElement.parentElement.open"), "Enter opens a case");
@@ -153,17 +153,17 @@ try {
   const named = await run("return [...document.querySelectorAll('details.case')].filter((c) => !c.hidden).map((c) => c.querySelector('summary .clauses').textContent.split(' '))");
   assert.ok(named.length > 0 && named.every((clauses) => clauses.includes(clause)), clause);
   await run("document.getElementById('clauses').scrollIntoView({behavior: 'instant'})");
-  await shoot("report-clauses.png");
+  await screenshot("report-clauses.png");
 
   // The filter is part of the URL, all counts reflect it, and the URL sets it.
   assert.equal(await run("return decodeURIComponent(location.hash)"), `#filter=${clause}`);
   const counted = () => run("return [...document.querySelectorAll('button.chip .count')].map((c) => c.textContent)");
-  assert.ok((await counted()).some((count) => / of /.test(count)), "counts follow");
+  assert.ok((await counted()).some((count) => / of /.test(count)), "the counts follow the filter");
   const groups = await run("return [...document.querySelectorAll('section.group:not([hidden])')].map((g) => [g.querySelector('h3 .count').textContent.split(' ')[0], String(g.querySelectorAll('details.case:not([hidden])').length)])");
   assert.ok(groups.length > 0 && groups.every(([says, shown]) => says === shown), JSON.stringify(groups));
   await run("document.querySelector('button.chip[data-outcome=pass]').click()");
   assert.equal(await run("return document.getElementById('filter').value"), `${clause} is:pass`);
-  assert.equal(await visible(), 0, "a case that passes is no card");
+  assert.equal(await visible(), 0, "a passing case has no card");
   await open(page);
   await run("location.hash = '#filter=is%3Afail'");
   await until("the filter of the address", "return document.getElementById('filter').value === 'is:fail'");
@@ -172,10 +172,10 @@ try {
 
   // The divider between expected and received moves, and a command is copied or selected.
   await open(page);
-  const border = () => run("return document.querySelector('.scene .slide').style.getPropertyValue('--at')");
+  const divider = () => run("return document.querySelector('.scene .slide').style.getPropertyValue('--at')");
   await drag(".scene .slide", [0.5, 0.5], [0.2, 0.5]);
-  const moved = Number.parseFloat(await border());
-  assert.ok(moved > 15 && moved < 25, `the border stands at ${moved}`);
+  const moved = Number.parseFloat(await divider());
+  assert.ok(moved > 15 && moved < 25, `the divider is at ${moved} percent`);
   assert.match(await run("return document.querySelector('.scene figcaption').textContent"), /^It is |^This decoder /);
   await run("document.querySelector('details.case button.copy').click()");
   await until("copied", "return /^Copied|^Selected/.test(document.querySelector('details.case button.copy').textContent)");
@@ -192,43 +192,43 @@ try {
   for (const width of [1280, 768, 390]) {
     await cdp("Emulation.setDeviceMetricsOverride", { width, height: 844, deviceScaleFactor: 1, mobile: true });
     await open(page);
-    assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), `at ${width} pixels the page does not scroll sideways`);
+    assert.ok(await run("return document.documentElement.scrollWidth <= innerWidth + 1"), `the page does not scroll sideways at ${width} pixels`);
   }
-  await shoot("report-narrow.png");
+  await screenshot("report-narrow.png");
   await cdp("Emulation.clearDeviceMetricsOverride", {});
   await run("window.folded = 0; addEventListener('beforeprint', () => { window.folded = document.querySelectorAll('details:not([open])').length; })");
   await run("dispatchEvent(new Event('beforeprint')); dispatchEvent(new Event('afterprint'))");
-  assert.equal(await run("return window.folded"), 0, "on paper everything is open");
-  assert.ok(await run("return document.querySelectorAll('details:not([open])').length > 0"), "and closed again");
+  assert.equal(await run("return window.folded"), 0, "everything is open while printing");
+  assert.ok(await run("return document.querySelectorAll('details:not([open])').length > 0"), "everything is closed again after printing");
 
   // 9. Matrix of decoders.
   await open(matrix);
   assert.equal(await run("return document.querySelectorAll('table.matrix thead tr:first-child th').length"), 4);
   assert.deepEqual(await contrasts(), [], "matrix: text too faint");
-  await shoot("matrix.png");
+  await screenshot("matrix.png");
   await run("const s = document.querySelector('.scroll.tall'); s.scrollTop = s.scrollHeight");
   const [head, area] = await run("return ['table.matrix thead th', '.scroll.tall'].map((css) => document.querySelector(css).getBoundingClientRect().top)");
-  assert.ok(Math.abs(head - area) < 2, `the head stands at ${head}, its table begins at ${area}`);
+  assert.ok(Math.abs(head - area) < 2, `the table head is at ${head}, its scroll area begins at ${area}`);
 
   // 10. No errors, and no requests except for the pages themselves. Warnings about reading canvases are caused by this
   //     test, not by the page.
   const errors = (await log("browser")).filter((entry) => !/INFO|DEBUG/.test(entry.level) && !entry.message.includes("willReadFrequently"));
   assert.deepEqual(errors, []);
-  const asked = async () => (await log("performance"))
+  const requestedUrls = async () => (await log("performance"))
     .map((entry) => JSON.parse(entry.message).message)
     // The browser also loads internal pages.
     .filter((message) => message.method === "Network.requestWillBeSent" && message.params.documentURL.startsWith("file:"))
     .map((message) => message.params.request.url)
     .filter((url) => !url.startsWith("data:"));
-  const requests = await asked();
+  const requests = await requestedUrls();
   const pages = [page, matrix].map((file) => pathToFileURL(file).href);
   assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
   // A page that sends a request is detected.
-  const asking = join(dirname(page), "asking.html");
+  const external = join(dirname(page), "asking.html");
   writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
   await open(asking);
-  assert.deepEqual((await asked()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
-  console.log(`${pictures.length} pictures, ${all} cards, ${requests.length} requests, all for the pages themselves`);
+  assert.deepEqual((await requestedUrls()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
+  console.log(`${images.length} images, ${all} cards, ${requests.length} requests, all for the pages themselves`);
 } finally {
   await close();
 }

@@ -23,7 +23,7 @@ fn report_page_works_in_a_browser() {
     here.write_program("decoder", script);
     let cases = "--case *lrgb* --case hand-*";
     here.check(&format!("{cases} --html report.html -- ./decoder"))
-        .ends(1, "");
+        .assert_exit(1, "");
     here.succeeds("check --report published.yaml");
     here.succeeds("report html report.yaml report.yaml published.yaml -o matrix.html");
     let text = stdout(

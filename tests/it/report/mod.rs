@@ -2,6 +2,6 @@
 
 mod html;
 mod html_browser;
-mod readme_picture;
+mod readme_image;
 mod shards;
 mod text;

@@ -22,7 +22,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::{Case, Suite};
 
 use crate::common::{Workspace, zoo};
-use crate::in_process::{misread, misreading, right, suite};
+use crate::in_process::{answer_with, misreading, reference_answer, suite};
 
 fn circumstances() -> Circumstances {
     Circumstances {
@@ -45,31 +45,31 @@ fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
 fn remarks() -> OtherRemarks {
     OtherRemarks {
         before: Vec::new(),
-        after: vec![Remark::note("a word on it".to_owned())],
+        after: vec![Remark::note("a remark".to_owned())],
     }
 }
 
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
-/// Runs a plan like `check` does, optionally with recording of answers.
+/// Runs a plan like `check` does, and optionally records the answers.
 fn run_plan(
     suite: &Suite,
     plan: &RunPlan,
     ask: &Ask,
-    keeper: Option<&AnswerRecorder<Case>>,
+    recorder: Option<&AnswerRecorder<Case>>,
 ) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
-        if let Some(keeper) = keeper.filter(|_| session.undo.is_empty()) {
-            keeper.record_observation(case, observation);
+        if let Some(recorder) = recorder.filter(|_| session.undo.is_empty()) {
+            recorder.record_observation(case, observation);
         }
     });
     session.verdicts(contact, observations, &|_, _| ())
 }
 
-/// Returns the report of a whole run.
+/// Returns the report of a run without shards.
 fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
     let plan = plan(suite, None);
@@ -78,7 +78,7 @@ fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
     report.expect("no misreading is assumed")
 }
 
-/// Runs one part and records its answers. Returns the path of the report.
+/// Runs one part and records its answers. Returns the path of its report.
 fn run_part(
     suite: &Suite,
     part: Shard,
@@ -87,14 +87,14 @@ fn run_part(
     directory: &Path,
 ) -> PathBuf {
     let report = directory.join(format!("part-{}.yaml", part.number));
-    let keeper = AnswerRecorder::new(&answers_path(&report)).expect("a file");
+    let recorder = AnswerRecorder::new(&answers_path(&report)).expect("a file");
     let ask = |request: &Request<'_>, _: usize| {
         let reply = Reply::from(decoder(request));
-        keeper.record_answer(request, &reply);
+        recorder.record_answer(request, &reply);
         reply
     };
     let plan = plan(suite, Some(part));
-    let run = run_plan(suite, &plan, &ask, Some(&keeper));
+    let run = run_plan(suite, &plan, &ask, Some(&recorder));
     let end = End {
         version: tool.version.clone(),
         corpus: tool.corpus.clone(),
@@ -104,7 +104,7 @@ fn run_part(
         remarks: remarks(),
         ended_early: run.ended_early.map(str::to_owned),
     };
-    keeper.finish(&end).expect("the answers are written");
+    recorder.finish(&end).expect("the answers are written");
     report
 }
 
@@ -124,31 +124,31 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     };
     // The parts can be merged in any order.
     let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
-    let answers = RecordedAnswers::read(suite, &parts).expect("all parts are there");
+    let answers = RecordedAnswers::read(suite, &parts).expect("all parts exist");
     let merged = answers.merge(suite, 2, &|_, _, _, _| {});
-    let (_, merged) = merged.expect("every answer is there");
+    let (_, merged) = merged.expect("every answer exists");
     assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 
-/// Returns a pseudorandom decision that depends only on the bytes of the file.
-fn is_drawn(request: &Request, of: u32) -> bool {
+/// Returns true for one in `count` files. The pseudorandom decision depends only on the bytes of the file.
+fn is_drawn(request: &Request, count: u32) -> bool {
     let sum = request.file.iter().fold(7_u32, |sum, &byte| {
         sum.wrapping_mul(31).wrapping_add(u32::from(byte))
     });
-    (sum >> 7).is_multiple_of(of)
+    (sum >> 7).is_multiple_of(count)
 }
 
 /// For each decoder, verdicts in one part depend on answers in another part.
 #[test]
 fn eight_merged_shards_equal_the_whole_run() {
     let suite = suite().prepared();
-    assert_same_report(&suite, &right);
+    assert_same_report(&suite, &reference_answer);
     let mistake = misreading("rows-top-down");
-    assert_same_report(&suite, &|request| misread(&[mistake], request));
-    // Refuses some files of a feature. Other files show that it supports the feature.
+    assert_same_report(&suite, &|request| answer_with(&[mistake], request));
+    // Refuses some files as unsupported. Other files show that it supports their features.
     assert_same_report(&suite, &|request| match is_drawn(request, 5) {
         true => Answer::Unsupported,
-        false => right(request),
+        false => reference_answer(request),
     });
     // Mixes two dialects.
     assert_same_report(&suite, &|request| {
@@ -158,7 +158,7 @@ fn eight_merged_shards_equal_the_whole_run() {
         };
         answer(&[], reading, request.file, request.view)
     });
-    // Supports one spelling of tables and crashes occasionally.
+    // Supports one spelling of tables and sometimes crashes.
     assert_same_report(&suite, &|request| {
         let spelled = |word: &[u8]| request.file.windows(word.len()).any(|at| at == word);
         if spelled(b"N_LUT_ENTRIES") || spelled(b"_LUT\n") && !spelled(b"nentries ") {
@@ -166,43 +166,43 @@ fn eight_merged_shards_equal_the_whole_run() {
         } else if is_drawn(request, 40) {
             Answer::Crashed("signal 11".to_owned())
         } else {
-            right(request)
+            reference_answer(request)
         }
     });
 }
 
 #[test]
-fn merge_rejects_incomplete_or_foreign_shards() {
+fn incomplete_or_foreign_shards_are_not_merged() {
     let suite = suite().prepared();
     let scratch = tempfile::tempdir().expect("a directory");
-    let tool = report_of_whole_run(&suite, &right).tool;
+    let tool = report_of_whole_run(&suite, &reference_answer).tool;
     let run = |number, of| {
         let part = Shard { number, of };
-        run_part(&suite, part, &right, &tool, scratch.path())
+        run_part(&suite, part, &reference_answer, &tool, scratch.path())
     };
-    let refused = |parts: &[PathBuf]| {
+    let refusal = |parts: &[PathBuf]| {
         RecordedAnswers::read(&suite, parts)
             .err()
-            .expect("a refusal")
+            .expect("an error")
     };
 
     let (first, second) = (run(1, 2), run(2, 2));
-    assert_eq!(refused(std::slice::from_ref(&first)), "part 2/2 is missing");
+    assert_eq!(refusal(std::slice::from_ref(&first)), "part 2/2 is missing");
     let twice = [first.clone(), second.clone(), first.clone()];
-    assert_eq!(refused(&twice), "duplicate part 1/2");
+    assert_eq!(refusal(&twice), "duplicate part 1/2");
     let other = run(3, 3);
-    assert!(refused(&[first.clone(), other]).contains("not from the run of "));
+    assert!(refusal(&[first.clone(), other]).contains("not from the run of "));
 
     let cut = answers_path(&second);
-    let text = std::fs::read_to_string(&cut).expect("text");
+    let text = std::fs::read_to_string(&cut).expect("UTF-8");
     let (without_end, _) = text.trim_end().rsplit_once('\n').expect("lines");
     std::fs::write(&cut, without_end).expect("a file");
     let message = "the last line is missing; was the run interrupted?";
-    assert!(refused(&[first.clone(), second.clone()]).ends_with(message));
+    assert!(refusal(&[first.clone(), second.clone()]).ends_with(message));
     std::fs::write(&cut, "{\n").expect("a file");
-    assert!(refused(&[first, second.clone()]).contains("line 1: "));
+    assert!(refusal(&[first, second.clone()]).contains("line 1: "));
     std::fs::remove_file(&cut).expect("a file");
-    assert!(refused(&[second]).contains("part-2.yaml.answers"));
+    assert!(refusal(&[second]).contains("part-2.yaml.answers"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The scripts of the GitHub Action, as far as they run without GitHub.
+//! The scripts of the GitHub Action that can run without GitHub.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -13,7 +13,7 @@ fn action() -> Value {
     from_yaml(&repository_text("action.yml")).expect("YAML")
 }
 
-/// Returns a command that runs the script of a step like a runner.
+/// Returns a command that runs the script of a step as a GitHub runner does.
 fn step(id: &str, here: &Workspace) -> Command {
     let action = action();
     let steps = action["runs"]["steps"].as_array().expect("steps").clone();
@@ -36,7 +36,7 @@ fn check(here: &Workspace, decoder: &str, args: &str) -> Output {
         .env("CMD", "")
         .env("ARGS", args)
         .env("BASELINE", "")
-        .env("DIRECTORY", "made here")
+        .env("DIRECTORY", "my report")
         .env("PROGRAM", PROGRAM)
         .env("GITHUB_OUTPUT", here.path("output"))
         .env("GITHUB_STEP_SUMMARY", here.path("summary.md"))
@@ -58,13 +58,13 @@ fn action_steps_use_declared_inputs() {
         used += 1;
     }
     assert!(used >= 6, "{used}");
-    // An expression inside a script would let an input write commands.
+    // An expression inside a script would let an input inject commands.
     for step in action["runs"]["steps"].as_array().expect("steps") {
         assert!(!step["run"].as_str().unwrap_or_default().contains("${{"));
     }
 }
 
-/// A tag can be moved to other code; a digest cannot.
+/// A tag can be moved to different code, but a digest cannot.
 #[test]
 fn workflows_pin_actions_by_digest() {
     let workflows = fs::read_dir(repository(".github/workflows")).expect("a directory");
@@ -74,9 +74,9 @@ fn workflows_pin_actions_by_digest() {
         for used in text.lines().filter_map(|line| line.split_once("uses: ")) {
             let action = used.1.split(' ').next().unwrap_or_default();
             let digest = action.split_once('@').map_or("", |(_, digest)| digest);
-            let fixed = digest.len() == 40 && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
+            let pinned = digest.len() == 40 && digest.bytes().all(|byte| byte.is_ascii_hexdigit());
             assert!(
-                fixed || action.starts_with("docker://"),
+                pinned || action.starts_with("docker://"),
                 "{path:?}: {action}"
             );
         }
@@ -93,7 +93,7 @@ fn action_forwards_the_result() {
     let passed = check(&here, &reference, "--case hand-* --jobs 2");
     assert_eq!(passed.status.code(), Some(0), "{passed:?}");
     for name in ["report.yaml", "report.html", "junit.xml", "badge.svg"] {
-        assert!(here.path("made here").join(name).exists(), "{name}");
+        assert!(here.path("my report").join(name).exists(), "{name}");
     }
     let decoder = "false $(touch owned) ; touch owned";
     let failed = check(&here, decoder, "--case hand-*");
@@ -109,7 +109,7 @@ fn action_forwards_the_result() {
 }
 
 #[test]
-fn action_arguments_are_split_at_lines() {
+fn action_arguments_are_split_into_lines() {
     if !have("bash") {
         return;
     }
@@ -122,8 +122,8 @@ fn action_arguments_are_split_at_lines() {
     assert_eq!(check(&here, "", "").status.code(), Some(2));
 }
 
-/// The steps as they run where nobody has a compiler: on an archive that `scripts/pack.sh` has made, and with a PATH that
-/// has what every runner has.
+/// Runs the steps without a compiler: with an archive from `scripts/pack.sh`, and a PATH that contains only tools of every
+/// runner.
 #[test]
 fn action_needs_no_compiler() {
     let tools =
@@ -161,8 +161,8 @@ fn action_needs_no_compiler() {
             .env("PATH", &path);
         release.output().expect("bash starts")
     };
-    let taken = release();
-    assert!(taken.status.success(), "{taken:?}");
+    let output = release();
+    assert!(output.status.success(), "{output:?}");
     let program = here.path("ptm-conform/bin/ptm-conform");
     let checked = step("check", &here)
         .env("DECODER", format!("{} reference", program.display()))
@@ -176,8 +176,8 @@ fn action_needs_no_compiler() {
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
     assert!(here.path("report/report.html").exists());
 
-    // An archive with another digest than the published one is not run.
-    fs::remove_dir_all(here.path("ptm-conform")).expect("it was there");
+    // An archive whose digest differs from the published one is not run.
+    fs::remove_dir_all(here.path("ptm-conform")).expect("the directory exists");
     let archive = releases.join(format!("ptm-conform-v{version}-{target}.tar.gz"));
     let mut bytes = fs::read(&archive).expect("the archive");
     bytes.push(0);
@@ -186,7 +186,7 @@ fn action_needs_no_compiler() {
     assert!(!program.exists());
 }
 
-/// Runs the steps of the workflow that other projects copy, in a scratch folder with a decoder that has one mistake.
+/// Runs the steps of the workflow for other projects, with a decoder that has one mistake.
 #[test]
 fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
     let here = Workspace::new();
@@ -212,10 +212,10 @@ fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
         ];
         outcome(&bash.envs(variables).output().expect("bash starts"))
     };
-    let (status, text) = run("Check the files that were found before");
+    let (status, text) = run("Check earlier findings");
     assert_eq!(status, 0, "{text}");
     let (status, text) = run("Fuzz");
     assert_eq!(status, 1, "{text}");
-    let (status, text) = run("Check the files that were found before");
+    let (status, text) = run("Check earlier findings");
     assert_eq!(status, 1, "{text}");
 }

@@ -1,4 +1,4 @@
-//! Counts in documents equal those of the program, and links lead to files of the packed crate.
+//! Counts in documents equal those of the program, and links lead to files in the packed crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Reads a document and replaces every line break and its indentation by one space.
+/// Reads a document and replaces each line break and indentation with one space.
 fn document(path: &str) -> String {
     let text = repository_text(path);
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -30,7 +30,7 @@ fn thousands(number: usize) -> String {
 }
 
 #[test]
-fn counts_in_documents_are_those_of_the_program() {
+fn counts_in_documents_equal_those_of_the_program() {
     let suite = Suite::load().expect("the suite loads");
     let (cases, misreadings) = (thousands(suite.cases.len()), misreadings::all().count());
     let smoke = smoke::ids().expect("the smoke subset").len();
@@ -93,7 +93,7 @@ fn the_failing_run_in_the_readme_adds_up() {
 }
 
 #[test]
-fn links_lead_to_files_of_the_packed_crate() {
+fn links_lead_to_files_in_the_packed_crate() {
     let manifest = repository_text("Cargo.toml");
     let mut lines = manifest.lines();
     let include = lines.find(|line| line.starts_with("include = "));
@@ -112,8 +112,8 @@ fn links_lead_to_files_of_the_packed_crate() {
     let mut links = 0;
     for path in docs.chain(["README.md".into()]) {
         let text = fs::read_to_string(root().join(&path)).expect("a document");
-        let links_of = text.split("](").skip(1);
-        for link in links_of.filter_map(|rest| rest.split(')').next()) {
+        let targets = text.split("](").skip(1);
+        for link in targets.filter_map(|rest| rest.split(')').next()) {
             if link.contains("://") || link.starts_with('#') {
                 continue;
             }

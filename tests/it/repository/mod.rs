@@ -1,4 +1,4 @@
-//! The repository itself: module order, style, documents, and files for the CI of other projects.
+//! The repository itself: module order, style, documents, and the CI files for other projects.
 
 #![cfg(all(unix, feature = "cli"))]
 
@@ -30,7 +30,7 @@ pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let file = |path: PathBuf| {
         let name = path
             .strip_prefix(directory)
-            .expect("it is below")
+            .expect("a path below")
             .to_owned();
         (name, fs::read(path).expect("a file"))
     };

@@ -1,6 +1,6 @@
 //! The modules of `src` depend on each other in one direction, and files have no import cycles.
 //!
-//! Every import of every file counts: paths in `use` and in code, also inside macros, except those for tests.
+//! All paths in `use` items and in code count as imports, also inside macros, except those for tests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,24 +15,24 @@ use crate::table::rows;
 const MODULES: &str = "error codec ptm parts input reading evaluate decode generate texture kit formula protocol suite \
     misreadings readers runner session diagnose strength report fuzz tools writers site cli main";
 
-/// Files of modules, by path below the crate, such as `["decode", "planes"]`.
+/// Files of modules by their paths in the crate, such as `["decode", "planes"]`.
 type Modules = BTreeMap<Vec<String>, String>;
 
 #[test]
 fn modules_depend_in_one_direction() {
     let place = |file: &str| {
         let module = file.split(['/', '.']).next().expect("a first part");
-        let place = MODULES.split(' ').position(|of| of == module);
-        place.unwrap_or_else(|| panic!("the order lacks the module of {file}"))
+        let place = MODULES.split(' ').position(|name| name == module);
+        place.unwrap_or_else(|| panic!("the order does not contain the module of {file}"))
     };
-    let back: Vec<String> = imports()
+    let violations: Vec<String> = imports()
         .iter()
         .filter(|(file, _)| *file != "lib.rs")
         .flat_map(|(file, to)| to.iter().map(move |to| (file, to)))
         .filter(|(file, to)| *to == "lib.rs" || place(file) < place(to))
         .map(|(file, to)| format!("{file} imports {to}"))
         .collect();
-    assert!(back.is_empty(), "against the order:\n{}", back.join("\n"));
+    assert!(violations.is_empty(), "{}", violations.join("\n"));
 }
 
 #[test]
@@ -53,13 +53,13 @@ fn files_have_no_import_cycles() {
     {
         left.remove(above);
     }
-    let circle = |file: &&String| {
+    let cycle = |file: &&String| {
         let to = imports[*file].iter().filter(|to| left.contains(to));
         let to: Vec<&str> = to.map(String::as_str).collect();
         format!("{file} imports {}", to.join(", "))
     };
-    let circles: Vec<String> = left.iter().map(circle).collect();
-    assert!(circles.is_empty(), "on circles:\n{}", circles.join("\n"));
+    let cycles: Vec<String> = left.iter().map(cycle).collect();
+    assert!(cycles.is_empty(), "import cycles:\n{}", cycles.join("\n"));
 }
 
 /// Every way to write an import is recognized.
@@ -127,7 +127,7 @@ fn imports() -> BTreeMap<String, BTreeSet<String>> {
     imports.collect()
 }
 
-/// A file, or a module inside one.
+/// A file, or a module inside a file.
 struct File<'a> {
     modules: &'a Modules,
     own: Vec<String>,
@@ -145,17 +145,12 @@ impl File<'_> {
             } else if is_visibility(&tokens[at..]) {
                 // A visibility is not an import.
                 at += 2;
-            } else if let (Some(("mod", name)), Some(TokenTree::Group(body))) =
-                (two_words(&tokens[at..]), tokens.get(at + 2))
+            } else if let (Some(name), Some(TokenTree::Group(body))) =
+                (module_name(&tokens[at..]), tokens.get(at + 2))
             {
                 let own = [self.own.clone(), vec![name]].concat();
-                found.append(
-                    &mut File {
-                        modules: self.modules,
-                        own,
-                    }
-                    .imports(body.stream()),
-                );
+                let modules = self.modules;
+                found.append(&mut File { modules, own }.imports(body.stream()));
                 at += 3;
             } else if let Some(start) = self.start_of_path(&tokens, at) {
                 self.follow(start, &tokens[at + 1..], &mut found);
@@ -172,7 +167,7 @@ impl File<'_> {
 
     /// Returns the first module of the path that starts at this token, if any.
     fn start_of_path(&self, tokens: &[TokenTree], at: usize) -> Option<Vec<String>> {
-        if at > 0 && is_punct(&tokens[at - 1], ':') || !leads_on(&tokens[at + 1..]) {
+        if at > 0 && is_punct(&tokens[at - 1], ':') || !path_continues(&tokens[at + 1..]) {
             return None;
         }
         let TokenTree::Ident(word) = &tokens[at] else {
@@ -189,8 +184,8 @@ impl File<'_> {
 
     /// Follows a path and all its branches to the files that they name.
     fn follow(&self, mut module: Vec<String>, tokens: &[TokenTree], found: &mut BTreeSet<String>) {
-        if !leads_on(tokens) {
-            return self.name(&module, found);
+        if !path_continues(tokens) {
+            return self.add_file(&module, found);
         }
         match tokens.get(2) {
             Some(TokenTree::Ident(word)) if word == "super" => {
@@ -216,12 +211,12 @@ impl File<'_> {
                     self.follow(module, &branch[1..], found);
                 }
             }
-            _ => self.name(&module, found),
+            _ => self.add_file(&module, found),
         }
     }
 
     /// Adds the file of the longest prefix of a path that is a module.
-    fn name(&self, path: &[String], found: &mut BTreeSet<String>) {
+    fn add_file(&self, path: &[String], found: &mut BTreeSet<String>) {
         let file = (0..=path.len())
             .rev()
             .find_map(|length| self.modules.get(&path[..length]));
@@ -229,15 +224,16 @@ impl File<'_> {
     }
 }
 
-/// Returns true if `::` comes next.
-fn leads_on(tokens: &[TokenTree]) -> bool {
+/// Returns true if the next tokens are `::`.
+fn path_continues(tokens: &[TokenTree]) -> bool {
     matches!(tokens, [a, b, ..] if is_punct(a, ':') && is_punct(b, ':'))
 }
 
-fn two_words(tokens: &[TokenTree]) -> Option<(&'static str, String)> {
+/// Returns the name of the module that is declared at this position.
+fn module_name(tokens: &[TokenTree]) -> Option<String> {
     match tokens {
         [TokenTree::Ident(word), TokenTree::Ident(name), ..] if word == "mod" => {
-            Some(("mod", name.to_string()))
+            Some(name.to_string())
         }
         _ => None,
     }

@@ -1,4 +1,4 @@
-//! The order of sections, the lengths of functions and the share of comments.
+//! Order of sections, length of functions, and share of comments.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,7 +26,7 @@ fn sections(path: &str) -> Vec<(String, String)> {
 }
 
 #[test]
-fn sections_are_listed_in_the_order_of_the_text() {
+fn sections_are_in_the_order_of_the_specification() {
     let sections = sections("decode/mod.rs").into_iter();
     let sections: Vec<String> = sections.map(|(section, _)| section).collect();
     assert!(sections.len() >= 9, "{sections:?}");
@@ -49,8 +49,8 @@ fn files_contain_no_machine_paths() {
                 continue;
             };
             let places = [["/ho", "me/"], ["/wo", "rk/"]].map(|parts| parts.concat());
-            let names_one = places.iter().any(|place| text.contains(place));
-            assert!(!names_one, "{}", path.display());
+            let has_path = places.iter().any(|place| text.contains(place));
+            assert!(!has_path, "{}", path.display());
         }
     }
 }
@@ -65,11 +65,8 @@ fn functions_are_short() {
         })
         .collect();
     lengths.sort_unstable();
-    let most = lengths[lengths.len() * 9 / 10].0;
-    assert!(
-        most <= 30,
-        "a tenth of all functions has more than {most} lines"
-    );
+    let decile = lengths[lengths.len() * 9 / 10].0;
+    assert!(decile <= 30, "the longest tenth begins at {decile} lines");
     let long = |limit: usize| -> Vec<String> {
         let long = lengths.iter().filter(|(lines, _)| *lines > limit);
         long.map(|(lines, name)| format!("{name}: {lines} lines"))
@@ -93,22 +90,23 @@ fn no_two_types_share_a_name() {
 
 #[test]
 fn decoder_and_codecs_have_comments() {
-    for room in ["decode/", "codec/"] {
+    for module in ["decode/", "codec/"] {
         let (mut comments, mut code) = (0, 0);
-        for (_, text) in sources().filter(|(file, _)| file.starts_with(room)) {
-            let shown = text
-                .split("#[cfg(test)]\nmod tests")
-                .next()
-                .expect("a first part");
-            let lines = shown.lines().map(str::trim).filter(|line| !line.is_empty());
-            let (about, rest): (Vec<&str>, Vec<&str>) =
+        for (_, text) in sources().filter(|(file, _)| file.starts_with(module)) {
+            let mut parts = text.split("#[cfg(test)]\nmod tests");
+            let code_part = parts.next().expect("a first part");
+            let lines = code_part
+                .lines()
+                .map(str::trim)
+                .filter(|line| !line.is_empty());
+            let (comment_lines, code_lines): (Vec<&str>, Vec<&str>) =
                 lines.partition(|line| line.starts_with("//"));
-            comments += about.len();
-            code += rest.len();
+            comments += comment_lines.len();
+            code += code_lines.len();
         }
         assert!(
             comments * 10 >= code * 4,
-            "{room}: {comments} lines of comment to {code} of code"
+            "{module}: {comments} comment lines for {code} lines of code"
         );
     }
 }
@@ -122,11 +120,11 @@ fn few_lints_are_allowed() {
     let lines: Vec<&str> = lines.collect();
     let allowed = lines.iter().filter(|line| line.ends_with("= \"allow\""));
     assert!(allowed.count() <= 12);
-    let with_reason = lines
+    let have_reasons = lines
         .windows(2)
         .filter(|pair| pair[1].ends_with("= \"allow\""))
         .all(|pair| pair[0].starts_with('#'));
-    assert!(with_reason, "a lint is allowed without a reason");
+    assert!(have_reasons, "a lint is allowed without a reason");
 }
 
 /// Returns every file of `src` with its text.
@@ -141,7 +139,7 @@ pub fn sources() -> impl Iterator<Item = (String, String)> {
     })
 }
 
-/// Returns the functions of a file without its tests: names, and numbers of lines from the name to the closing brace.
+/// Returns the functions of a file, except tests: the name, and the number of lines from the name to the closing brace.
 fn functions(text: &str) -> Vec<(String, usize)> {
     let mut found = Vec::new();
     visit_tokens(text.parse().expect("Rust"), &mut |tokens| {
@@ -158,7 +156,7 @@ fn functions(text: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// Returns the types of a file, without those of tests and associated types.
+/// Returns the types of a file, except associated types and types of tests.
 fn types(tokens: TokenStream) -> Vec<String> {
     let mut found = Vec::new();
     visit_top_level(tokens, &mut |tokens| {
@@ -171,18 +169,18 @@ fn types(tokens: TokenStream) -> Vec<String> {
     found
 }
 
-/// Calls `look` with the remaining tokens at each position, also inside groups. Skips attributes and items for tests.
-pub fn visit_tokens(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+/// Calls `visit` with the remaining tokens at each position, also inside groups. Skips attributes and items for tests.
+pub fn visit_tokens(tokens: TokenStream, visit: &mut dyn FnMut(&[TokenTree])) {
     visit_top_level(tokens, &mut |tokens| {
-        look(tokens);
+        visit(tokens);
         if let TokenTree::Group(group) = &tokens[0] {
-            visit_tokens(group.stream(), look);
+            visit_tokens(group.stream(), visit);
         }
     });
 }
 
-/// Calls `look` with the remaining tokens at each position outside groups. Skips attributes and items for tests.
-fn visit_top_level(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
+/// Calls `visit` with the remaining tokens at each position outside groups. Skips attributes and items for tests.
+fn visit_top_level(tokens: TokenStream, visit: &mut dyn FnMut(&[TokenTree])) {
     let tokens: Vec<TokenTree> = tokens.into_iter().collect();
     let mut at = 0;
     while at < tokens.len() {
@@ -200,7 +198,7 @@ fn visit_top_level(tokens: TokenStream, look: &mut dyn FnMut(&[TokenTree])) {
                 + 1;
             continue;
         }
-        look(&tokens[at..]);
+        visit(&tokens[at..]);
         at += 1;
     }
 }

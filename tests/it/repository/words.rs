@@ -1,4 +1,4 @@
-//! Words and openings that the style guide replaces, in comments and documents; and all messages in one file.
+//! Words and openings that the style guide replaces in comments and documents, and the list of all messages.
 
 use std::fmt::Write;
 use std::fs;
@@ -23,14 +23,14 @@ const BARE_NAMES: &str = "above|absent|affected|after|against|alike|alone|among|
                           lit|made|named|nearly|of|only|other|others|out|over|plus|rightly|said|seen|shown|slack|such|told|\
                           under|whole|with|without|wrong";
 
-/// Files in which such a word is right, with the reason.
+/// Files in which a word is allowed, with the reason.
 const ALLOWED: &[(&str, &str, &str)] = &[(
     "src/codec/jpeg_ls/run_mode.rs",
     "…",
-    "a row of an example that continues",
+    "an ellipsis in a row of an example",
 )];
 
-/// Returns the text of a comment line, or a line of a document if it contains no code.
+/// Returns the text of a comment line, or a line of a document that contains no code.
 fn prose(is_rust: bool, line: &str) -> Option<&str> {
     let line = line.trim_start();
     match is_rust {
@@ -43,7 +43,7 @@ fn prose(is_rust: bool, line: &str) -> Option<&str> {
     }
 }
 
-/// Returns true if a line contains the word, except as a part of another word or of a hyphenated name.
+/// Returns true if a line contains a word, except as a part of another word or of a hyphenated name.
 fn has_word(line: &str, word: &str) -> bool {
     let (line, word) = (line.to_lowercase(), word.to_lowercase());
     let is_part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || "-_`".contains(c));
@@ -61,14 +61,14 @@ fn comments_and_documents_use_plain_words() {
     let documents = "README.md CONTRIBUTING.md CHANGELOG.md SECURITY.md".split(' ');
     let mut found = Vec::new();
     for path in files.chain(documents.map(|name| root.join(name))) {
-        let name = path.strip_prefix(root).expect("a file below");
+        let name = path.strip_prefix(root).expect("a path below");
         let name = name.to_string_lossy().into_owned();
         let has_suffix = |suffix| path.extension().is_some_and(|own| own == suffix);
         let is_rust = has_suffix("rs");
         if !is_rust && !has_suffix("md") || path.ends_with("words.rs") {
             continue;
         }
-        let text = fs::read_to_string(&path).expect("text");
+        let text = fs::read_to_string(&path).expect("UTF-8");
         for line in text.lines().filter_map(|line| prose(is_rust, line)) {
             let starts =
                 |opening: &&str| is_rust && line.starts_with(opening) && has_word(line, opening);
@@ -102,7 +102,7 @@ fn functions_are_named_for_what_they_return_or_do() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Returns true if a string literal is text for people, which has three or more words.
+/// Returns true if a string literal has at least three lowercase words, as a message does.
 fn is_message(literal: &str) -> bool {
     let is_word = |word: &&str| word.len() > 1 && word.chars().all(|c| c.is_ascii_lowercase());
     literal
@@ -139,5 +139,5 @@ fn messages_are_listed_in_one_file() {
         fs::write(&path, &list).expect("the list is written");
     }
     let listed = fs::read_to_string(&path).expect("messages.txt");
-    assert!(listed == list, "messages.txt is not up to date; see above");
+    assert!(listed == list, "run: UPDATE_MESSAGES=1 cargo test messages");
 }

@@ -1,9 +1,9 @@
-//! Tests programs that do not implement the protocol and are called by a template.
+//! Tests programs that do not implement the protocol and are called with a template.
 
-use crate::common::{Checked, PROGRAM, Workspace, assert_says, rows, run_measured};
+use crate::common::{Checked, PROGRAM, Workspace, assert_contains, rows, run_measured};
 
-/// Creates a workspace with `viewer`, a program that is called as `viewer LU LV IN OUT` and writes a pixmap, or
-/// prints it if OUT is `-`. It exits with `malformed` for a file that it cannot read.
+/// Creates a workspace with the program `viewer LU LV IN OUT`, which writes a pixmap to OUT, or to standard output if OUT is
+/// `-`. For a file that it cannot read, it exits with the status `malformed`.
 fn workspace_with_viewer(malformed: u8) -> Workspace {
     let here = Workspace::new();
     let text = format!(
@@ -18,9 +18,9 @@ fn workspace_with_viewer(malformed: u8) -> Workspace {
 
 /// Runs `check OPTIONS --cmd TEMPLATE` on a few small cases.
 fn check(here: &Workspace, template: &str, options: &str) -> Checked {
-    let few = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
+    let cases = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
     let template = template.replace('\'', "'\\''");
-    here.check(&format!("{few} {options} --cmd '{template}'"))
+    here.check(&format!("{cases} {options} --cmd '{template}'"))
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn viewer_that_writes_images_passes() {
             &format!("./viewer {{lu}} {{lv}} {{in}} {output}"),
             "",
         );
-        checked.ends(0, "");
+        checked.assert_exit(0, "");
         let views = &checked.report["decoder"]["views"];
         assert_eq!(*views, serde_json::json!(["rgb"]));
         // Without `--reject-exit`, refusals look like crashes.
@@ -50,7 +50,7 @@ fn every_image_format_is_accepted_and_jpeg_is_marked() {
             check(&here, &template, "--reject-exit 65")
         };
         let right = render("{lu},{lv}");
-        right.ends(0, "");
+        right.assert_exit(0, "");
         let jpeg = "responses are JPEG images, which are lossy";
         assert_eq!(
             right.text.contains(jpeg),
@@ -59,7 +59,7 @@ fn every_image_format_is_accepted_and_jpeg_is_marked() {
             right.text
         );
         // With swapped light coordinates, the check fails.
-        render("{lv},{lu}").ends(1, "");
+        render("{lv},{lu}").assert_exit(1, "");
     }
 }
 
@@ -71,7 +71,7 @@ fn huge_images_allocate_no_memory() {
     let template = "./liar {lu},{lv},{in} {out}";
     let line = format!("check --case hand-* --cmd '{template}' --report report.yaml");
     let (checked, memory) = run_measured(here.command(&line), &here.path("report.yaml"));
-    assert_says(&checked.text, "30000 x 30000 texels are more");
+    assert_contains(&checked.text, "30000 x 30000 texels are more");
     println!("{memory} KiB");
     assert!(memory < 512 << 10, "{memory} KiB");
 }
@@ -80,7 +80,7 @@ fn huge_images_allocate_no_memory() {
 fn refusals_with_another_status_are_weak() {
     let template = "./viewer {lu} {lv} {in} {out}";
     let checked = check(&workspace_with_viewer(3), template, "--reject-exit 3");
-    checked.ends(0, "refusals are weak");
+    checked.assert_exit(0, "refusals are weak");
     let refused = checked.case("version-1-3-lrgb");
     assert_eq!(refused["outcome"], "pass");
     assert_eq!(refused["weak"], true);
@@ -88,15 +88,15 @@ fn refusals_with_another_status_are_weak() {
     assert!(cases.iter().any(|case| case.get("weak").is_none()));
 
     let checked = check(&workspace_with_viewer(65), template, "--reject-exit 3");
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert!(!checked.text.contains("weak"), "{}", checked.text);
 }
 
 #[test]
-fn view_may_be_a_word_of_the_command() {
+fn template_may_contain_the_view() {
     let template = format!("{PROGRAM} reference {{view}} {{in}}");
     let checked = check(&Workspace::new(), &template, "--reject-exit 65");
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     let views = serde_json::json!(["raw", "coef", "rgb"]);
     assert_eq!(checked.report["decoder"]["views"], views);
 }
@@ -104,7 +104,7 @@ fn view_may_be_a_word_of_the_command() {
 #[test]
 fn outputs_that_are_not_regular_files_are_not_followed() {
     let here = Workspace::new();
-    for [deed, says] in rows(
+    for [script, says] in rows(
         r#"
 ln -s /etc/passwd "$2" | the output file is a link
 mkfifo "$2" | the output file is not a regular file
@@ -115,8 +115,8 @@ dd if=/dev/zero of="$2" bs=1 count=1 seek=1000000000 2> /dev/null | flood
 w=$(pwd) && cd / && mv "$w" "$w.old" && ln -s /etc "$w" && : | the output file is missing
 printf 'P6 1 1 255 x' > "$2" | a Netpbm file:"#,
     ) {
-        here.write_program("deed", format!("#!/bin/sh\n{deed}\n"));
-        check(&here, "./deed {lu},{lv},{in} {out}", "").ends(3, &says);
+        here.write_program("program", format!("#!/bin/sh\n{script}\n"));
+        check(&here, "./program {lu},{lv},{in} {out}", "").assert_exit(3, &says);
     }
 }
 
@@ -134,15 +134,15 @@ viewer 'x {in} {lu} {lv} | | quotation
 {in} {lu} {lv} | | first word must be the program
 viewer {in} {lu} {lv} | --view raw --view rgb | serves one view",
     ) {
-        check(&here, &template, &options).ends(2, &says);
+        check(&here, &template, &options).assert_exit(2, &says);
     }
-    check(&here, "", "").ends(2, "empty");
+    check(&here, "", "").assert_exit(2, "empty");
     let with_decoder = here.check("--cmd 'viewer {in} {lu} {lv}' decoder");
-    with_decoder.ends(2, "cannot be used with");
+    with_decoder.assert_exit(2, "cannot be used with");
 }
 
 #[test]
 fn doubled_braces_are_literal() {
     let template = "sh -c 'echo ${{HOME:+x}} {{in}} {\"a\"} >&2; exit 9' {in} {lu} {lv}";
-    check(&Workspace::new(), template, "").ends(3, "x {in} {a}");
+    check(&Workspace::new(), template, "").assert_exit(3, "x {in} {a}");
 }

@@ -1,4 +1,4 @@
-//! Tests serve mode, capabilities, and various runtimes.
+//! Tests serve mode, capabilities, and various language runtimes.
 
 use std::fs::{self, File};
 use std::process::Command;
@@ -7,13 +7,13 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::ptm::Format;
 
 use crate::common::{
-    Checked, PROGRAM, Workspace, assert_conforms, assert_says, check, have, python_example,
+    Checked, PROGRAM, Workspace, assert_conforms, assert_contains, check, have, python_example,
     repository, repository_text, zoo,
 };
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
 
-/// Checks a program in the zoo with a few cases.
+/// Checks a program of the zoo with a few cases.
 fn check_zoo(kind: &str) -> Checked {
     check(&format!("{FEW_CASES} -- {}", zoo(kind)))
 }
@@ -28,7 +28,7 @@ fn serve(here: &Workspace, requests: &str) -> Vec<u8> {
     output.stdout
 }
 
-/// The examples on the page about serve mode must be the actual texts.
+/// The examples in `docs/check.md` must equal the actual output.
 #[test]
 fn documented_capabilities_and_responses_work() {
     let page = repository_text("docs/check.md");
@@ -51,7 +51,7 @@ fn documented_capabilities_and_responses_work() {
 fn serving_and_one_shot_give_the_same_verdicts() {
     let [served, one_shot] = ["serve", "one-shot"].map(|mode| {
         let checked = check(&format!("--{mode} --timeout 60 -- {PROGRAM} reference"));
-        checked.ends(0, "");
+        checked.assert_exit(0, "");
         assert_eq!(checked.report["decoder"]["mode"], mode);
         checked.report
     });
@@ -83,11 +83,11 @@ fn the_python_decoder_declares_serve_mode_and_is_served() {
     }
     let decoder = python_example("decoders/ptm_decoder.py");
     let checked = check(&format!("{FEW_CASES} -- {decoder}"));
-    checked.ends(0, "");
-    let about = &checked.report["decoder"];
-    assert_eq!(about["mode"], "serve");
-    assert_eq!(about["name"], "ptm-decoder-python");
-    assert_eq!(about["version"], "1.0");
+    checked.assert_exit(0, "");
+    let decoder = &checked.report["decoder"];
+    assert_eq!(decoder["mode"], "serve");
+    assert_eq!(decoder["name"], "ptm-decoder-python");
+    assert_eq!(decoder["version"], "1.0");
 }
 
 #[test]
@@ -97,22 +97,22 @@ fn state_leak_is_reported_with_the_previous_file() {
         zoo("serves-with-leaks")
     );
     let (one, two) = (check(&line), check(&line));
-    one.ends(1, "");
+    one.assert_exit(1, "");
     assert_eq!(one.report, two.report);
     let says = one.case("header-plain-ptm-lut")["says"].as_str();
     let expected = "in serve mode, after  && state leaks between files";
-    assert_says(says.unwrap_or_default(), expected);
+    assert_contains(says.unwrap_or_default(), expected);
 }
 
 #[test]
 fn capabilities_name_the_decoder_and_its_views() {
-    let about = |kind: &str| check_zoo(kind).report["decoder"].clone();
-    let rgb_only = about("declares-rgb-only");
+    let declared = |kind: &str| check_zoo(kind).report["decoder"].clone();
+    let rgb_only = declared("declares-rgb-only");
     assert_eq!(rgb_only["name"], "modest");
     assert_eq!(rgb_only["mode"], "one-shot");
     let coef = serde_json::json!(["coef"]);
-    assert_eq!(about("declares-coef-only")["views"], coef);
-    assert!(about("declares-everything-and-fails")["name"].is_null());
+    assert_eq!(declared("declares-coef-only")["views"], coef);
+    assert!(declared("declares-everything-and-fails")["name"].is_null());
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn reports_with_remarks_conform_to_the_schema() {
 /// Command that checks a decoder on a single case.
 const CHECK_ONE_CASE: &str = "check --case hand-lrgb-blocks --timeout 60 --";
 
-/// A decoder for view `raw` of `LRGB`. It supports only some spellings of the header and exits with 69 for everything else.
+/// A decoder for the view `raw` of `LRGB`. It supports some spellings of the header and exits with 69 for everything else.
 const JAVA_DECODER: &str = r#"
 import java.io.*; import java.nio.file.*;
 public class Dec {
@@ -165,7 +165,7 @@ fn java_runs_under_the_default_memory_limit() {
             .args(["-d", "my classes", "Dec.java"]);
         assert!(javac.status().expect("javac starts").success());
         let text = here.succeeds(&format!("{CHECK_ONE_CASE} java -cp 'my classes' Dec"));
-        assert_says(&text, "pass: 1 pass");
+        assert_contains(&text, "pass: 1 pass");
     }
 }
 
@@ -180,7 +180,7 @@ fn virtual_environment_is_found_by_relative_path() {
         .args(["-m", "venv", "--without-pip", "my venv"])
         .status();
     if !made.is_ok_and(|status| status.success()) {
-        println!("SKIPPED: python3 has no venv");
+        println!("SKIPPED: the module venv is not installed");
         return;
     }
     let mut versions = fs::read_dir(here.path("my venv/lib"))
@@ -188,14 +188,14 @@ fn virtual_environment_is_found_by_relative_path() {
         .flatten();
     let packages = versions
         .next()
-        .expect("a python")
+        .expect("a version")
         .path()
         .join("site-packages");
     fs::write(packages.join("only_here.py"), "").expect("a module");
     let decoder = repository_text("examples/decoders/ptm_decoder.py");
     here.write("dec.py", format!("import only_here\n{decoder}"));
     let text = here.succeeds(&format!("{CHECK_ONE_CASE} 'my venv/bin/python3' dec.py"));
-    assert_says(&text, "pass: 1 pass");
+    assert_contains(&text, "pass: 1 pass");
     // Outside the virtual environment, the module is missing.
     here.exits(3, &format!("{CHECK_ONE_CASE} python3 dec.py"));
 }

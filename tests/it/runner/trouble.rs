@@ -1,5 +1,5 @@
-//! Tests that a failure of the harness is never a verdict about the decoder. With little space, few open files, few processes and
-//! unusual signals, a correct decoder passes, or the run ends with status 2 and names the missing resource.
+//! Tests that a lack of resources is never reported as a fault of the decoder. With little space, few open files, few
+//! processes or an ignored signal, a correct decoder passes, or the run ends with status 2 and names the missing resource.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -11,8 +11,8 @@ use crate::common::{PROGRAM, Workspace, have_proc, outcome, zoo};
 /// Options that select a few small cases.
 const FEW_CASES: &str = "--case hand-* --case header-plain-*";
 
-/// Checks a correct decoder from a shell, after the commands `before` and with the wrapper `with` before the program.
-fn check(before: &str, with: &str, options: &str) -> (i32, String) {
+/// Checks a correct decoder from a shell, after the commands `before` and with the program started by `wrapper`.
+fn check(before: &str, wrapper: &str, options: &str) -> (i32, String) {
     let here = Workspace::new();
     let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);
     fs::set_permissions(here.path(""), open).expect("permissions");
@@ -20,7 +20,7 @@ fn check(before: &str, with: &str, options: &str) -> (i32, String) {
         "check {FEW_CASES} --timeout 60 {options} -- {}",
         zoo("right")
     );
-    let script = format!("set -f; {before}; exec {with} '{PROGRAM}' {line}");
+    let script = format!("set -f; {before}; exec {wrapper} '{PROGRAM}' {line}");
     let mut shell = Command::new("sh");
     shell.current_dir(here.path("")).args(["-c", &script]);
     outcome(&shell.output().expect("a shell starts"))
@@ -32,13 +32,13 @@ fn assert_passes((status, text): (i32, String)) {
     assert!(text.contains("pass: "), "{text}");
 }
 
-/// Checks that a correct decoder passes, or that the output names the missing resource.
+/// Asserts that a check passed, or that its output names the missing resource.
 #[track_caller]
-fn assert_passes_or_names((status, text): (i32, String), what: &str) {
+fn assert_passes_or_names((status, text): (i32, String), resource: &str) {
     match status {
         0 => assert!(text.contains("pass: "), "{text}"),
         2 => assert!(
-            text.contains(what) && text.contains("not the decoder's fault"),
+            text.contains(resource) && text.contains("not the decoder's fault"),
             "{text}"
         ),
         other => panic!("exit status {other}: {text}"),
@@ -50,7 +50,7 @@ fn can_run(command: &str) -> bool {
     let output = Command::new("sh").args(["-c", command]).output();
     let can_run = output.is_ok_and(|output| output.status.success());
     if !can_run {
-        println!("SKIPPED: {command}: not allowed here");
+        println!("SKIPPED: {command} fails");
     }
     can_run
 }
@@ -65,7 +65,7 @@ fn ignored_sigchld_is_handled() {
 }
 
 #[test]
-fn calls_are_retried_without_file_descriptors() {
+fn calls_are_retried_if_file_descriptors_run_out() {
     assert_passes(check("ulimit -n 64", "", "--jobs 32"));
     for limit in [20, 14, 12, 10, 8] {
         let before = format!("ulimit -n {limit}");
@@ -92,8 +92,8 @@ fn process_limit_is_reported() {
     }
     for limit in [40, 8, 6, 5, 4, 3] {
         // The limit applies to the user. Root has no limit.
-        let with = format!("{USER} prlimit --nproc={limit}");
-        assert_passes_or_names(check("umask 0", &with, "--jobs 2"), "processes");
+        let wrapper = format!("{USER} prlimit --nproc={limit}");
+        assert_passes_or_names(check("umask 0", &wrapper, "--jobs 2"), "processes");
     }
 }
 
@@ -120,7 +120,7 @@ fn inputs_are_written_to_directories_with_space() {
     };
     assert_passes(check("/dev/shm"));
     if Path::new(env!("CARGO_TARGET_TMPDIR")).starts_with("/tmp") {
-        // The decoder itself would be hidden.
+        // The mount would hide the decoder itself.
         return;
     }
     let (status, text) = check("/dev/shm /var/tmp /tmp");
@@ -131,7 +131,7 @@ fn inputs_are_written_to_directories_with_space() {
     );
 }
 
-/// The run reaps orphans of a decoder that have ended.
+/// The run reaps the orphaned processes of a decoder that have ended.
 #[test]
 fn ended_orphans_are_reaped() {
     if !have_proc() {
@@ -148,18 +148,18 @@ fn ended_orphans_are_reaped() {
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    let mut most = 0;
+    let mut peak = 0;
     let status = loop {
-        if let Some(status) = run.try_wait().expect("it can be asked") {
+        if let Some(status) = run.try_wait().expect("a status") {
             break status;
         }
-        most = most.max(count_zombies(run.id()));
+        peak = peak.max(count_zombies(run.id()));
         std::thread::sleep(std::time::Duration::from_millis(5));
     };
     assert_eq!(status.code(), Some(0));
-    // There are five orphans per call. Those of calls in progress are not visible yet.
-    println!("at most {most} orphans at a time had ended");
-    assert!(most <= 40, "{most} at a time");
+    // Each call leaves five orphans. Those of calls in progress may be zombies.
+    println!("at most {peak} zombies at a time");
+    assert!(peak <= 40, "{peak} at a time");
 }
 
 fn count_zombies(parent: u32) -> usize {

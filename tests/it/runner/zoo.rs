@@ -1,12 +1,12 @@
-//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may remain.
+//! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may leak.
 
 use std::fs;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    Checked, Load, Workspace, assert_says, eventually, have_proc, processes, rows, run_measured,
-    zoo,
+    Checked, Load, Workspace, assert_contains, eventually, have_proc, processes, rows,
+    run_measured, zoo,
 };
 
 /// Options that select a few small cases of every kind, so that programs that hang take only seconds.
@@ -18,25 +18,25 @@ const FEW_CASES: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum -
 /// A row of a table contains program names, the exit status of `check`, its options, the failing cases, and parts of
 /// its output. The failing cases are `none` (and some pass), `some`, `any` (if it depends on which process is
 /// faster), a number, their ids, or `not judged`. The timeout is 60 s unless the options specify another one. No
-/// correct answer takes this long, however busy the machine is.
+/// correct answer takes this long, even on a busy machine.
 type FaultyDecoder = [String; 5];
 
-/// Programs that answer.
+/// Programs that neither hang nor use too much memory.
 const ANSWERING: &str = "
-right chatters floods-errors gigabytes-of-errors a-million-writes byte-by-byte leaves-files
+right chatters floods-stderr gigabytes-on-stderr a-million-writes byte-by-byte leaves-files
   leaves-a-locked-directory leaves-a-child leaves-a-grandchild leaves-a-hidden-child leaves-a-link moves-its-directory
   leaves-a-daemon leaves-orphans keeps-zombies fills-its-scratch exhausts-descriptors prints-before-reading
-  declares-rgb-only declares-exit-1 declares-everything-and-fails floods-when-asked-what-it-is
-  bombs-when-asked-what-it-is babbles-when-asked-what-it-is | 0 | | none | pass: 17 pass
+  declares-rgb-only declares-exit-1 declares-everything-and-fails floods-on-capabilities
+  bombs-on-capabilities babbles-on-capabilities | 0 | | none | pass: 17 pass
 refuses-all | 3 | | not judged | decodes no first file
 unsupported-all | 3 | | not judged | 69 (unsupported) on every first file
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
 segfaults | 3 | | not judged | crash: killed by signal 11
-says-nothing | 3 | | not judged | protocol error: standard output is empty
-apologises | 3 | | not judged | begins with
-shows-nothing | 3 | | not judged | an image without texels
+prints-nothing | 3 | | not judged | protocol error: standard output is empty
+apologizes | 3 | | not judged | begins with
+prints-no-texels | 3 | | not judged | an image without texels
 text-mode | 3 | | not judged | CR LF && set standard output to binary mode
 cuts-frame adds-a-byte | 3 | | not judged | announces
 announces-too-much | 3 | | not judged | more bytes than can be counted
@@ -73,7 +73,7 @@ const STOPPED: &str = "
 hangs hangs-and-ignores-term stops-itself drips closes-stdout-and-runs-on closes-everything-and-runs-on
   | 3 | --timeout 1 | not judged | hang: no end within 3 s
 hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the processes of the program used more than 150 MiB
-hangs-when-asked-what-it-is | 0 | --timeout 8 | none | pass: 17 pass
+hangs-on-capabilities | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
 /// Programs with serve mode. If serve mode fails, each file is requested in one-shot mode.
@@ -111,7 +111,7 @@ serves-other-answers
 "#;
 
 /// Expands a table to one entry per program.
-fn faulty(table: &str) -> Vec<FaultyDecoder> {
+fn expand_table(table: &str) -> Vec<FaultyDecoder> {
     let mut all: Vec<FaultyDecoder> = Vec::new();
     for row in rows::<5>(table) {
         for kind in row[0].split(' ') {
@@ -129,7 +129,7 @@ fn faulty(table: &str) -> Vec<FaultyDecoder> {
 /// Number of runs so far, which distinguishes the processes of different runs.
 static RUN_COUNT: AtomicUsize = AtomicUsize::new(0);
 
-/// Checks a faulty decoder: the verdict must be exact, and nothing may remain. Returns the peak memory of the harness in KiB.
+/// Checks a faulty decoder: the verdict must be exact, and nothing may leak. Returns the peak memory of the harness in KiB.
 #[track_caller]
 fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     let here = Workspace::new();
@@ -152,7 +152,7 @@ fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
     judge(faulty, &checked);
     assert_eq!(here.text("precious/file"), "precious", "{kind}");
     let left: Vec<_> = fs::read_dir(&temporary).expect("a directory").collect();
-    assert!(left.is_empty(), "{kind}: {left:?} stay");
+    assert!(left.is_empty(), "{kind}: {left:?} remain");
     if have_proc() {
         // The watchdog may take a moment to exit.
         let mark = format!("TMPDIR={}", temporary.display());
@@ -173,7 +173,7 @@ fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     let [kind, status, _, fails, says] = faulty;
     let found = checked.status.to_string();
     assert_eq!(found, *status, "{kind}: {}", checked.text);
-    assert_says(&checked.text, says);
+    assert_contains(&checked.text, says);
     let (mut failing, passing) = (checked.cases("fail"), checked.cases("pass").len());
     failing.sort_unstable();
     let is_right = match fails.as_str() {
@@ -190,11 +190,11 @@ fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     );
 }
 
-/// Maximum memory of the harness in KiB. It contains the suite and little else, regardless of the decoder.
+/// Maximum memory of the harness in KiB: the suite and little else, for any decoder.
 const MAX_MEMORY_KIB: u64 = 100 << 10;
 
 /// Checks faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`
-/// returns a problem with the memory of the harness, if any.
+/// returns a problem with the memory of the harness, if there is one.
 #[track_caller]
 fn check_faulty_decoders(
     all: &[FaultyDecoder],
@@ -202,7 +202,7 @@ fn check_faulty_decoders(
     judge: impl Fn(usize, u64) -> Option<String> + Sync,
 ) {
     let (next, problems) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let shower = || {
+    let worker = || {
         loop {
             let turn = next.fetch_add(1, Ordering::Relaxed);
             let Some(faulty) = all.get(turn) else { break };
@@ -212,23 +212,23 @@ fn check_faulty_decoders(
             };
             if let Some(problem) = problem {
                 let problem = format!("{}: {problem}", faulty[0]);
-                problems.lock().expect("no panic is kept").push(problem);
+                problems.lock().expect("no holder panics").push(problem);
             }
         }
     };
     std::thread::scope(|scope| {
         for _ in 0..at_a_time {
-            scope.spawn(shower);
+            scope.spawn(worker);
         }
     });
-    let problems = problems.into_inner().expect("no panic is kept");
+    let problems = problems.into_inner().expect("no holder panics");
     assert!(problems.is_empty(), "{}", problems.join("\n\n"));
 }
 
 #[track_caller]
 fn check_table(table: &str) {
-    check_faulty_decoders(&faulty(table), 3, |_, memory| {
-        (memory > MAX_MEMORY_KIB).then(|| format!("the harness held {memory} KiB"))
+    check_faulty_decoders(&expand_table(table), 3, |_, memory| {
+        (memory > MAX_MEMORY_KIB).then(|| format!("the harness used {memory} KiB"))
     });
 }
 
@@ -247,7 +247,7 @@ fn serving_decoders_get_the_listed_verdicts() {
     check_table(SERVING);
 }
 
-/// Repeats all checks while every processor is busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
+/// Repeats all checks while all processors are busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
 /// --nocapture verdicts_are_the_same_under_load`.
 #[test]
 #[ignore = "takes half an hour"]
@@ -258,7 +258,7 @@ fn verdicts_are_the_same_under_load() {
     let _load = Load::new(processors);
     let once: Vec<FaultyDecoder> = [ANSWERING, STOPPED, SERVING]
         .into_iter()
-        .flat_map(faulty)
+        .flat_map(expand_table)
         .collect();
     let all: Vec<FaultyDecoder> = once
         .iter()
@@ -272,17 +272,17 @@ fn verdicts_are_the_same_under_load() {
         let first = *first[turn % once.len()].get_or_init(|| memory);
         let run = turn / once.len() + 1;
         (memory > first + 8 * 1024)
-            .then(|| format!("run {run}: the harness held {memory} KiB, and {first} at first"))
+            .then(|| format!("run {run}: the harness used {memory} KiB, at first {first}"))
     });
     println!(
-        "{runs} runs of {} faulty decoders: all verdicts are right",
+        "{runs} runs of {} faulty decoders: all verdicts are correct",
         once.len()
     );
 }
 
 #[test]
 fn decimal_comma_is_detected() {
-    // Add a fake `locale` program, in case the machine has no such locale. The decoder only reads LC_ALL.
+    // Add a fake `locale` program, in case the locale is not installed. The decoder only reads LC_ALL.
     let here = Workspace::new();
     here.write_program("locale", "#!/bin/sh\necho C\necho de_DE.utf8\n");
     let path = std::env::var("PATH").unwrap_or_default();
@@ -298,7 +298,7 @@ fn decimal_comma_is_detected() {
     };
     let checked = check("reads-commas");
     let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives a different image";
-    checked.ends(1, says);
+    checked.assert_exit(1, says);
     assert!(checked.cases("fail").is_empty());
-    check("right").ends(0, "");
+    check("right").assert_exit(0, "");
 }

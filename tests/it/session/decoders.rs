@@ -1,11 +1,11 @@
-//! The example decoder passes, and copies of it with one mistake each fail the case for that mistake and not its sibling.
+//! The example decoder passes. Each copy with one mistake fails the case for that mistake, but passes a similar case.
 
 use crate::common::{
     Checked, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
 };
 
-/// Copies with one mistake: its name, the text that is replaced, its replacement, the case for the clause that is now
-/// misread, and a case that differs in not exercising the clause.
+/// Copies with one mistake: its name, the text to replace, the replacement, the case for the misread clause, and a similar
+/// case that does not exercise the clause.
 const COPIES: &str = r#"
 big-endian-index | "little") | "big") | table-of-257-entries-ptm-lut | table-of-255-entries-ptm-lut
 width-at-256 | len(entries) <= 256 | len(entries) < 256 | table-of-256-entries-ptm-lut | table-of-255-entries-ptm-lut
@@ -71,10 +71,10 @@ transform-by-equality | if plane.transform & INVERSION: | if plane.transform == 
   | inverted-and-moved-by-nothing-jpeg-lrgb | inverted-chain-jpeg-lrgb
 motion-ignored | if plane.transform & MOTION: | if False: | motion-along-rows-9x7-jpeg-lrgb
   | motion-by-nothing-star-jpeg-lrgb
-motion-whole-texels | before, behind = half_steps // 2, (half_steps + 1) // 2
-  | before, behind = half_steps, half_steps | motion-along-rows-9x7-jpeg-lrgb | motion-by-nothing-star-jpeg-lrgb
-vectors-y-first | neighbours(width, mx)↵    upper, lower = neighbours(height, my)
-  | neighbours(width, my)↵    upper, lower = neighbours(height, mx) | motion-along-rows-9x7-jpeg-lrgb
+motion-whole-texels | lower, upper = half_steps // 2, (half_steps + 1) // 2
+  | lower, upper = half_steps, half_steps | motion-along-rows-9x7-jpeg-lrgb | motion-by-nothing-star-jpeg-lrgb
+vectors-y-first | neighbors(width, mx)↵    upper, lower = neighbors(height, my)
+  | neighbors(width, my)↵    upper, lower = neighbors(height, mx) | motion-along-rows-9x7-jpeg-lrgb
   | motion-along-diagonals-jpeg-lrgb
 vectors-interleaved | planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
   | numbers[count:3 * count] = numbers[count:3 * count:2] + numbers[count + 1:3 * count:2]↵    planes = [Plane(*plane) for plane in zip(*groups(numbers, count))]
@@ -131,44 +131,44 @@ fn check_copy(text: &str, options: &str) -> Checked {
 }
 
 #[test]
-fn the_python_decoder_passes() {
+fn python_decoder_passes() {
     if !have("python3") {
         return;
     }
     let checked = check(&format!("-- {}", python_example("decoders/ptm_decoder.py")));
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.report["verdict"], "pass");
     assert!(checked.cases("pass").len() > 700 && checked.cases("fail").is_empty());
 }
 
 #[test]
-fn omitted_format_is_unsupported() {
+fn missing_format_is_unsupported() {
     let Some(decoder) = decoder() else { return };
     let formats = "    b\"PTM_FORMAT_LUM\": read_lum,\n";
     let text = edited(&decoder, formats, &formats.replace("read_lum", "lacking"));
     let table = text[..text.find("lacking").expect("the entry")].rfind("\n\n");
     let (before, after) = text.split_at(table.expect("a blank line") + 2);
     let lacking = "def lacking(*_):\n    raise Unsupported(\"LUM\")\n\n\n";
-    // It declares no capabilities; a format that it declares must be read.
+    // It declares no capabilities, because a decoder must support every format that it declares.
     let after = after.replace("\"capabilities\"", "\"nothing\"");
     let text = format!("{before}{lacking}{after}");
     let checked = check_copy(&text, "--case hand-* --case first-* --case lum-*");
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     let unsupported = serde_json::json!(["LUM", "rgb of LUM"]);
     assert_eq!(checked.report["decoder"]["unsupported"], unsupported);
     assert_eq!(checked.case("hand-lum")["outcome"], "unsupported");
 }
 
 #[test]
-fn broken_copies_fail_exactly_their_case() {
+fn copies_with_one_mistake_fail_only_its_case() {
     for (name, diagnoses) in assert_each_fails(COPIES, "") {
-        let named = diagnoses.contains(&name) || diagnoses.len() == 1;
-        assert!(named, "{name}: {diagnoses:?}");
+        let is_named = diagnoses.contains(&name) || diagnoses.len() == 1;
+        assert!(is_named, "{name}: {diagnoses:?}");
     }
 }
 
 #[test]
-fn copies_with_wrong_compressed_planes_fail_exactly_their_case() {
+fn copies_that_misread_compressed_planes_fail_only_their_case() {
     if have_python(&["PIL", "pillow_jpls"]) {
         assert_each_fails(COMPRESSED_COPIES, "--view raw");
     }
@@ -182,7 +182,7 @@ fn common_transform_is_reported_once_and_undone() {
     let cases =
         "--case rows-run-upwards-1x2-rgb --case scale-exponents-lrgb --case hand-lrgb-blocks";
     let checked = check_copy(&text, cases);
-    checked.ends(1, "");
+    checked.assert_exit(1, "");
     assert_eq!(checked.cases("fail"), ["scale-exponents-lrgb"]);
     let remarks = checked.report["remarks"].as_array().expect("remarks");
     assert_eq!(remarks.len(), 1, "{remarks:?}");
@@ -191,7 +191,7 @@ fn common_transform_is_reported_once_and_undone() {
     assert!(says.starts_with(expected), "{says}");
 }
 
-/// Checks each copy with its two cases; returns the names and diagnoses of the copies.
+/// Checks each copy with its two cases. Returns the names and diagnoses of the copies.
 fn assert_each_fails(copies: &str, options: &str) -> Vec<(String, Vec<String>)> {
     let Some(text) = decoder() else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The example decoders in C, shell and JavaScript pass, and features that they lack are reported as unsupported.
+//! The example decoders in C, shell and JavaScript pass, and the features that they lack are reported as unsupported.
 
 use std::process::Command;
 
@@ -36,7 +36,7 @@ const MISSING_FEATURES: [&str; 10] = [
 
 #[track_caller]
 fn assert_passes(checked: &Checked, lacks: &[&str]) {
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.report["verdict"], "pass");
     let unsupported = &checked.report["decoder"]["unsupported"];
     assert_eq!(*unsupported, serde_json::json!(lacks));
@@ -44,13 +44,13 @@ fn assert_passes(checked: &Checked, lacks: &[&str]) {
 }
 
 #[test]
-fn the_c_decoder_passes_in_every_view() {
+fn c_decoder_passes_in_every_view() {
     let Some(here) = workspace_with_c_decoder() else {
         return;
     };
     let without_color_of_lum = MISSING_FEATURES
         .into_iter()
-        .filter(|lack| *lack != "rgb of LUM");
+        .filter(|feature| *feature != "rgb of LUM");
     let without_color_of_lum: Vec<&str> = without_color_of_lum.collect();
     assert_passes(&here.check("-- ./ptm_decoder"), &MISSING_FEATURES);
     assert_passes(
@@ -64,7 +64,7 @@ fn the_c_decoder_passes_in_every_view() {
 }
 
 #[test]
-fn the_c_decoder_reads_the_other_spellings_of_tables() {
+fn c_decoder_reads_all_spellings_of_tables() {
     let Some(here) = workspace_with_c_decoder() else {
         return;
     };
@@ -101,7 +101,7 @@ fn wrapped_viewer_passes() {
 }
 
 #[test]
-fn the_minimal_decoder_of_each_language_passes_in_serve_mode() {
+fn minimal_decoder_of_each_language_passes_in_serve_mode() {
     let starters = "\
 python | decoder.py | true | python3 decoder.py
 javascript | decoder.js | true | node decoder.js
@@ -127,23 +127,23 @@ rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
                 .current_dir(here.path("")),
         );
         let checked = here.check(&format!("--smoke -- {decoder}"));
-        checked.ends(0, "");
+        checked.assert_exit(0, "");
         assert_eq!(checked.report["decoder"]["mode"], "serve", "{language}");
         assert!(checked.cases("pass").len() > 10, "{}", checked.text);
     }
 }
 
 #[test]
-fn the_decoder_in_javascript_passes() {
+fn javascript_decoder_passes() {
     if !have("node") {
         return;
     }
-    // A part of the suite that has all of its formats, spellings and views; the whole takes a process for each file.
+    // These cases include all formats, spellings and views. The whole suite would start a process for each file.
     let cases = "--case first-* --case hand-* --case header-* --case table-* --case lum-* --case *-missing-* \
                  --case index-* --case lrgb-under-*";
     let decoder = repository("examples/decoders/ptm_decoder.js");
     let checked = crate::common::check(&format!("{cases} -- node {decoder}"));
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert!(checked.cases("pass").len() > 100, "{}", checked.text);
     let unsupported = checked.cases("unsupported");
     let is_expected = |id: &String| id.contains("jpeg") || id.contains("tablet");
@@ -158,7 +158,7 @@ fn javascript_decoder_writes_large_images_completely() {
     if !have("node") {
         return;
     }
-    // 600 × 400 texels of nine bytes: many times the size of a pipe's buffer.
+    // 600 × 400 texels of nine coefficients: many times the size of a pipe buffer.
     let here = Workspace::new();
     let header = b"PTM_1.2\nPTM_FORMAT_LRGB\n600\n400\n1 1 1 1 1 1\n0 0 0 0 0 0\n";
     let samples = (0..600 * 400 * 9_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8);

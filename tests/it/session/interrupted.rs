@@ -1,4 +1,4 @@
-//! Killed runs lose no results and leave no processes; long runs do not use more memory.
+//! Killed runs lose no results and leave no processes. Long runs do not use more memory.
 
 use std::collections::HashSet;
 use std::fs;
@@ -36,7 +36,7 @@ fn start(here: &Workspace, environment: &[(&str, &str)], line: &str) -> Child {
 
 fn kill(run: &mut Child) {
     run.kill().expect("it can be killed");
-    run.wait().expect("it is dead");
+    run.wait().expect("it exits");
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn killed_run_leaves_results_and_no_process() {
     if !have_proc() {
         return;
     }
-    // `PTM_KILLS=20` kills more runs.
+    // `PTM_KILLS=20` kills twenty runs instead of four.
     let kills = std::env::var("PTM_KILLS").map_or(4, |count| count.parse().expect("a number"));
     for turn in 0..kills {
         let here = Workspace::new();
@@ -53,10 +53,10 @@ fn killed_run_leaves_results_and_no_process() {
         let line = format!("--report report.yaml -- {}", zoo(kind));
         let mut run = start(&here, &[("ZOO_NAP", &nap)], &line);
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-        let micros = now.expect("it is later").subsec_micros();
+        let micros = now.expect("a time after 1970").subsec_micros();
         let after = Duration::from_millis(u64::from(micros % 1500));
         std::thread::sleep(after);
-        let finished = run.try_wait().expect("it can be asked").is_some();
+        let finished = run.try_wait().expect("a status").is_some();
         kill(&mut run);
         let killed = Instant::now();
         let mark = format!("TMPDIR={}", here.path("tmp").display());
@@ -64,7 +64,7 @@ fn killed_run_leaves_results_and_no_process() {
         let is_gone = eventually(10, || alive().is_empty());
         assert!(is_gone, "{kind} after {after:?}: {:?} survive", alive());
         let gone = killed.elapsed();
-        println!("{kind}, killed after {after:?}: its last process is gone {gone:?} later");
+        println!("{kind}, killed after {after:?}: its last process ended {gone:?} later");
         let files = || fs::read_dir(here.path("tmp")).expect("a directory").count();
         assert!(eventually(10, || files() == 0), "{kind} after {after:?}");
         let partial = here.path("report.yaml.partial");
@@ -78,7 +78,7 @@ fn killed_run_leaves_results_and_no_process() {
             .iter()
             .filter_map(|case| case["id"].as_str())
             .collect();
-        assert_eq!(ids.len(), found.len(), "each case is there once");
+        assert_eq!(ids.len(), found.len(), "each case is listed once");
         assert_eq!(found.len(), text.lines().count());
     }
 }
@@ -93,8 +93,8 @@ fn report_link_is_kept() {
     for _ in 0..2 {
         here.succeeds("check --case hand-lum --report a");
         for link in ["a", "b"] {
-            let about = fs::symlink_metadata(here.path(link)).expect("it is there");
-            assert!(about.is_symlink(), "{link}");
+            let metadata = fs::symlink_metadata(here.path(link)).expect("a link");
+            assert!(metadata.is_symlink(), "{link}");
         }
         let report = here.text("reports/today.yaml");
         assert!(report.contains("verdict: pass"), "{report}");
@@ -129,10 +129,10 @@ fn killed_run_leaves_no_hidden_process() {
             "{kind} leaves processes"
         );
         let early = sleepers();
-        // The watcher has not seen processes that began after its last look. It sleeps before each look, however busy the
-        // machine is.
-        let naps = naps_of_watcher(run.id());
-        eventually(60, || naps_of_watcher(run.id()) >= naps + 3);
+        // The watcher misses processes that started after its last scan. It sleeps before each scan, so wait for three more
+        // sleeps.
+        let sleeps = watcher_sleeps(run.id());
+        eventually(60, || watcher_sleeps(run.id()) >= sleeps + 3);
         kill(&mut run);
         let is_gone = eventually(10, || {
             let left = sleepers();
@@ -144,7 +144,7 @@ fn killed_run_leaves_no_hidden_process() {
 }
 
 /// Returns how often the watcher of a run has gone to sleep so far.
-fn naps_of_watcher(run: u32) -> u64 {
+fn watcher_sleeps(run: u32) -> u64 {
     let words = format!("watch {run} ");
     let watchers = processes(|command, _| command.contains(&words));
     let status = watchers
@@ -163,7 +163,7 @@ fn number_in(file: &str, word: &str) -> u64 {
 
 /// Repeats the suite under new names until it has `count` cases.
 fn long_suite(count: usize) -> Suite {
-    let suite = Suite::load().expect("the suite is sound");
+    let suite = Suite::load().expect("the suite loads");
     let copy = |i: usize| {
         let mut case: Case = suite.cases[i % suite.cases.len()].clone();
         let round = i / suite.cases.len();
@@ -196,7 +196,7 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     let scratch = Scratch::new().expect("a scratch directory");
     let servers = Servers::new(&decoder, &scratch, 2);
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
-    // Memory after every thousandth case. The first thousand cases warm up the allocator.
+    // Peak memory in each thousand of cases, in KiB. The first thousand cases warm up the allocator.
     let held: Vec<AtomicU64> = (0..=COUNT / 1000).map(|_| AtomicU64::new(0)).collect();
     let run = check(&suite, &RunPlan::new(&suite, 2), &ask, &|_, _, done, _| {
         if done % 100 == 0 {
@@ -205,7 +205,7 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     });
     assert_eq!(run.exit_status(), 0, "{:?}", run.remarks);
     let held: Vec<u64> = held.into_iter().map(AtomicU64::into_inner).collect();
-    println!("KiB held in every thousand of cases: {held:?}");
+    println!("peak memory in each thousand of cases: {held:?} KiB");
     // An observation has a few hundred bytes.
     let (early, late) = (held[1], held[COUNT / 1000 - 1]);
     assert!(late < early + (COUNT as u64) + 4096, "{held:?} KiB");

@@ -1,10 +1,10 @@
-//! Answers that were produced elsewhere from an exported list of requests.
+//! Answers that are produced offline from an exported list of requests.
 
 use std::fs;
 
 use serde_json::json;
 
-use crate::common::{Checked, Workspace, assert_says, rows};
+use crate::common::{Checked, Workspace, assert_contains, rows};
 
 /// Judges the answers in the directory `e`.
 fn check(here: &Workspace) -> Checked {
@@ -48,7 +48,7 @@ fn offline_outputs_are_judged_like_a_decoder() {
         let [id, _, asked, _] = &requests(&here, "first-lrgb")[0];
         assert!(id == "first-lrgb" && asked.starts_with(view), "{asked}");
         let checked = check(&here);
-        checked.ends(0, "");
+        checked.assert_exit(0, "");
         assert_eq!(checked.case("first-lrgb")["outcome"], "pass");
         assert_eq!(checked.case("first-rgb")["outcome"], "not judged");
         assert_eq!(checked.report["decoder"]["views"], json!([view]));
@@ -59,25 +59,25 @@ fn offline_outputs_are_judged_like_a_decoder() {
 fn offline_refusals_are_files_or_lists() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
-    check(&here).ends(2, "no request is answered");
+    check(&here).assert_exit(2, "no request is answered");
 
     answer(&here, "header-plain-lrgb");
     let write = |name: &str, text: &str| here.write(&format!("e/outputs/{name}"), text);
     write("version-1-3-lrgb.reject", "");
     write("unsupported.txt", "# all of them\n\n*-lum\nlum-*\r\n");
     let checked = check(&here);
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.case("version-1-3-lrgb")["outcome"], "pass");
     assert_eq!(checked.case("first-lum")["outcome"], "unsupported");
     assert_eq!(checked.case("first-rgb")["outcome"], "not judged");
 
-    // A refused legal file, text instead of an image, and the image of another file.
+    // A refused legal file, text instead of an image, and the image of a different file.
     write("rejected.txt", "first-lrgb\n");
-    write("hand-final-coefficients.png", "no image");
+    write("hand-final-coefficients.png", "not an image");
     let image = here.read("e/outputs/header-plain-lrgb.png");
     let other = here.write("e/outputs/lrgb-under-0-5-0", image);
     let checked = check(&here);
-    checked.ends(1, "");
+    checked.assert_exit(1, "");
     for id in ["first-lrgb", "lrgb-under-0-5-0"] {
         assert_eq!(checked.case(id)["outcome"], "fail", "{}", checked.text);
     }
@@ -91,7 +91,7 @@ version-1-3-lrgb.png | x | two answers for version-1-3-lrgb",
     ) {
         let before = fs::read(here.path("e/outputs").join(&name)).ok();
         let path = write(&name, &text);
-        check(&here).ends(2, &says);
+        check(&here).assert_exit(2, &says);
         match before {
             Some(before) => fs::write(path, before).expect("a file"),
             None => fs::remove_file(path).expect("a file"),
@@ -99,16 +99,16 @@ version-1-3-lrgb.png | x | two answers for version-1-3-lrgb",
     }
     write("Thumbs.db", "");
     let says = "match no request:  && Thumbs.db";
-    assert_says(&check(&here).text, says);
+    assert_contains(&check(&here).text, says);
 }
 
 #[test]
 fn request_lists_of_other_versions_are_usage_errors() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
-    let sound = here.text("e/requests.yaml");
-    let at = sound.find("sha256: ").expect("a digest") + 8;
-    let other = format!("{}{}{}", &sound[..at], "0".repeat(64), &sound[at + 64..]);
+    let valid = here.text("e/requests.yaml");
+    let at = valid.find("sha256: ").expect("a digest") + 8;
+    let other = format!("{}{}{}", &valid[..at], "0".repeat(64), &valid[at + 64..]);
     for (text, says) in [
         (&*other, "export them again"),
         ("[]", "there are no requests"),
@@ -116,7 +116,7 @@ fn request_lists_of_other_versions_are_usage_errors() {
         ("&a [*a]", "line 1"),
     ] {
         here.write("e/requests.yaml", text);
-        check(&here).ends(2, &format!("requests.yaml:  && {says}"));
+        check(&here).assert_exit(2, &format!("requests.yaml:  && {says}"));
     }
     here.assert_lines(
         "

@@ -1,7 +1,7 @@
-//! One broken script for each diagnosis of `probe`.
+//! Tests each diagnosis of `probe` with a faulty script.
 
 use crate::common::{
-    PROGRAM, Workspace, assert_says, edited, have, outcome, repository_text, rows,
+    PROGRAM, Workspace, assert_contains, edited, have, outcome, repository_text, rows,
 };
 
 /// Returns a shell script in which `right` calls the reference.
@@ -14,7 +14,7 @@ fn python_decoder() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
 }
 
-/// Probes a decoder with the given source text; returns the exit status and the output.
+/// Probes a decoder with the given source text. Returns the exit status and the output.
 fn probe(text: &str, options: &str) -> (i32, String) {
     let here = Workspace::new();
     here.write_program("decoder", text);
@@ -27,7 +27,7 @@ fn probe(text: &str, options: &str) -> (i32, String) {
 #[track_caller]
 fn assert_probed(text: &str, status: &str, says: &str) -> String {
     let (found, output) = probe(text, "");
-    assert_says(&output, says);
+    assert_contains(&output, says);
     assert_eq!(found.to_string(), status, "{output}");
     output
 }
@@ -40,8 +40,8 @@ fn assert_scripts_probed(table: &str) {
     }
 }
 
-/// Probes copies of the Python decoder. Each row has the exit status, the text that is replaced, its replacement, and
-/// parts of the output.
+/// Probes copies of the Python decoder. Each row has the exit status, the text to replace, the replacement, and parts of
+/// the output.
 #[track_caller]
 fn assert_copies_probed(table: &str) {
     let Some(decoder) = python_decoder() else {
@@ -54,7 +54,7 @@ fn assert_copies_probed(table: &str) {
 }
 
 #[test]
-fn a_correct_decoder_is_ready() {
+fn correct_decoder_is_ready() {
     let script = shell("right \"$@\" || case $? in 65) exit 65;; *) exit 69;; esac");
     let says = "ready. Next: ptm-conform check -- ./decoder && ✓ an unknown view: exited with 69";
     let output = assert_probed(&script, "0", says);
@@ -67,9 +67,9 @@ fn a_correct_decoder_is_ready() {
     assert!(!output.contains('✗'), "{output}");
 }
 
-/// `check` gives the same reason.
+/// Also asserts that `check` gives the same reason.
 #[test]
-fn commands_that_cannot_be_started() {
+fn commands_that_cannot_be_started_are_explained() {
     let here = Workspace::new();
     here.write("plain.py", "print('hello')\n");
     let s390x = cfg!(target_arch = "s390x");
@@ -114,20 +114,20 @@ sh no-such-script.sh | no-such-script.sh: no such file in this directory | give 
 ./elsewhere | a program for a different machine: | build the program for this machine"#,
     ) {
         let output = here.exits(3, &format!("probe -- {decoder}"));
-        assert_says(&output, &format!("{says} && {next}"));
+        assert_contains(&output, &format!("{says} && {next}"));
         if !decoder.starts_with("sh ") {
             let checked = here.check(&format!("--case hand-lrgb-blocks -- {decoder}"));
-            checked.ends(3, &says);
+            checked.assert_exit(3, &says);
             assert_eq!(checked.report["verdict"], "not a decoder");
         }
     }
 }
 
 #[test]
-fn decoders_that_expect_another_call() {
+fn unexpected_arguments_are_explained() {
     assert_scripts_probed(
         r#"
-3 | [ -f decoder ] || { echo "no tables beside me" >&2; exit 1; }↵right "$@"
+3 | [ -f decoder ] || { echo "no tables next to this program" >&2; exit 1; }↵right "$@"
   | the decoder works only in your directory && next to itself
 3 | cat > in.ptm↵right "$1" in.ptm || exit 1 | reads the PTM from standard input && last argument
 3 | [ $# = 1 ] || exit 1↵cat > in.ptm↵right "$1" in.ptm | takes no FILE
@@ -141,7 +141,7 @@ fn decoders_that_expect_another_call() {
 }
 
 #[test]
-fn decoders_that_show_nothing() {
+fn missing_output_is_explained() {
     assert_scripts_probed(
         r#"
 3 | exit 69 | exits with 69 (unsupported) on an ordinary file of every format
@@ -154,15 +154,15 @@ fn decoders_that_show_nothing() {
     );
     let (status, output) = probe(&shell("sleep 1000.75"), "--timeout 1");
     assert_eq!(status, 3, "{output}");
-    assert_says(
+    assert_contains(
         &output,
         "hang: no end within 1 s && open no window, show no prompt",
     );
 }
 
-/// A Perl script changes the correct bytes.
+/// A Perl script damages correct frames.
 #[test]
-fn frames_that_are_damaged_on_their_way() {
+fn damaged_frames_are_explained() {
     if !have("perl") {
         return;
     }
@@ -189,7 +189,7 @@ fn frames_that_are_damaged_on_their_way() {
 }
 
 #[test]
-fn frames_with_samples_in_wrong_places() {
+fn misplaced_samples_are_explained() {
     let Some(decoder) = python_decoder() else {
         return;
     };
@@ -221,7 +221,7 @@ b"".join(bytes(255 - x for x in t) for t in ptm.texels)
 }
 
 #[test]
-fn frames_of_the_wrong_type_view_or_size() {
+fn wrong_types_views_and_sizes_are_explained() {
     assert_copies_probed(
         r#"
 1 | if sys.byteorder == "big": | if True: | the f32 samples are big-endian && '<f4'
@@ -238,7 +238,7 @@ fn frames_of_the_wrong_type_view_or_size() {
 }
 
 #[test]
-fn wrong_refusals() {
+fn wrong_refusals_are_explained() {
     assert_scripts_probed(
         r#"
 1 | right "$@" || exit 1 | an empty file: exit status 1 counts as a crash && --reject-exit 1
@@ -250,9 +250,9 @@ fn wrong_refusals() {
     );
 }
 
-/// The decoder of one view and one format does not know other formats; the others know one spelling of the count of entries each.
+/// The first decoder supports one view and one format. The others each support one spelling of the number of entries.
 #[test]
-fn decoders_that_support_a_part_are_ready() {
+fn partial_decoders_are_ready() {
     assert_scripts_probed(
         r#"
 0 | case $1 in rgb:*) ;; *) exit 69;; esac↵grep -q PTM_FORMAT_RGB "$2" || { grep -q PTM_FORMAT_ "$2" && exit 69; exit 65; }↵right "$@" || exit 65
@@ -265,7 +265,7 @@ fn decoders_that_support_a_part_are_ready() {
 }
 
 #[test]
-fn serve_modes_that_go_wrong() {
+fn serve_mode_faults_are_explained() {
     let Some(decoder) = python_decoder() else {
         return;
     };
@@ -273,7 +273,7 @@ fn serve_modes_that_go_wrong() {
     let (status, output) = probe(&copy, "--timeout 8");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
-    assert_says(&output, says);
+    assert_contains(&output, says);
     assert_copies_probed(
         r#"
 1 | answers.flush() | answers.flush(); sys.exit(0) | serve: the decoder exits on a malformed file
@@ -307,7 +307,7 @@ fn serve_mode_is_compared_with_one_shot_mode() {
 }
 
 #[test]
-fn an_observation_can_be_repeated_by_hand() {
+fn printed_command_repeats_the_observation() {
     let here = Workspace::new();
     here.write_program("decoder", shell("right \"$@\" | tr -d '\\n'"));
     let (_, output) = here.run("probe -- ./decoder");

@@ -1,4 +1,4 @@
-//! Verdicts of a run: the table of outcomes, features that are not supported, hangs and limits.
+//! Verdicts of a run: the table of outcomes, unsupported features, hangs and limits.
 
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
@@ -11,13 +11,13 @@ use ptm_conform::session::run::{Run, check};
 use ptm_conform::suite::cases::{Case, Expect, Suite};
 
 use crate::common::repository_text;
-use crate::in_process::{self, right, suite};
+use crate::in_process::{self, reference_answer, suite};
 
 /// Runs the suite against a decoder whose answers depend on the case. It answers correctly if `decoder` returns `None`.
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
     in_process::run(suite, plan, |request| {
         let case = suite.case(request.name).expect("a case of the suite");
-        decoder(case).unwrap_or_else(|| right(request))
+        decoder(case).unwrap_or_else(|| reference_answer(request))
     })
 }
 
@@ -31,7 +31,7 @@ fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<
         .map(|place| &suite.cases[place])
 }
 
-/// Parses the table of outcomes in a document: the label of each row, and its outcomes.
+/// Parses the table of outcomes in a document. Returns the label and the outcomes of each row.
 fn table(document: &str) -> Vec<(String, Vec<String>)> {
     let text = repository_text(document);
     let lines = text
@@ -76,14 +76,14 @@ fn documents_show_the_verdict_table() {
     for document in ["docs/protocol.md", "spec-cases/README.md"] {
         let written = table(document);
         assert_eq!(written.len(), rows.len(), "{document}: {written:#?}");
-        for ((words, outcomes), (row, response, supported)) in written.iter().zip(rows) {
-            assert_eq!(words, row, "{document}");
+        for ((label, outcomes), (row, response, supported)) in written.iter().zip(rows) {
+            assert_eq!(label, row, "{document}");
             for (expect, written) in expects.iter().zip(outcomes) {
                 for &is_supported in supported {
-                    let decided = outcome(*expect, is_supported, response).name();
+                    let expected = outcome(*expect, is_supported, response).name();
                     let has_none = written == "–" && response == Expected;
                     assert!(
-                        has_none || written == decided,
+                        has_none || written == expected,
                         "{document}: {row}, {expect:?}"
                     );
                 }
@@ -242,7 +242,7 @@ fn different_limits_are_not_nondeterminism() {
                     served: served.then(hang),
                     ..Reply::from(out_of_memory)
                 },
-                false => Reply::from(right(request)),
+                false => Reply::from(reference_answer(request)),
             }
         };
         let run = check(&suite, &plan, &ask, &|_, _, _, _| ());

@@ -1,4 +1,4 @@
-//! Tests of the annotated format: every clause has examples, and a wrong example ends the build.
+//! Tests of the annotated format: every clause has examples, and a wrong example makes the build fail.
 
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
@@ -12,21 +12,21 @@ fn annotated() -> Annotated {
     Annotated::read(CHAPTERS, FILES).expect("the chapters are read")
 }
 
-/// Returns the annotated format with `from`, which must occur, replaced by `to`.
-fn with(from: &str, to: &str) -> Annotated {
+/// Returns the annotated format with the first `from`, which must occur, replaced by `to`.
+fn edited(from: &str, to: &str) -> Annotated {
     let (mut found, mut texts) = (false, Vec::new());
     for (name, text) in CHAPTERS {
         found |= text.contains(from);
         texts.push((*name, text.replacen(from, to, 1)));
     }
-    assert!(found, "{from:?} occurs");
+    assert!(found, "{from:?} does not occur");
     let chapters = texts.iter().map(|(name, text)| (*name, text.as_str()));
     let chapters: Vec<(&str, &str)> = chapters.collect();
     Annotated::read(&chapters, FILES).expect("the chapters are read")
 }
 
 #[test]
-fn every_clause_has_an_example_in_the_order_of_the_text() {
+fn every_clause_has_an_example_in_its_chapter() {
     let known = clauses().expect("the clauses");
     let annotated = annotated();
     let chapters = annotated.chapters.iter();
@@ -47,18 +47,18 @@ fn every_clause_has_an_example_in_the_order_of_the_text() {
 
 #[test]
 fn every_example_is_correct() {
-    execute_all(&annotated()).expect("every example holds");
+    execute_all(&annotated()).expect("every example is correct");
 }
 
 #[test]
-fn changed_example_byte_names_the_clause() {
+fn wrong_example_names_the_clause() {
     for [from, to, message] in rows(
         "
 83 02 03 04 05 0a | 84 02 03 04 05 0a | clause 2.4/8, example 1: expected 1.5 60, found 2 60
 00 00 00 03 e7 | 00 00 00 02 e7 | clause 2.9.8/5, example 1: expected 30 231 10 21
 PTM_FORMAT_lrgb | PTM_FORMAT_LRGB | clause 2.2/1, example 2: the file is decoded",
     ) {
-        let error = build(Some(with(&from, &to)), None, 1).err();
+        let error = build(Some(edited(&from, &to)), None, 1).err();
         let error = error.expect("no site");
         assert!(error.contains(&message), "{error}");
     }
@@ -72,28 +72,29 @@ fn highlighted_bytes_affect_the_result() {
     for clause in chapters.flat_map(|chapter| &chapter.clauses) {
         let decides = clause.examples.iter().enumerate().any(|(i, example)| {
             let parts = annotated.files.parts(&example.file, &example.with);
-            let parts = parts.expect("its parts");
-            let looked = |is: &String| example.look.is_empty() || example.look.contains(is);
-            let places = parts.iter().enumerate().filter(|(_, (is, _))| looked(is));
+            let parts = parts.expect("the parts of the file");
+            let is_shown = |name: &String| example.look.is_empty() || example.look.contains(name);
+            let places = parts.iter().enumerate();
+            let places = places.filter(|(_, (name, _))| is_shown(name));
             places
                 .flat_map(|(place, (_, bytes))| (0..bytes.len()).map(move |at| (place, at)))
                 .any(|(place, at)| {
                     let mut changed = parts.clone();
                     changed[place].1[at] ^= 1;
                     let file: Vec<u8> = changed.into_iter().flat_map(|(_, bytes)| bytes).collect();
-                    !holds(clause, i, &annotated, &file)
+                    !is_correct(clause, i, &annotated, &file)
                 })
         });
         // These clauses are about bytes that do not affect the result.
-        let unimportant = ["2.9.1/1", "2.9.1/2"];
-        let decides = decides || unimportant.contains(&clause.clause.as_str());
-        assert!(decides, "{}: no byte decides", clause.clause);
+        let exceptions = ["2.9.1/1", "2.9.1/2"];
+        let decides = decides || exceptions.contains(&clause.clause.as_str());
+        assert!(decides, "{}: no byte affects the result", clause.clause);
     }
 }
 
 /// Returns true if the result of example `i` of a clause is correct for a file.
-fn holds(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
-    let executed = execute(clause, None, &annotated.files).expect("it holds");
+fn is_correct(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &[u8]) -> bool {
+    let executed = execute(clause, None, &annotated.files).expect("a correct example");
     let example = &clause.examples[i];
     match (&executed[i].found, example.evaluate(file)) {
         (Found::Refused(clause, _), Ok(Found::Refused(now, _))) => *clause == now,

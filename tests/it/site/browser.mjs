@@ -22,33 +22,33 @@ try {
   const cdp = (cmd, params) => call("POST", "/goog/cdp/execute", { cmd, params });
   const log = (type) => call("POST", "/se/log", { type });
   const open = (page) => call("POST", "/url", { url: pathToFileURL(join(site, page)).href });
-  const tone = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
+  const setColorScheme = (value) => cdp("Emulation.setEmulatedMedia", { features: [{ name: "prefers-color-scheme", value }] });
   const until = async (what, script) => {
     for (let i = 0; i < 100; i += 1) { if (await run(script)) { return; } await new Promise((resolve) => setTimeout(resolve, 50)); }
-    assert.fail(`never came: ${what}`);
+    assert.fail(`timed out waiting for ${what}`);
   };
 
   for (const page of PAGES) {
     for (const scheme of axe ? ["light", "dark"] : ["light"]) {
-      await tone(scheme);
+      await setColorScheme(scheme);
       await open(page);
-      assert.ok(await run("return document.querySelectorAll('main').length === 1 && document.querySelectorAll('h1').length === 1"), `${page}: one main, one h1`);
-      assert.equal(await run("return [...document.images].filter((i) => !i.alt).length"), 0, `${page}: a picture says nothing`);
+      assert.ok(await run("return document.querySelectorAll('main').length === 1 && document.querySelectorAll('h1').length === 1"), `${page} has one main and one h1`);
+      assert.equal(await run("return [...document.images].filter((i) => !i.alt).length"), 0, `${page}: an image has no alternative text`);
       if (axe) {
         await run(readFileSync(axe, "utf8"));
         const found = await call("POST", "/execute/async", { script: "const done = arguments[0]; axe.run().then((r) => done(r.violations.map((v) => [v.id, v.nodes.length, v.nodes[0].html.slice(0, 160), v.nodes[0].any[0]?.message ?? ''])));", args: [] });
         assert.deepEqual(found, [], `${page}, ${scheme}: axe`);
       }
     }
-    await tone("light");
+    await setColorScheme("light");
     // Pages fit the window at every width.
     for (const width of WIDTHS) {
       await cdp("Emulation.setDeviceMetricsOverride", { width, height: 1000, deviceScaleFactor: 1, mobile: false });
-      const over = await run("return document.documentElement.scrollWidth - innerWidth");
+      const excess = await run("return document.documentElement.scrollWidth - innerWidth");
       if (screenshots && axe) {
         writeFileSync(join(screenshots, `${page.replaceAll("/", "-")}-${width}.png`), Buffer.from(await call("GET", "/screenshot"), "base64"));
       }
-      assert.ok(over <= 0, `${page} at ${width}: ${over} pixels too wide`);
+      assert.ok(excess <= 0, `${page} at ${width}: ${excess} pixels too wide`);
       // Text and tables have the width of the page.
       const [main, ...parts] = await run("return [document.querySelector('main'), ...document.querySelectorAll('main > p, main > .scroll')].map((e) => e.getBoundingClientRect().width)");
       assert.ok(parts.every((part) => Math.abs(part - main) < 1), `${page} at ${width}: ${main}, ${parts}`);
@@ -59,7 +59,7 @@ try {
   // The search box finds ids and words.
   await open("format/2.4.html");
   await run("const s = document.getElementById('search'); s.focus(); s.value = 'lut-count'; s.dispatchEvent(new Event('input'))");
-  await until("a hit", "return document.querySelector('#hits a b')?.textContent === 'lut-count'");
+  await until("a search result", "return document.querySelector('#hits a b')?.textContent === 'lut-count'");
   assert.equal(await run("return document.querySelector('#hits a').getAttribute('href')"), "../rulings/lut-count.html");
   // The filter of a list is part of the URL, and the URL sets the filter.
   await open("scoreboard.html");
@@ -71,11 +71,11 @@ try {
   assert.equal(await run("return location.search"), "?2.8");
 
   const errors = (await log("browser")).map((entry) => entry.message);
-  assert.deepEqual(errors, [], "the console");
+  assert.deepEqual(errors, [], "messages on the console");
   const requests = (await log("performance")).map((entry) => JSON.parse(entry.message).message)
     .filter(({ method, params }) => method === "Network.requestWillBeSent" && params.documentURL.startsWith("file:")).map(({ params }) => params.request.url)
     .filter((url) => !/^(file|data|blob):/.test(url));
-  assert.deepEqual(requests, [], "requests");
+  assert.deepEqual(requests, [], "network requests");
   console.log(`${PAGES.length} pages`);
 } catch (error) {
   console.log(String(error.stack ?? error));

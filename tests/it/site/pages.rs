@@ -41,13 +41,13 @@ fn page(path: &str) -> &'static str {
 
 /// Asserts that the page of an address exists and has its anchor.
 #[track_caller]
-fn assert_leads(address: &str) {
+fn assert_exists(address: &str) {
     let (path, anchor) = address.split_once('#').unwrap_or((address, ""));
     let (page, id) = (page(path), format!(" id=\"{anchor}\""));
     assert!(anchor.is_empty() || page.contains(&id), "{address}");
 }
 
-/// A link of the page at `from` as a path from the root, without what follows `#` and `?`.
+/// Resolves a link of the page at `from`. Returns the path from the root of the site.
 fn target(from: &str, link: &str) -> String {
     let mut path: Vec<&str> = from.split('/').collect();
     path.pop();
@@ -82,14 +82,14 @@ fn every_link_and_anchor_exists() {
             links += 1;
             let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
             let file = file.split('?').next().expect("a first part");
-            let leads = if file.is_empty() {
+            let resolved = if file.is_empty() {
                 (*path).to_owned()
             } else {
                 target(path, file)
             };
-            assert!(paths.contains(leads.as_str()), "{path}: {link}");
-            let is_there = anchor.is_empty() || ids[leads.as_str()].contains(anchor);
-            assert!(is_there, "{path}: {link}");
+            assert!(paths.contains(resolved.as_str()), "{path}: {link}");
+            let exists = anchor.is_empty() || ids[resolved.as_str()].contains(anchor);
+            assert!(exists, "{path}: {link}");
         }
     }
     assert!(links > 50_000, "{links} links");
@@ -108,7 +108,7 @@ fn pages_load_nothing_external() {
     }
 }
 
-/// The program generates the same files in another process with one thread.
+/// The program generates the same files in a separate process with one thread.
 #[test]
 fn site_is_reproducible_and_small() {
     let here = crate::common::Workspace::new();
@@ -121,7 +121,7 @@ fn site_is_reproducible_and_small() {
     }
 }
 
-/// Every URL that the program prints for an id of a catalog exists.
+/// Every URL that the program prints for an id of a catalog leads to a page.
 #[test]
 fn every_published_address_has_a_page() {
     let mut addresses: Vec<String> = Vec::new();
@@ -131,23 +131,23 @@ fn every_published_address_has_a_page() {
     let cases = suite.cases.iter().map(|case| ptm.case_page(&case.id));
     let cases = cases.chain(stages.cases.iter().map(|case| stage.case_page(&case.id)));
     addresses.extend(cases.map(|page| page.expect("a case has a page")));
-    for (of, clauses, rulings) in [
+    for (suite, clauses, rulings) in [
         (ptm, clauses::clauses(), clauses::rulings()),
         (stage, texture::clauses(), texture::rulings()),
     ] {
         let clauses = clauses.expect("the clauses").into_iter();
-        addresses.extend(clauses.map(|clause| of.clause_page(&clause.id).expect("a place")));
+        addresses.extend(clauses.map(|clause| suite.clause_page(&clause.id).expect("a place")));
         let rulings = rulings.expect("the rulings").into_iter();
-        addresses.extend(rulings.map(|ruling| of.ruling_page(&ruling.id)));
+        addresses.extend(rulings.map(|ruling| suite.ruling_page(&ruling.id)));
     }
-    let slugs = misreadings::all().map(|of| ptm.misreading_page(of.slug));
-    let slugs = slugs.chain(misreadings::texture::all().map(|of| stage.misreading_page(of.slug)));
+    let slugs = misreadings::all().map(|one| ptm.misreading_page(one.slug));
+    let slugs = slugs.chain(misreadings::texture::all().map(|one| stage.misreading_page(one.slug)));
     addresses.extend(slugs);
     addresses.extend(codes::ALL.iter().map(|code| address::code(code.id)));
-    addresses.extend(profiles().iter().map(|of| address::reader(&of.reader)));
-    addresses.extend([ptm, stage, SuiteName::Writers].map(|of| of.protocol_page().to_owned()));
+    addresses.extend(profiles().iter().map(|one| address::reader(&one.reader)));
+    addresses.extend([ptm, stage, SuiteName::Writers].map(|name| name.protocol_page().to_owned()));
     for address in &addresses {
-        assert_leads(address);
+        assert_exists(address);
     }
     assert!(addresses.len() > 3000, "{}", addresses.len());
 }
@@ -170,7 +170,7 @@ fn search_finds_documents_terms_and_the_protocol() {
     }
     for [id, _, place, _] in &entries {
         println!("{id}");
-        assert_leads(place);
+        assert_exists(place);
     }
 }
 

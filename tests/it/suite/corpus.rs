@@ -1,4 +1,4 @@
-//! The committed corpus equals the generated one byte for byte, and its ids are permanent.
+//! The committed corpus equals the generated corpus byte for byte, and its ids are permanent.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -64,18 +64,18 @@ fn the_manifest_lists_every_case() {
 
 #[test]
 fn published_ids_and_files_are_permanent() {
-    // The ledger has the digest of each id when it was first published.
+    // The ledger contains the digest of each file when its id was first published.
     let text = fs::read_to_string(root().join("spec-cases/ledger.yaml")).expect("the ledger");
     let ledger: BTreeMap<String, (String, String)> = from_yaml(&text).expect("the ledger is YAML");
     let suite = suite();
     for (id, (digest, since)) in &ledger {
         let case = suite
             .case(id)
-            .unwrap_or_else(|| panic!("{id}, published in {since}, is gone"));
+            .unwrap_or_else(|| panic!("{id}, published in {since}, is missing"));
         assert_eq!(
             self::digest(case),
             *digest,
-            "{id} means another file than in {since}"
+            "the file of {id} has changed since {since}"
         );
     }
     let cases = suite.cases.iter();
@@ -111,7 +111,7 @@ fn the_readme_describes_the_generator() {
     let file = write(&recipe, &Model::paint(&recipe)).bytes;
     let numbers = |texts: Vec<&str>| format!("`{}`", texts.join(" "));
     let words = readme.split_whitespace().collect::<Vec<_>>().join(" ");
-    for said in [
+    for claim in [
         format!(
             "those over {} KiB are left out",
             corpus::MAX_COMMITTED_SIZE / 1024
@@ -126,16 +126,16 @@ fn the_readme_describes_the_generator() {
             sha256(&file)
         ),
     ] {
-        assert!(words.contains(&said), "{said}");
+        assert!(words.contains(&claim), "{claim}");
     }
 }
 
 #[test]
 fn every_damage_has_a_case() {
     let suite = suite();
-    let done = suite.cases.iter().filter_map(Case::damage);
-    let done: Vec<&String> = done.map(|damage| &damage.name).collect();
+    let names = suite.cases.iter().filter_map(Case::damage);
+    let names: Vec<&String> = names.map(|damage| &damage.name).collect();
     for damage in damages().expect("the damages") {
-        assert!(done.contains(&&damage.name), "{}", damage.name);
+        assert!(names.contains(&&damage.name), "{}", damage.name);
     }
 }

@@ -7,7 +7,7 @@ use ptm_conform::kit::yaml::from_yaml;
 
 use crate::common::{assert_conforms, repository, rows};
 
-/// Files of each schema. A directory stands for its files.
+/// Schemas with their files. A directory represents all its files.
 const SCHEMAS: &str = "
 cases | spec-cases/cases
 damages | spec-cases/damages.yaml
@@ -34,7 +34,7 @@ fn each_file_conforms_to_its_schema() {
     }
 }
 
-/// Returns the files at a path in the repository, without the list of example files, which has no schema.
+/// Returns the files at a path in the repository, except the list of example files, which has no schema.
 fn files(place: &str) -> Vec<PathBuf> {
     let place = PathBuf::from(repository(place));
     if place.is_file() {

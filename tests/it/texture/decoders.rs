@@ -1,8 +1,8 @@
-//! Tests that the example of a texture stage passes, and that copies with one mistake fail with the misread requirement.
+//! Tests that the example texture stage passes, and that each copy with one mistake fails a case about that requirement.
 
 use crate::common::{Workspace, check, edited, have, python_example, repository_text, rows};
 
-/// Returns the command line of the texture stage in Python, if Python is installed.
+/// Returns the source text of the texture stage in Python, if Python is installed.
 fn stage() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
 }
@@ -49,7 +49,7 @@ fn python_example_passes() {
     }
     let stage = python_example("decoders/pex_texture.py");
     let checked = check(&format!("--suite texture -- {stage}"));
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.report["verdict"], "pass");
     assert!(checked.cases("pass").len() > 280, "{}", checked.text);
     // A PTM under a light, sampled through a table entry.
@@ -59,7 +59,7 @@ fn python_example_passes() {
 }
 
 #[test]
-fn each_wrong_copy_fails_with_the_misread_requirement() {
+fn each_wrong_copy_fails_for_its_requirement() {
     let Some(text) = stage() else { return };
     let here = Workspace::new();
     let decoder = repository_text("examples/decoders/ptm_decoder.py");
@@ -71,7 +71,7 @@ fn each_wrong_copy_fails_with_the_misread_requirement() {
         // Run only the cases about the misread requirement, which takes seconds instead of minutes.
         let line = format!("--suite texture --clause {clause} -- python3 stage.py");
         let checked = here.check(&line);
-        checked.ends(1, "");
+        checked.assert_exit(1, "");
         let mut cases = checked.report["cases"].as_array().expect("cases").iter();
         let cites = cases.any(|case| {
             let clauses = case["clauses"].as_array().expect("clauses");
@@ -91,16 +91,16 @@ fn maps_are_unsupported_without_a_ptm_reader() {
     here.write("alone.py", text);
     let options = "--suite texture --case PTM-0* --case SMP-0*";
     let checked = here.check(&format!("{options} -- python3 alone.py"));
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     let unsupported = serde_json::json!(["PTM maps"]);
     assert_eq!(checked.report["decoder"]["unsupported"], unsupported);
 }
 
 #[test]
 fn silent_programs_are_rejected_with_a_reason() {
-    check("--suite texture -- true").ends(3, "protocol error");
-    check("--suite texture -- false").ends(3, "crash");
-    check("--suite texture -- /nonexistent/stage").ends(3, "cannot be started");
+    check("--suite texture -- true").assert_exit(3, "protocol error");
+    check("--suite texture -- false").assert_exit(3, "crash");
+    check("--suite texture -- /nonexistent/stage").assert_exit(3, "cannot be started");
 }
 
 #[test]
@@ -143,7 +143,7 @@ cases:
 }
 
 #[test]
-fn ptm_on_a_ball_is_rendered() {
+fn ptm_on_a_sphere_is_rendered() {
     let here = Workspace::new();
     let header = b"PTM_1.2\nPTM_FORMAT_LRGB\n1 1\n1 1 1 1 1 1 0 0 0 0 0 0\n";
     let texel = [0, 0, 0, 0, 0, 128, 255, 128, 0];

@@ -33,7 +33,7 @@ fn kind() -> impl Strategy<Value = TexelKind> {
 
 fn texel() -> impl Strategy<Value = Texel> {
     (kind(), [unit(), unit(), unit(), unit()]).prop_map(|(kind, values)| {
-        Texel::new(kind, &values[..kind.components()]).expect("as many components as the kind has")
+        Texel::new(kind, &values[..kind.components()]).expect("one value per component")
     })
 }
 
@@ -138,7 +138,7 @@ fn lit_color(values: Vec<f64>, (lu, lv): (f64, f64)) -> Vec<f64> {
 
 proptest! {
     #[test]
-    fn texture_then_light_is_light_then_texture(
+    fn texturing_and_lighting_commute(
         maps in proptest::collection::vec((entry(), texel(), any::<bool>()), 0..5),
         surface in color(), alpha in unit(), white in color(), specular in color(),
     ) {
@@ -222,10 +222,10 @@ proptest! {
         boundary in select(Boundary::ALL),
     ) {
         let size = map.levels()[0].size;
-        let middle = [0, 1, 2].map(|d| ((at[d] % size[d]) as f64 + 0.5) / size[d] as f64);
+        let center = [0, 1, 2].map(|d| ((at[d] % size[d]) as f64 + 0.5) / size[d] as f64);
         let single = entry_with_boundary([boundary; 3], SampleMethod::SingleBase);
         let weighted = entry_with_boundary([boundary; 3], SampleMethod::WeightedBase);
-        prop_assert!(is_close(&sample_components(&single, &map, middle, 0.0), &sample_components(&weighted, &map, middle, 0.0)));
+        prop_assert!(is_close(&sample_components(&single, &map, center, 0.0), &sample_components(&weighted, &map, center, 0.0)));
         let values = map.levels()[0].texels.iter().map(|texel| texel.components()[0]);
         let (least, most) = values.fold((1.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
         for value in sample_components(&weighted, &map, t, 0.0) {
@@ -263,8 +263,8 @@ proptest! {
         let clamped = Entry { clamp_method: ClampMethod::Color, clamp_color: other, ..entry.clone() };
         prop_assert_eq!(sample_components(&entry, &map, t, 0.0), sample_components(&clamped, &map, t, 0.0));
         let explicit = Entry { boundary: [Boundary::ClampExplicit; 3], ..entry.clone() };
-        let multiply_by_color = Entry { clamp_color: other, ..explicit.clone() };
-        prop_assert_eq!(sample_components(&explicit, &map, t, 0.0), sample_components(&multiply_by_color, &map, t, 0.0));
+        let changed = Entry { clamp_color: other, ..explicit.clone() };
+        prop_assert_eq!(sample_components(&explicit, &map, t, 0.0), sample_components(&changed, &map, t, 0.0));
         // Notes a and b, and hints.
         let mut point = Point { fp_data: vec![0.25; 12], reflection: Some(t), ..Point::default() };
         point.wc.position = Some(t);
@@ -285,9 +285,9 @@ proptest! {
         let row = |r: usize| rows[r].map(f64::from);
         let matrix: Matrix = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]];
         let shares = [b[0] / 2.0, b[1] / 2.0, 1.0 - b[0] / 2.0 - b[1] / 2.0];
-        let inside = |ts: &[[f64; 3]]| interpolate(ts, &shares, &[1.0; 3], Correction::None, RULES).expect("a value");
+        let blended = |ts: &[[f64; 3]]| interpolate(ts, &shares, &[1.0; 3], Correction::None, RULES).expect("a value");
         let oriented = ts.map(|t| orient(&matrix, t, RULES));
-        prop_assert!(is_close(&inside(&oriented), &orient(&matrix, inside(&ts), RULES)));
+        prop_assert!(is_close(&blended(&oriented), &orient(&matrix, blended(&ts), RULES)));
     }
 
     #[test]
@@ -315,15 +315,15 @@ proptest! {
 
 #[test]
 fn orientation_comes_before_interpolation() {
-    // With a matrix that is not affine, the order matters: the reference orients vertices first and then interpolates.
+    // With a matrix that is not affine, the order matters: the reference first orients the vertices, then interpolates.
     let mut matrix: Matrix =
         [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if i == j { 1.0 } else { 0.0 }));
     matrix[3][0] = 1.0;
     let corners = [[0.0; 3], [1.0, 0.0, 0.0]];
     let oriented = corners.map(|t| orient(&matrix, t, RULES));
-    let inside = |ts: &[[f64; 3]]| {
+    let blended = |ts: &[[f64; 3]]| {
         interpolate(ts, &[0.5, 0.5], &[1.0, 1.0], Correction::None, RULES).expect("a value")
     };
-    assert!((inside(&oriented)[0] - 0.25).abs() < 1e-12);
-    assert!((orient(&matrix, inside(&corners), RULES)[0] - 1.0 / 3.0).abs() < 1e-12);
+    assert!((blended(&oriented)[0] - 0.25).abs() < 1e-12);
+    assert!((orient(&matrix, blended(&corners), RULES)[0] - 1.0 / 3.0).abs() < 1e-12);
 }

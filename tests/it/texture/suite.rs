@@ -34,7 +34,7 @@ fn run(
     ask: impl Fn(&TextureCase) -> Answer<Value> + Sync,
 ) -> Run<TextureCase> {
     let ask = |request: &Request<'_, TextureView>, _: usize| {
-        ask(suite.case(request.name).expect("its own case is asked")).into()
+        ask(suite.case(request.name).expect("a case of the suite")).into()
     };
     check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
 }
@@ -49,7 +49,7 @@ fn cases_with_outcome(
 }
 
 #[test]
-fn every_expected_answer_is_given_by_the_reference() {
+fn reference_gives_every_expected_answer() {
     let suite = suite();
     for line in suite.cases.iter().flat_map(verify) {
         let says = format!("{} {:?}: {}", line.id, line.reading, line.says);
@@ -70,7 +70,7 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
     for clause in cases::clauses().expect("the requirements load") {
         let mut judged = suite.cases.iter().filter(|case| case.basis != Basis::Impl);
         if judged.any(|case| case.clauses.contains(&clause.id)) && !caught.contains(&clause.id) {
-            weak.push(format!("no case about {} catches anybody", clause.id));
+            weak.push(format!("no case about {} catches a misreading", clause.id));
         }
     }
     let mut known: HashMap<&[u64], &str> = HashMap::new();
@@ -87,7 +87,7 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
         }
     }
     assert!(weak.is_empty(), "{weak:#?}");
-    assert!(alike.is_empty(), "these answer every case alike: {alike:?}");
+    assert!(alike.is_empty(), "equal answers to every case: {alike:?}");
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn every_misreading_is_diagnosed() {
         let diagnoses = diagnose(&suite, &run);
         let first = diagnoses.first().map(|first| match &first.cause {
             Cause::Misreading { misreading, .. } => misreading.slug,
-            Cause::Described { .. } => "in words",
+            Cause::Described { .. } => "described",
         });
         if first != Some(misreading.slug) {
             unnamed.push((misreading.slug, first));
@@ -110,32 +110,32 @@ fn every_misreading_is_diagnosed() {
 }
 
 #[test]
-fn mixing_readings_fails() {
+fn mixed_readings_fail() {
     let suite = suite();
     for (axis, choice) in CHOICES.iter().enumerate() {
         for (reading, (name, _)) in choice.readings.iter().enumerate() {
             let mut dialect = CHOICES.reference();
             dialect.0[axis] = reading;
             let rules = CHOICES.apply(&dialect, Rules::SPEC);
-            let kept = run(&suite, |case| case.answer(&rules));
-            let failed = cases_with_outcome(&suite, &kept, Outcome::Fail);
+            let pure = run(&suite, |case| case.answer(&rules));
+            let failed = cases_with_outcome(&suite, &pure, Outcome::Fail);
             assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
-            assert_eq!(kept.judgement.dialect, dialect, "{}: {name}", choice.ruling);
-            let shows = suite.cases.iter().filter(|case| {
+            assert_eq!(pure.judgement.dialect, dialect, "{}: {name}", choice.ruling);
+            let revealing = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
                 case.relevant_axes().contains(&axis)
                     && difference(&case.expect, &other, case.tol).is_some()
             });
-            let shows: Vec<&str> = shows.map(|case| case.id.as_str()).collect();
+            let revealing: Vec<&str> = revealing.map(|case| case.id.as_str()).collect();
             assert!(
-                reading == 0 || !shows.is_empty(),
-                "{} is never shown",
+                reading == 0 || !revealing.is_empty(),
+                "no case reveals {}",
                 choice.ruling
             );
-            if shows.len() > 1 {
+            if revealing.len() > 1 {
                 let mixed = run(&suite, |case| {
-                    let other = case.id == shows[0];
-                    case.answer(if other { &Rules::SPEC } else { &rules })
+                    let is_first = case.id == revealing[0];
+                    case.answer(if is_first { &Rules::SPEC } else { &rules })
                 });
                 assert!(
                     !cases_with_outcome(&suite, &mixed, Outcome::Fail).is_empty(),
@@ -183,9 +183,9 @@ fn only_out_of_range_questions_may_be_refused() {
 #[test]
 fn only_whole_steps_can_be_unsupported() {
     let suite = suite();
-    let unsupported = |given: &TextureCase| {
-        matches!(given.op.as_str(), "interpolate" | "depth")
-            || given.features(&TextureView).contains("PTM maps")
+    let unsupported = |case: &TextureCase| {
+        matches!(case.op.as_str(), "interpolate" | "depth")
+            || case.features(&TextureView).contains("PTM maps")
     };
     let consistent = run(&suite, |case| match unsupported(case) {
         true => Answer::Unsupported,
@@ -194,18 +194,18 @@ fn only_whole_steps_can_be_unsupported() {
     assert_eq!(consistent.exit_status(), 0);
     let names: Vec<&String> = consistent.judgement.unsupported.iter().collect();
     assert_eq!(names, ["PTM maps", "depth", "interpolate"]);
-    let picky = run(&suite, |case| match case.id.as_str() {
+    let inconsistent = run(&suite, |case| match case.id.as_str() {
         "SMP-08" => Answer::Unsupported,
         _ => case.answer(&Rules::SPEC),
     });
     assert_eq!(
-        cases_with_outcome(&suite, &picky, Outcome::Fail),
+        cases_with_outcome(&suite, &inconsistent, Outcome::Fail),
         ["SMP-08"]
     );
 }
 
 #[test]
-fn every_requirement_is_tested_or_gives_a_reason() {
+fn every_requirement_is_tested_or_has_a_reason() {
     let suite = suite();
     let rulings = cases::rulings().expect("the rulings load");
     let clauses = cases::clauses().expect("the requirements load");
@@ -215,7 +215,7 @@ fn every_requirement_is_tested_or_gives_a_reason() {
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
         let has_misreading = misreadings::all().any(|one| one.clause == id);
         let is_covered = match clause.status {
-            // A misreading of one requirement often violates related requirements, so a case about each is enough.
+            // A misreading of one requirement often violates related ones, so a case about each requirement is enough.
             ClauseStatus::Tested => has_case,
             ClauseStatus::Ruled => {
                 let is_ruling = |ruling: &&Ruling| Some(&ruling.id) == clause.ruling.as_ref();
@@ -326,7 +326,7 @@ fn malformed_questions_name_the_faulty_field() {
 }
 
 #[test]
-fn both_sets_of_names_are_accepted() {
+fn long_and_short_names_are_accepted() {
     for name in ["PEXTMRCPostLight", "PEXTMRenderingControlPostLight"] {
         let control: RenderingControl = name.parse().expect(name);
         assert_eq!(control.name(), "PostLight");

@@ -1,4 +1,4 @@
-//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows if it is killed.
+//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows after a kill.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -18,7 +18,7 @@ fn lint_csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
         .command(&format!("lint --format csv -q {line}"))
         .output();
     let output = output.expect("the program starts");
-    parse_csv(&String::from_utf8(output.stdout).expect("a text"))
+    parse_csv(&String::from_utf8(output.stdout).expect("UTF-8"))
 }
 
 /// Parses CSV according to RFC 4180. Cells contain no line feeds, so every line is a row.
@@ -27,7 +27,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
         let (mut cells, mut quoted) = (vec![String::new()], false);
         let mut characters = line.chars().peekable();
         while let Some(character) = characters.next() {
-            let cell = cells.last_mut().expect("there is a first cell");
+            let cell = cells.last_mut().expect("a cell");
             match character {
                 '"' if quoted && characters.peek() == Some(&'"') => {
                     cell.push('"');
@@ -44,7 +44,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`, which are alternately sound, damaged, not a PTM, and sound.
+/// Writes files in folders below `directory`, in turn a sound PTM, a damaged PTM, another file, and a sound PTM.
 fn write_collection(here: &Workspace, directory: &str, files: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
@@ -71,13 +71,13 @@ fn memory_does_not_grow_with_the_number_of_files() {
         let rows = parse_csv(&linted.text);
         assert_eq!(rows.len(), 1 + files);
         for (status, quarter) in [("sound", 2), ("damaged", 1), ("not-a-ptm", 1)] {
-            let of_it = rows.iter().filter(|row| row[1] == status).count();
-            assert_eq!(of_it, files / 4 * quarter, "{status}");
+            let count = rows.iter().filter(|row| row[1] == status).count();
+            assert_eq!(count, files / 4 * quarter, "{status}");
         }
         assert_eq!(linted.status, 1);
         memory
     });
-    println!("most memory: {few} KiB for 1,000 files, {many} KiB for 10,000");
+    println!("peak memory: {few} KiB for 1,000 files, {many} KiB for 10,000");
     assert!(many < few + 8 * 1024, "{few} KiB, then {many} KiB");
 }
 
@@ -106,8 +106,8 @@ fn min_seconds(command: impl Fn() -> Command) -> f64 {
 }
 
 #[test]
-#[ignore = "measures time, on a machine that does nothing else"]
-fn a_file_takes_at_most_twice_the_time_of_decoding_it() {
+#[ignore = "measures time; needs an idle machine"]
+fn linting_takes_at_most_twice_the_time_of_decoding() {
     const FILES: usize = 10_000;
     let here = Workspace::new();
     let files = copy_corpus(&here, FILES).into_iter().enumerate();
@@ -119,7 +119,7 @@ fn a_file_takes_at_most_twice_the_time_of_decoding_it() {
         command
     });
     let linting = min_seconds(|| here.command("lint -rq --format csv --jobs 1 files"));
-    let each = |min_seconds: f64| min_seconds * 1e6 / FILES as f64;
+    let each = |seconds: f64| seconds * 1e6 / FILES as f64;
     println!(
         "{:.1} µs to decode a file, {:.1} µs to lint it: {:.2} times as long",
         each(decoding),
@@ -139,13 +139,13 @@ fn killed_lint_leaves_complete_rows() {
         command.stdout(File::create(here.path("out.csv")).expect("a file"));
         let mut child = command.stderr(Stdio::null()).spawn().expect("it starts");
         std::thread::sleep(Duration::from_millis(pause));
-        child.kill().expect("it is killed");
-        child.wait().expect("it has ended");
+        child.kill().expect("it can be killed");
+        child.wait().expect("it exits");
         let text = here.text("out.csv");
         assert!(text.is_empty() || text.ends_with('\n'), "{text}");
         seen.push(parse_csv(&text).len());
     }
-    println!("rows at the end: {seen:?}");
+    println!("rows before the kill: {seen:?}");
 }
 
 /// File names that could harm programs that print them.
@@ -175,7 +175,7 @@ fn workspace_with_hostile_names() -> Workspace {
 #[track_caller]
 fn assert_no_control_characters(output: &Output) {
     for text in [&output.stdout, &output.stderr] {
-        let text = String::from_utf8(text.clone()).expect("it is UTF-8");
+        let text = String::from_utf8(text.clone()).expect("UTF-8");
         let control = text.chars().find(|c| c.is_control() && *c != '\n');
         assert!(control.is_none() && !text.contains('\u{202e}'), "{text}");
     }
@@ -201,7 +201,7 @@ fn hostile_names_are_escaped() {
         .stdin(File::open(here.path("list")).expect("the list"))
         .output();
     let text = output.expect("the program starts").stdout;
-    let rows = parse_csv(&String::from_utf8(text).expect("a text"));
+    let rows = parse_csv(&String::from_utf8(text).expect("UTF-8"));
     assert_eq!(rows.len(), 1 + HOSTILE_NAMES.len());
     for row in &rows[1..] {
         assert!(!row[0].starts_with(['=', '@', '-', '+']), "{}", row[0]);
@@ -228,7 +228,7 @@ fn python_reads_the_rows() {
 }
 
 #[test]
-fn special_and_large_files_are_listed_unread() {
+fn special_and_large_files_are_listed_but_not_read() {
     let here = Workspace::new();
     let sparse = |name: &str, head: &[u8]| {
         let file = File::options().write(true).open(here.write(name, head));

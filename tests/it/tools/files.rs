@@ -1,4 +1,4 @@
-//! Tests of the tools for files: their output conforms to its schemas, and other programs can read the files that they write.
+//! Tests of the tools for files: their output conforms to the schemas, and other programs can read the files that they write.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -46,7 +46,7 @@ fn workspace_with_corpus() -> Workspace {
 fn machine_output(here: &Workspace, line: &str, schema: &str) -> Value {
     let print = |form: &str| {
         let output = here.command(&format!("{line} {form}")).output();
-        String::from_utf8(output.expect("the program starts").stdout).expect("a text")
+        String::from_utf8(output.expect("the program starts").stdout).expect("UTF-8")
     };
     let yaml: Value = from_yaml(&print("--yaml")).expect("YAML");
     let json: Value = serde_json::from_str(&print("--json")).expect("JSON");
@@ -65,7 +65,7 @@ fn python(here: &Workspace, packages: &[&str], code: &str, files: &[&str]) -> Op
     have_python(packages).then(|| stdout(&mut command))
 }
 
-/// Returns the samples of a frame that the reference prints.
+/// Returns the samples that the reference prints.
 fn samples(here: &Workspace, view: &str, file: &str) -> Vec<u8> {
     let output = here.command(&format!("reference {view} {file}")).output();
     let frame = output.expect("the program starts").stdout;
@@ -74,10 +74,10 @@ fn samples(here: &Workspace, view: &str, file: &str) -> Vec<u8> {
 }
 
 #[test]
-fn every_part_of_every_file_of_the_suite_lies_within_it() {
-    fn check(id: &str, bytes: usize, shown: &[FilePart]) {
+fn parts_of_every_file_are_disjoint_and_inside_it() {
+    fn check(id: &str, bytes: usize, parts: &[FilePart]) {
         let mut end = 0;
-        for part in shown {
+        for part in parts {
             let is_inside = part.offset >= end && part.offset + part.length <= bytes;
             assert!(is_inside, "{id}: {} at {}", part.name, part.offset);
             end = part.offset + part.length;
@@ -167,13 +167,13 @@ fn images_are_read_by_pillow() {
         let (channels, raw) = (format.channels(), samples(&here, "raw", &file));
         let plane = |plane| raw.iter().skip(plane).step_by(channels).copied();
         let planes: Vec<u8> = (0..channels).flat_map(plane).collect();
-        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow was there");
+        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow is installed");
         let expected = format!("L 9 {} {}", 5 * channels, HEXLOWER.encode(&planes));
         assert_eq!(image.trim(), expected, "{format}");
     }
     for options in ["--normals", "--sheet", "--sheet=3 --cell 4"] {
         here.succeeds(&format!("render RGB.ptm -o x.png {options}"));
-        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow was there");
+        let image = python(&here, &["PIL"], read, &["x.png"]).expect("Pillow is installed");
         assert!(image.starts_with("RGB "), "{options}");
     }
 }
@@ -304,7 +304,7 @@ fn unrepresentable_conversions_write_nothing() {
 #[test]
 fn gray_rgb_round_trips_through_lrgb() {
     let here = Workspace::new();
-    // Calculated by hand: red and green are equal, blue is three fifths of them, and all biases are 100.
+    // Calculated by hand: red and green are equal, blue is three fifths of red, and all biases are 100.
     let header = b"PTM_1.2\nPTM_FORMAT_RGB\n1\n1\n1 1 2 1 1 1\n100 100 100 100 100 100\n";
     let gray = [110, 120, 95, 100, 130, 105];
     let file = [&header[..], &gray, &gray, &[106, 112, 97, 100, 118, 103]].concat();
@@ -414,7 +414,7 @@ fn generated_corpus_is_complete_and_reproducible() {
 }
 
 #[test]
-fn test_in_the_corpus_readme_runs() {
+fn test_in_the_corpus_readme_passes() {
     let here = Workspace::new();
     here.succeeds("generate --profile minimal --out corpus");
     let readme = here.text("corpus/README.md");
@@ -456,7 +456,7 @@ fn numbers(text: &str) -> Vec<usize> {
 }
 
 #[test]
-fn images_and_exr_of_the_corpus_have_the_values_of_its_arrays() {
+fn corpus_images_and_exr_files_equal_its_arrays() {
     let here = Workspace::new();
     let mut suite = Suite::load().expect("the suite loads");
     // Compare a few cases of each kind, because comparing all takes too long.
@@ -464,7 +464,7 @@ fn images_and_exr_of_the_corpus_have_the_values_of_its_arrays() {
     suite.cases.retain(|case| case.first || is_wanted(&case.id));
     let corpus = here.path("corpus");
     let written = profiles::write(&suite, &corpus, Profile::Exhaustive, 2, &|_, _| ());
-    written.expect("it is written");
+    written.expect("the corpus is written");
     let code = "
 import json, os, sys, numpy, OpenEXR
 from PIL import Image

@@ -1,4 +1,4 @@
-//! Tests that the tools for files terminate for every damaged file.
+//! Tests that the tools for files terminate for every file.
 
 use proptest::prelude::*;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -23,7 +23,7 @@ fn run_all_tools(file: &[u8]) {
         inspection.to_text("x", false),
         inspection.to_text("x", true),
     );
-    to_yaml(&inspection).expect("any file has its YAML");
+    to_yaml(&inspection).expect("YAML");
     let findings = lint(file);
     let errors = findings.iter().any(|one| one.severity == Severity::Error);
     assert_eq!(errors, decoded.is_err());
@@ -38,10 +38,10 @@ fn run_all_tools(file: &[u8]) {
                 loss: 0,
             };
             if let Ok(converted) = convert(&dissection, &ptm, target) {
-                let back = ptm_conform::decode(&converted.bytes).expect("it was read back");
-                let same_kind = back.planes.shape.channels() == ptm.planes.shape.channels();
+                let back = ptm_conform::decode(&converted.bytes).expect("a legal file");
+                let same_channels = back.planes.shape.channels() == ptm.planes.shape.channels();
                 assert!(
-                    !same_kind || diff::diff((file, &ptm), (&converted.bytes, &back)).same,
+                    !same_channels || diff::diff((file, &ptm), (&converted.bytes, &back)).same,
                     "{format}"
                 );
             }

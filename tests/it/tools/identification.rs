@@ -1,4 +1,4 @@
-//! Tests of the signatures in `docs/identify`: they match every legal file of the suite and no other files.
+//! Tests of the signatures in `docs/identify`: they match every legal file of the suite, and no other files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a 
         .collect()
 }
 
-/// Returns the file prefixes that each signature matches.
+/// Returns the signatures and the file prefixes that each one matches.
 fn signature_prefixes() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let plain = |text: &str| text.replace("\\n", "\n").replace("\\040", " ").into_bytes();
     let mime = repository_text("docs/identify/ptm-mime.xml");
@@ -38,7 +38,7 @@ fn signature_prefixes() -> Vec<(&'static str, Vec<Vec<u8>>)> {
 }
 
 /// Writes the beginnings of the legal files of the suite and returns their paths.
-fn write_legal(here: &Workspace) -> Vec<PathBuf> {
+fn write_legal_files(here: &Workspace) -> Vec<PathBuf> {
     let suite = Suite::load().expect("the suite loads");
     let cases = suite.cases.iter();
     let legal = cases.filter(|case| case.expect == Expect::Decode);
@@ -52,17 +52,13 @@ fn write_legal(here: &Workspace) -> Vec<PathBuf> {
 #[test]
 fn signatures_match_exactly_the_legal_files() {
     let here = Workspace::new();
-    let files = write_legal(&here);
+    let files = write_legal_files(&here);
     assert!(files.len() > 1000);
-    for (name, signature_prefixes) in signature_prefixes() {
-        assert_eq!(signature_prefixes.len(), 2, "{name}");
-        let knows = |file: &[u8]| {
-            signature_prefixes
-                .iter()
-                .any(|known| file.starts_with(known))
-        };
+    for (name, prefixes) in signature_prefixes() {
+        assert_eq!(prefixes.len(), 2, "{name}");
+        let matches = |file: &[u8]| prefixes.iter().any(|prefix| file.starts_with(prefix));
         for path in &files {
-            let is_known = knows(&fs::read(path).expect("a file"));
+            let is_known = matches(&fs::read(path).expect("a file"));
             assert!(is_known, "{name}: {}", path.display());
         }
         for other in [
@@ -72,7 +68,7 @@ fn signatures_match_exactly_the_legal_files() {
             "PTM_1.2",
             "",
         ] {
-            assert!(!knows(other.as_bytes()), "{name}: {other:?}");
+            assert!(!matches(other.as_bytes()), "{name}: {other:?}");
         }
     }
 }
@@ -97,15 +93,15 @@ fn file_command_identifies_exactly_the_legal_files() {
         return;
     }
     let here = Workspace::new();
-    let files = write_legal(&here);
+    let files = write_legal_files(&here);
     assert_eq!(count_ptms(&here, &files), files.len());
-    // The ignored test below identifies every file of the system.
+    // The ignored test below identifies every file in /usr.
     let others = files_below(Path::new("/usr/lib"), 500);
     assert_eq!(count_ptms(&here, &others), 0);
 }
 
 #[test]
-#[ignore = "reads the beginning of every file of the system"]
+#[ignore = "reads every file in /usr"]
 fn no_system_file_is_identified_as_a_ptm() {
     let files = files_below(Path::new("/usr"), usize::MAX);
     println!("{} files", files.len());

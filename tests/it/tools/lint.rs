@@ -1,4 +1,4 @@
-//! Tests of lint findings for the files of the suite.
+//! Tests of the lint findings for the files of the suite.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use ptm_conform::tools::lint::lint;
 
 use crate::in_process::suite;
 
-fn codes_of(case: &Case) -> BTreeSet<&'static str> {
+fn lint_codes(case: &Case) -> BTreeSet<&'static str> {
     let findings = lint(&case.build(TableSpelling::default()).file);
     findings.iter().map(|finding| finding.code).collect()
 }
@@ -22,7 +22,7 @@ fn every_damage_that_must_be_refused_has_a_code() {
         let name = case.damage().map_or(&*case.id, |damage| &*damage.name);
         assert!(
             Code::for_rejected_file(name).is_some(),
-            "no code stands for {name}"
+            "no code for {name}"
         );
     }
     assert!(refused.len() > 300);
@@ -34,13 +34,13 @@ fn every_code_is_triggered_by_its_cases() {
     for code in ALL.iter() {
         assert!(!code.provoked_by.is_empty(), "{}", code.id);
         for name in &code.provoked_by {
-            let is_meant = |case: &&Case| {
+            let is_named = |case: &&Case| {
                 case.id == *name || case.damage().is_some_and(|damage| damage.name == *name)
             };
-            let concerned: Vec<&Case> = suite.cases.iter().filter(is_meant).collect();
-            assert!(!concerned.is_empty(), "{}: no case {name}", code.id);
-            for case in concerned {
-                let is_found = codes_of(case).contains(code.id);
+            let cases: Vec<&Case> = suite.cases.iter().filter(is_named).collect();
+            assert!(!cases.is_empty(), "{}: no case {name}", code.id);
+            for case in cases {
+                let is_found = lint_codes(case).contains(code.id);
                 assert!(is_found, "{} is not found in {}", code.id, case.id);
             }
         }
@@ -70,7 +70,7 @@ fn codes_have_one_severity_and_unique_texts() {
 }
 
 #[test]
-fn every_clause_of_a_code_is_a_clause() {
+fn every_clause_of_a_code_exists() {
     let clauses = ptm_conform::suite::clauses::clauses().expect("the clauses load");
     for code in ALL.iter() {
         let is_known = clauses.iter().any(|clause| clause.id == code.clause);
@@ -79,16 +79,16 @@ fn every_clause_of_a_code_is_a_clause() {
 }
 
 #[test]
-fn files_depend_only_on_choices_of_their_case() {
-    let (suite, mut shown) = (suite(), BTreeSet::new());
+fn findings_depend_only_on_choices_of_their_case() {
+    let (suite, mut rulings) = (suite(), BTreeSet::new());
     let is_wanted = |case: &&Case| case.compression().is_some() && case.damage().is_none();
     for case in suite.cases.iter().filter(is_wanted) {
-        let codes = codes_of(case);
+        let codes = lint_codes(case);
         let found = ALL.iter().filter(|code| codes.contains(code.id));
         for ruling in found.filter_map(|code| code.ruling.as_deref()) {
             assert!(case.axes().contains(&ruling), "{}: {ruling}", case.id);
-            shown.insert(ruling);
+            rulings.insert(ruling);
         }
     }
-    assert_eq!(shown.len(), 7, "{shown:?}");
+    assert_eq!(rulings.len(), 7, "{rulings:?}");
 }

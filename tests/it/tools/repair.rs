@@ -9,7 +9,7 @@ use ptm_conform::tools::lint::Lint;
 use ptm_conform::tools::repair::repair;
 
 #[test]
-fn repaired_file_equals_its_twin_and_lints_clean() {
+fn repaired_file_equals_its_twin_and_has_no_errors() {
     let suite = Suite::load().expect("the suite loads");
     let mut repaired: BTreeMap<&str, usize> = BTreeMap::new();
     for case in &suite.cases {
@@ -18,12 +18,12 @@ fn repaired_file_equals_its_twin_and_lints_clean() {
             continue;
         };
         let lint = Lint::new(&case.id, &result.bytes);
-        let left = |code: &str| lint.findings.iter().any(|finding| finding.code == code);
-        let is_clean = lint.errors == 0 && !left("PTM-W110") && !left("PTM-W123");
+        let remains = |code: &str| lint.findings.iter().any(|finding| finding.code == code);
+        let is_clean = lint.errors == 0 && !remains("PTM-W110") && !remains("PTM-W123");
         assert!(is_clean, "{lint:?}");
         assert!(!result.changes.is_empty(), "{}", case.id);
         assert!(repair(&result.bytes).is_err(), "{}", case.id);
-        let after = decode(&result.bytes).expect("it lints clean");
+        let after = decode(&result.bytes).expect("a legal file");
         let twin = case.twin_of.as_deref().filter(|_| decode(file).is_err());
         let before = match twin.and_then(|twin| suite.cases.iter().find(|one| one.id == twin)) {
             Some(twin) => decode(&twin.build(TableSpelling::default()).file),
@@ -42,9 +42,9 @@ fn repaired_file_equals_its_twin_and_lints_clean() {
 }
 
 #[test]
-fn a_file_copied_in_text_mode_is_not_repaired() {
+fn repair_of_a_file_copied_in_text_mode_restores_or_refuses_it() {
     let suite = Suite::load().expect("the suite loads");
-    let mut asked = 0;
+    let mut tested = 0;
     let is_legal = |case: &&Case| case.expect == Expect::Decode;
     for case in suite.cases.iter().filter(is_legal) {
         let file = &case.build(TableSpelling::default()).file;
@@ -56,9 +56,9 @@ fn a_file_copied_in_text_mode_is_not_repaired() {
         if let Ok(result) = repair(&copied) {
             assert_eq!(decode(&result.bytes), decode(file), "{}", case.id);
         }
-        asked += 1;
+        tested += 1;
     }
-    assert!(asked > 500);
+    assert!(tested > 500);
 }
 
 #[test]

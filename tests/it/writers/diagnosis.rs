@@ -1,4 +1,4 @@
-//! Tests that mistakes of writers are diagnosed with the catalog of misreadings.
+//! Tests that the mistakes of writers are diagnosed with the catalog of misreadings.
 
 use std::collections::HashMap;
 
@@ -40,8 +40,8 @@ impl Requests {
         suite.cases.retain(|case| !large(case));
         let all = suite.cases.iter().map(|case| {
             let request = case.request();
-            let right = write_requested_file(&request).expect("the reference writes it");
-            (case.id.clone(), (request, right))
+            let correct = write_requested_file(&request).expect("the reference writes it");
+            (case.id.clone(), (request, correct))
         });
         Requests {
             all: all.collect(),
@@ -51,9 +51,9 @@ impl Requests {
 
     /// Returns the number of wrong files of a writer with this mistake, the first cause, and its equivalents.
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
-        let ask = |asked: &Request<'_, WriteView>, _: usize| {
-            let (request, right) = &self.all[asked.name];
-            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| right.clone());
+        let ask = |query: &Request<'_, WriteView>, _: usize| {
+            let (request, correct) = &self.all[query.name];
+            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| correct.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);
@@ -73,19 +73,19 @@ impl Requests {
     }
 
     /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or equivalent to it.
-    fn named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
-        let (mut caught, mut first, mut noted) = (0, 0, 0);
+    fn count_named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
+        let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {
             let (failing, cause, alike) = self.first_cause(mistake);
             let slug = mistake.slug.to_owned();
             caught += usize::from(failing > 0);
             first += usize::from(cause == slug);
-            noted += usize::from(cause == slug || alike.contains(&slug));
+            matched += usize::from(cause == slug || alike.contains(&slug));
             if cause != slug {
-                println!("{slug}: {failing} failures, named {cause}, or {alike:?}");
+                println!("{slug}: {failing} failures, named {cause}, equivalent to {alike:?}");
             }
         }
-        (caught, first, noted)
+        (caught, first, matched)
     }
 }
 
@@ -103,23 +103,23 @@ fn every_section_has_writer_mistakes() {
 }
 
 #[test]
-fn wrong_writers_are_named() {
+fn three_writer_mistakes_are_named() {
     let requests = Requests::small();
     let slugs = ["rgb-blocks-bgr", "rows-top-down", "height-before-width"];
     let some: Vec<_> = slugs.into_iter().filter_map(writing::find).collect();
-    let (caught, _, noted) = requests.named(&some);
-    assert_eq!((caught, noted), (some.len(), some.len()));
+    let (caught, _, matched) = requests.count_named(&some);
+    assert_eq!((caught, matched), (some.len(), some.len()));
 }
 
-/// Wrong scales do not explain a wrong matrix, and a wrong matrix does not explain lost digits of scales.
+/// A mistake with scales does not explain a wrong matrix, and a mistake with the matrix does not explain wrong scales.
 #[test]
-fn undetectable_mistakes_are_not_reported() {
+fn unrelated_mistakes_are_not_reported() {
     let mut requests = Requests::small();
     let cases = &mut requests.suite.cases;
     cases.retain(|case| case.format == Format::Lum);
     let first = |edit: fn(&mut RequestHeader)| {
-        let ask = |asked: &Request<'_, WriteView>, _: usize| {
-            let mut request = requests.all[asked.name].0.clone();
+        let ask = |query: &Request<'_, WriteView>, _: usize| {
+            let mut request = requests.all[query.name].0.clone();
             edit(&mut request.header);
             let file = write_requested_file(&request).expect("a file");
             Reply::from(Answer::Decoded(WrittenFile(file)))
@@ -137,22 +137,22 @@ fn undetectable_mistakes_are_not_reported() {
         header.matrix = Some(std::array::from_fn(|i| matrix[4 * (i % 4) + i / 4]));
     });
     assert!(transposed.starts_with("2.6"), "{transposed}");
-    let short = first(|header| header.scale = header.scale.map(|scale| scale + 0.0001));
-    assert!(short.starts_with("2.4"), "{short}");
+    let shifted = first(|header| header.scale = header.scale.map(|scale| scale + 0.0001));
+    assert!(shifted.starts_with("2.4"), "{shifted}");
 }
 
 #[test]
-#[ignore = "every mistake of the catalog: takes minutes"]
+#[ignore = "tests every mistake of the catalog; takes minutes"]
 fn every_mistake_of_a_wrong_writer_is_named() {
     let requests = Requests::small();
     let all: Vec<&'static Miswriting> = writing::all().collect();
-    let (caught, first, noted) = requests.named(&all);
+    let (caught, first, matched) = requests.count_named(&all);
     let count = all.len();
     println!(
-        "{count} mistakes: {caught} have a wrong writer, {first} are named first, {noted} with equivalents"
+        "{count} mistakes: {caught} are caught, {first} are named first, {matched} if equivalents count"
     );
     assert!(caught * 100 >= count * 70, "{caught} of {count}");
-    assert!(noted * 100 >= caught * 95, "{noted} of {caught}");
+    assert!(matched * 100 >= caught * 95, "{matched} of {caught}");
 }
 
 /// Copies of the Python writer with one mistake: the text to replace, the replacement, and a part of the first cause.
@@ -233,7 +233,7 @@ fn is_named([find, replace, words]: &[String; 3]) -> bool {
 }
 
 #[test]
-fn wrong_copies_of_the_python_writer_are_named() {
+fn two_wrong_copies_of_the_python_writer_are_named() {
     if have("python3") {
         let copies = rows(COPIES);
         for copy in [&copies[1], &copies[18]] {
@@ -243,8 +243,8 @@ fn wrong_copies_of_the_python_writer_are_named() {
 }
 
 #[test]
-#[ignore = "forty runs of a writer in Python: takes minutes"]
-fn forty_wrong_copies_of_the_writer_in_python_are_named() {
+#[ignore = "runs a Python writer forty times; takes minutes"]
+fn forty_wrong_copies_of_the_python_writer_are_named() {
     if !have("python3") {
         return;
     }

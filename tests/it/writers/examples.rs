@@ -1,34 +1,34 @@
-//! Tests of writers as processes: the reference writer, and the writer in Python.
+//! Tests of writers as processes: the reference writer and the Python writer.
 
 use crate::common::{PROGRAM, Workspace, check_writer, have, python_example};
 
 #[test]
 fn reference_writer_passes_as_a_process() {
     let checked = check_writer("--smoke");
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.report["suite"], "writers");
 }
 
 #[test]
-fn python_writer_passes_for_its_formats() {
+fn python_writer_passes_in_its_formats() {
     if have("python3") {
         let writer = python_example("writers/ptm_writer.py");
         let lacks = "unsupported (exit status 69): JPEG_RGB, JPEG_LRGB, JPEGLS_RGB, JPEGLS_LRGB";
-        check_writer(&format!("--smoke -- {writer}")).ends(0, lacks);
+        check_writer(&format!("--smoke -- {writer}")).assert_exit(0, lacks);
     }
 }
 
 #[test]
-fn template_calls_a_program_with_other_options() {
+fn template_may_call_any_program() {
     let checked = check_writer("--format LRGB --cmd 'cp {planes} {out}'");
-    checked.ends(1, "the bytes there are \"\\x93NUMPY");
-    check_writer("--cmd 'cp {planes} x'").ends(2, "{out}");
+    checked.assert_exit(1, "the bytes there are \"\\x93NUMPY");
+    check_writer("--cmd 'cp {planes} x'").assert_exit(2, "{out}");
 }
 
 #[test]
 fn check_writer_exit_statuses_match_check() {
-    check_writer("-- true").ends(3, "true is not a writer");
-    check_writer("--case nothing-is-called-so").ends(5, "");
+    check_writer("-- true").assert_exit(3, "true is not a writer");
+    check_writer("--case no-such-case").assert_exit(5, "");
     Workspace::new().exits(2, "reference write no-such-request.json");
 }
 

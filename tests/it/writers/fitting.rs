@@ -1,4 +1,4 @@
-//! Tests of fitters: the optimum passes, and the mistakes of wrong fitters are diagnosed.
+//! Tests of fitters: the optimum passes, and the mistakes of faulty fitters are diagnosed.
 
 use std::fs;
 use std::path::Path;
@@ -17,14 +17,14 @@ use crate::common::{
     Workspace, check_writer, edited, have_python, python_example, repository, repository_text, rows,
 };
 
-/// Returns the `.lp` file of twelve real photographs, which is next to HP's fit. Returns `None` if it is not installed.
+/// Returns the `.lp` file of twelve real photographs, which is next to HP's fit, or `None` if it is missing.
 fn real_photographs() -> Option<String> {
     let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
-    let there = Path::new(&lp).exists();
-    if !there {
-        println!("SKIPPED: {lp} is not there");
+    let exists = Path::new(&lp).exists();
+    if !exists {
+        println!("SKIPPED: {lp} is missing");
     }
-    there.then_some(lp)
+    exists.then_some(lp)
 }
 
 #[test]
@@ -73,14 +73,15 @@ fn no_map_with_the_same_steps_is_closer() {
 fn image_sets_round_trip_through_files() {
     let set = SETS[7].make(Format::Lrgb);
     let folder = tempfile::tempdir().expect("a directory");
-    for of in &set.photographs {
-        fs::write(folder.path().join(&of.name), of.png(set.size)).expect("a file");
+    for photograph in &set.photographs {
+        let path = folder.path().join(&photograph.name);
+        fs::write(path, photograph.png(set.size)).expect("a file");
     }
     let lp = folder.path().join("lights.lp");
     fs::write(&lp, set.lp()).expect("a file");
     assert_eq!(ImageSet::read(&lp), Ok(set));
     fs::write(&lp, "2\nlight-00.png 0 0 1\n").expect("a file");
-    let error = ImageSet::read(&lp).expect_err("one is missing");
+    let error = ImageSet::read(&lp).expect_err("a missing image");
     assert!(
         error.ends_with("expected 2 images according to the first line, found 1"),
         "{error}"
@@ -133,14 +134,14 @@ fn hp_fit_is_close_to_the_optimum() {
 #[test]
 fn reference_and_python_fitter_pass() {
     let checked = check_writer("--fitter");
-    checked.ends(0, "");
+    checked.assert_exit(0, "");
     assert_eq!(checked.report["suite"], "fitters");
     if have_python(&["numpy"]) {
         let lp = real_photographs()
             .map(|lp| format!("--lp {lp}"))
             .unwrap_or_default();
         let fitter = python_example("writers/ptm_fitter.py");
-        check_writer(&format!("--fitter {lp} -- {fitter}")).ends(0, "");
+        check_writer(&format!("--fitter {lp} -- {fitter}")).assert_exit(0, "");
     }
 }
 
@@ -150,8 +151,8 @@ const COPIES: &str = r#"
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | exchanges u and v
 lights = lights / np.linalg.norm(lights, axis=1, keepdims=True) | pass | does not normalize the light vectors
-pictures[:, ::-1] | pictures | stores the top row first
-texels = pictures[:, ::-1] | texels = pictures[:, ::-1, :, ::-1] | exchanges red and blue
+images[:, ::-1] | images | stores the top row first
+texels = images[:, ::-1] | texels = images[:, ::-1, :, ::-1] | exchanges red and blue
 fit(design, texels.astype(float)) | fit(design, (texels / 255) ** 2.2 * 255) | removes the gamma of the images
 np.linalg.lstsq(design, values, rcond=1e-6)[0]
   | np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
@@ -171,7 +172,7 @@ np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
 "#;
 
 #[test]
-fn wrong_fitters_fail_with_the_cause() {
+fn faulty_fitters_fail_with_the_cause() {
     if !have_python(&["numpy"]) {
         return;
     }
@@ -180,7 +181,7 @@ fn wrong_fitters_fail_with_the_cause() {
         let here = Workspace::new();
         here.write("fitter.py", edited(&source, &find, &replace));
         let checked = here.check_writer("--fitter -- python3 fitter.py");
-        checked.ends(1, "");
+        checked.assert_exit(1, "");
         let mut parts = checked.text.split("\n\n");
         let first = parts.find(|part| part.contains("failures: the fitter"));
         let is_named = first.is_some_and(|first| first.contains(&words));

@@ -1,4 +1,4 @@
-//! Tests of writers that violate the protocol: each gets the expected verdict and leaves no file.
+//! Tests of writers that violate the protocol: each one gets the expected verdict and leaves no file.
 
 use std::fs;
 
@@ -37,7 +37,7 @@ fn hostile_writers_get_the_listed_verdicts_and_leave_no_file() {
         let (status, text) = outcome(&output.expect("the program starts"));
         assert!(matches!(status, 1 | 3), "{script}: {status}: {text}");
         assert!(text.contains(&says), "{script}: {text}");
-        let left = fs::read_dir(&temporary).expect("still there").count();
+        let left = fs::read_dir(&temporary).expect("a directory").count();
         assert_eq!(left, 0, "{script}");
     }
 }

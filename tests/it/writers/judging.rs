@@ -1,4 +1,4 @@
-//! Tests that the judge accepts correct files and describes the faults of wrong files.
+//! Tests that the judge accepts correct files and describes the faults of wrong ones.
 
 use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::cases::WriterCase;
@@ -29,7 +29,7 @@ fn assert_fault(request: &WriteRequest, file: &[u8], says: &str) {
 #[track_caller]
 fn replace_bytes(file: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     let at = file.windows(from.len()).position(|window| window == from);
-    let at = at.expect("it is in the file");
+    let at = at.expect("an occurrence");
     [&file[..at], to, &file[at + from.len()..]].concat()
 }
 
@@ -65,7 +65,7 @@ fn requests_conform_to_their_schema_and_round_trip() {
 }
 
 #[test]
-fn header_faults_are_named_with_numbers() {
+fn header_faults_name_expected_and_found_values() {
     let (request, file) = request("lrgb-bias-negative");
     let clamped = replace_bytes(&file, b"-1 -20 -128 -214 -5 -100", b"0 0 0 0 0 0");
     assert_fault(&request, &clamped, "bias 0: expected -1, found 0");
@@ -78,14 +78,14 @@ fn header_faults_are_named_with_numbers() {
 }
 
 #[test]
-fn truncated_scales_are_wrong() {
+fn truncated_scales_are_detected() {
     let (request, file) = request("lrgb-scale-six-decimals-are-too-few");
     let short = replace_bytes(&file, b"0.00001525878", b"0.000015");
     assert_fault(&request, &short, "scale 1: expected 0.00001525878");
 }
 
 #[test]
-fn wrong_values_are_named_with_their_bytes() {
+fn wrong_samples_are_named_with_their_bytes() {
     let (request, mut file) = request("rgb-5x3");
     let last = file.len() - 1;
     file[last] ^= 1;
@@ -103,7 +103,7 @@ fn lossy_planes_stay_within_their_quality() {
         &file,
         "expected the compression parameter 90, found 20",
     );
-    // The parameter is right, but the streams were encoded with another one.
+    // The parameter is correct, but the streams were encoded with a different one.
     let disguised = replace_bytes(&file, b"\n20\n0 0", b"\n90\n0 0");
     assert_fault(&request, &disguised, "and quality 90 allows");
 }
@@ -112,7 +112,7 @@ fn lossy_planes_stay_within_their_quality() {
 fn wrapping_texels_need_side_information() {
     let (request, file) = request("jpegls-lrgb-wraps-5");
     assert_eq!(judge(&request, &file), Ok(()));
-    // Reduce a value at the upper end by one, so that the record contains the wrong value.
+    // Change one of the extreme values, so that its record contains the wrong value.
     let mut other = request.clone();
     let top = other.samples.iter().position(|&value| value == 255);
     other.samples[top.expect("an extreme")] = 127;

@@ -1,4 +1,4 @@
-//! Test that the image in the README, which contains the lit scene with various mistakes, is up to date.
+//! Tests that the image in the README is up to date. It shows the lit scene as decoders with various mistakes render it.
 
 use std::fs;
 use std::path::Path;
@@ -13,7 +13,7 @@ use ptm_conform::session::lit_scene::{SIDE, file, frame_to_image};
 
 use crate::in_process::misreading;
 
-/// Mistakes in the order of the image. The first scene is correct.
+/// Mistakes in the order of the image, from left to right. The first scene is correct.
 const MISTAKES: [Option<&str>; 6] = [
     None,
     Some("rows-top-down"),
@@ -34,9 +34,9 @@ fn readme_image_is_up_to_date() {
         let mistakes: Vec<&Misreading> = slug.map(misreading).into_iter().collect();
         let answer = misreadings::answer(&mistakes, Reading::SPEC, &file, &view);
         let Answer::Decoded(frame) = answer else {
-            panic!("{slug:?}: an image")
+            panic!("{slug:?}: no image")
         };
-        frame_to_image(&file, &frame).expect("of the scene")
+        frame_to_image(&file, &frame).expect("an image of the scene")
     });
     let distinct: std::collections::BTreeSet<_> = scenes.iter().collect();
     assert_eq!(distinct.len(), scenes.len(), "two mistakes look alike");
@@ -44,8 +44,8 @@ fn readme_image_is_up_to_date() {
     assert!(png.len() <= 60_000, "{} bytes", png.len());
     let made = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mistakes.png");
     fs::write(&made, &png).expect("a file");
-    let kept = fs::read(repository("docs/mistakes.png")).unwrap_or_default();
-    assert!(kept == png, "copy {} to docs/mistakes.png", made.display());
+    let old = fs::read(repository("docs/mistakes.png")).unwrap_or_default();
+    assert!(old == png, "copy {} to docs/mistakes.png", made.display());
 }
 
 fn side_by_side(scenes: &[Vec<u8>]) -> Vec<u8> {
