@@ -155,7 +155,8 @@ fn malformed_compressed_files_give_the_listed_messages() {
     for [changes, message] in rows(COMPRESSED_WITNESSES) {
         let error = decode(&compressed_file(&changes)).expect_err(&changes);
         assert_eq!(error.to_string(), message);
-        let is_unsupported = message.ends_with("not read") || message.ends_with("not implemented");
+        let is_unsupported =
+            message.ends_with("not supported") || message.ends_with("not implemented");
         assert_eq!(
             error.class() == Class::Unsupported,
             is_unsupported,
