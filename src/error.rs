@@ -228,7 +228,7 @@ impl fmt::Display for Kind {
                 write!(f, "index {index}, but the table has {entries} entries")
             }
             Kind::TooLarge { needs, limit } => {
-                write!(f, "the planes need {}, the limit is {limit}", bytes(*needs))
+                write!(f, "the planes need {}; the limit is {limit}", bytes(*needs))
             }
             Kind::NotAPlane {
                 plane,
@@ -237,7 +237,7 @@ impl fmt::Display for Kind {
             } => {
                 write!(
                     f,
-                    "plane {plane} is predicted from plane {reference}, the last plane is {}",
+                    "plane {plane} is predicted from plane {reference}, but the last plane is {}",
                     planes - 1
                 )
             }

@@ -245,7 +245,7 @@ fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
         let kind = Kind::Stream {
             plane: plane.plane,
             unsupported: false,
-            what: "streams of this kind are not read".to_owned(),
+            what: "streams of this kind are not supported".to_owned(),
         };
         return Err(Error::new("2.9.8/3", plane.at, kind));
     }

@@ -191,7 +191,7 @@ impl FromStr for View {
                 let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
                 match (lu.parse::<f64>(), lv.parse::<f64>()) {
                     (Ok(lu), Ok(lv)) if lu.hypot(lv) > 1.0 => Err(format!(
-                        "the light in {text:?} is longer than 1, but it is the projection of a unit vector"
+                        "the light vector in {text:?} is longer than 1; it must be the projection of a unit vector"
                     )),
                     (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
                         lu,

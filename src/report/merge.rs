@@ -49,7 +49,7 @@ impl<C: Reported> RecordedAnswers<C> {
         ends.sort_by_key(|(_, end)| end.part.number);
         let (first, mut whole) = ends.remove(0);
         if whole.corpus != C::digest(suite) {
-            let says = "made with a suite other than that of this program";
+            let says = "made with a different version of the suite";
             return Err(format!("{}: {says}", first.display()));
         }
         for (_, part) in &ends {

@@ -235,7 +235,7 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
             Ok(format!("the reference does not support this file: {error}"))
         }
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
-        (Answer::Rejected, Err(_)) => Ok("refused, as the reference does".to_owned()),
+        (Answer::Rejected, Err(_)) => Ok("refused, as by the reference".to_owned()),
         (answer, _) => Err(answer.describe()),
     }
 }

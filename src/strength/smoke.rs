@@ -80,7 +80,7 @@ pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(
         "# A small set of cases that catches every misreading of the catalog: `ptm-conform check --smoke`.\n\
-         # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it anew.\n",
+         # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it again.\n",
     );
     for &i in chosen {
         let _ = writeln!(text, "- {}", suite.cases[i].id);

@@ -109,7 +109,7 @@ impl<'a> LenientHeader<'a> {
 
     /// Returns a file with a legal header, and describes the changes.
     fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
-        const WHITESPACE: &str = "replaced the whitespace in the header by spaces and line feeds";
+        const WHITESPACE: &str = "replaced the whitespace in the header with spaces and line feeds";
         let normalized = self.to_bytes();
         if let Ok(ptm) = decode(&normalized) {
             let is_exact = Dissection::parse(&normalized).end() == normalized.len();

@@ -35,7 +35,7 @@ impl Sample {
             model.samples.contains(&b'\n') && !model.samples.windows(2).any(|pair| pair == b"\r\n")
         };
         let made = made.find(|(_, model)| size.texels() > 100 || reveals_text_mode(model));
-        let (recipe, model) = made.expect("one of a thousand files of noise has a line feed in it");
+        let (recipe, model) = made.expect("one of a thousand noise files contains a line feed");
         Sample {
             format,
             spelling,

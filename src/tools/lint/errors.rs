@@ -32,7 +32,7 @@ fn diagnose_size(findings: &mut Findings) -> bool {
     let (channels, limit) = (format.channels(), Limits::default().memory);
     let is_too_large = Size::texels(size).saturating_mul(channels) > limit;
     if is_too_large {
-        let found = format!("{size} texels of {channels} bytes, the limit is {limit} bytes");
+        let found = format!("{size} texels of {channels} bytes each; the limit is {limit} bytes");
         findings.add(Problem::TooLarge, Role::Width, found);
     }
     is_too_large

@@ -150,7 +150,7 @@ fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     if let (Some(near), Some(parameter)) = (near, findings.dissection.number(Role::Parameter))
         && i64::from(near) != parameter
     {
-        let found = format!("plane {plane}: NEAR {near}, the parameter is {parameter}");
+        let found = format!("plane {plane}: NEAR is {near}, but the parameter is {parameter}");
         findings.add(Problem::Near, role, found);
     }
 }

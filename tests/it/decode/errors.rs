@@ -99,7 +99,7 @@ const COMPRESSED_WITNESSES: &str = r#"
 transforms 2 4 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
 transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
 transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
-references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, the last plane is 8
+references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, but the last plane is 8
 references 0 3 | compressed data (§2.9.4), byte 133:
   plane 0 of rank 0 is predicted from plane 3 of rank 0, which is not decoded before it
 references 0 3 ; order 0 4 ; order 3 5 | compressed data (§2.9.4), byte 133:
@@ -168,8 +168,8 @@ fn malformed_compressed_files_give_the_listed_messages() {
 #[test]
 fn exceeded_limits_are_not_malformed_files() {
     let plain = header("LRGB") + "0123456789ab012345";
-    let size = "image size (§2.3), byte 70: the planes need 18 bytes, the limit is 17";
-    let planes = "image size (§2.3), byte 457: the planes need 9 bytes, the limit is 8";
+    let size = "image size (§2.3), byte 70: the planes need 18 bytes; the limit is 17";
+    let planes = "image size (§2.3), byte 457: the planes need 9 bytes; the limit is 8";
     for (file, memory, message) in [
         (plain.into_bytes(), 17, size),
         (compressed_file(""), 8, planes),
