@@ -155,7 +155,7 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     let command = quote_command(&args.decoder);
     for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
         if let Some(command) = save_files(repeat, &command, &directory) {
-            print_styled(&format!("to reproduce it:\n  $ {command}\n"));
+            print_styled(&format!("to reproduce this:\n  $ {command}\n"));
         }
     }
 }

@@ -9,7 +9,7 @@ use ptm_conform::ptm::Format;
 use ptm_conform::tools::convert::{Target, convert};
 use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repair::repair};
 
-/// Convert a map to another format, losslessly or not at all.
+/// Convert a map to another format, without loss unless a lossy format is requested.
 ///
 /// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
 /// distinct texels. Every format has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows.

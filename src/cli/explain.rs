@@ -78,7 +78,7 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let mut sections: Vec<&str> = sections.collect();
     sections.dedup();
     let mut text = format!(
-        "{} cases; ptm-conform explain SECTION lists those about a section\n\n{} clauses, by section:\n",
+        "{} cases; ptm-conform explain SECTION lists those about a section\n\n{} clauses:\n  section  clauses  cases\n",
         suite.cases.len(),
         clauses.len()
     );
@@ -87,10 +87,7 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
         let clauses = clauses.iter().filter(|clause| is_about(&clause.id)).count();
         let is_case = |case: &&Case| case.clauses.iter().any(is_about);
         let cases = suite.cases.iter().filter(is_case).count();
-        let _ = writeln!(
-            text,
-            "  {section:<7} {clauses:>3} clauses, {cases:>4} cases"
-        );
+        let _ = writeln!(text, "  {section:<7}  {clauses:>7}  {cases:>5}");
     }
     let rulings = clauses::rulings()?;
     let names: Vec<&str> = rulings.iter().map(|ruling| ruling.id.as_str()).collect();

@@ -349,7 +349,7 @@ fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
             first.len()
         ),
         (answer, _) => format!(
-            "it answers no first file with a well-formed frame in any view; its first answer: {}",
+            "its responses to the first files contain no well-formed frame; its first answer: {}",
             answer.describe()
         ),
     };

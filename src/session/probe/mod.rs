@@ -42,6 +42,7 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
         return list;
     };
     list.answers = true;
+    one_shot::other_formats(&calls, &first, &mut list);
     one_shot::large_frame(&calls, &first, &mut list);
     one_shot::refusals(&calls, &first, &mut list);
     one_shot::unknown_view(&calls, &first.sample, &mut list);

@@ -69,21 +69,16 @@ impl FileReplies {
 /// Finds a format that the decoder reads and judges the images. Returns the replies that are frames.
 pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
-    let mut lacking = Vec::new();
     let others = Format::ALL.into_iter();
     let others = others.filter(|format| !COMMON_FORMATS.contains(format));
     for format in COMMON_FORMATS.into_iter().chain(others) {
         let mut asked = FileReplies::request_in_best_spelling(calls, format);
         if asked.rank()[0] {
             judge_views(&asked, list);
-            if !lacking.is_empty() {
-                list.add_absent(format!("not decoded: {}", lacking.join(", ")));
-            }
             let is_frame = |reply: &Reply| matches!(reply.answer, Answer::Decoded(_));
             asked.replies.retain(|(_, reply)| is_frame(reply));
             return Some(asked);
         }
-        lacking.push(format.short_name());
         let is_hopeless = asked.is_hopeless();
         match (asked.replies.iter()).position(|(_, reply)| reply.answer != Answer::Unsupported) {
             Some(first) => {
@@ -108,6 +103,47 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
     let fault = known.unwrap_or_else(|| explain(reply));
     list.add_fault(&subject, fault, sample.repeat(view));
     None
+}
+
+/// Requests a file of every other format, which must be decoded or answered with 69.
+pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
+    let is_unsupported = |(_, reply): &&(View, Reply)| reply.answer == Answer::Unsupported;
+    let (mut unsupported, mut failed) = (Vec::new(), Vec::new());
+    for format in Format::ALL
+        .into_iter()
+        .filter(|format| *format != first.sample.format)
+    {
+        let asked = FileReplies::request_in_best_spelling(calls, format);
+        match asked.rank() {
+            [_, _, true] => list.add_good(format!("{}: decoded correctly", format.short_name())),
+            [true, ..] => judge_views(&asked, list),
+            _ if asked.replies.iter().all(|reply| is_unsupported(&reply)) => {
+                unsupported.push(asked)
+            }
+            _ => failed.push(asked),
+        }
+    }
+    let names = |files: &[FileReplies]| -> String {
+        let names = files.iter().map(|file| file.sample.format.short_name());
+        names.collect::<Vec<_>>().join(", ")
+    };
+    if !unsupported.is_empty() {
+        list.add_absent(format!("not supported: {}", names(&unsupported)));
+    }
+    for FileReplies { sample, replies } in failed.iter().take(1) {
+        for (view, reply) in replies
+            .iter()
+            .filter(|reply| !is_unsupported(reply))
+            .take(1)
+        {
+            let fault = fault("format-not-read", &[("answer", &reply.answer.describe())]);
+            list.add_fault(
+                &format!("{} {view}", names(&failed)),
+                fault,
+                sample.repeat(view),
+            );
+        }
+    }
 }
 
 /// Reports the result of each view of a file, with the repair of a wrong image.

@@ -100,7 +100,7 @@ fn diff_reports_each_kind_of_change() {
     };
     let vanished = "1 case vanished:\n  first-lum: pass\n";
     assert_diff(&[before, lrgb, after].concat(), vanished);
-    assert_diff(&[before, lrgb, lum, after].concat(), "another order");
+    assert_diff(&[before, lrgb, lum, after].concat(), "in a different order");
     assert_diff(&old.replacen("  - coef\n", "", 1), "  - - coef\n");
     let correctness = old.replacen("correctness: ", "correctness: 1", 1);
     assert_diff(&correctness, "  + correctness: 1");

@@ -132,7 +132,7 @@ viewer {in} {lu} {lv} {light} | | unknown placeholder {light}
 viewer {in} {lu} {lv} {out} {out} | | more than once
 viewer 'x {in} {lu} {lv} | | quotation
 {in} {lu} {lv} | | first word must be the program
-viewer {in} {lu} {lv} | --view raw --view rgb | serves one view",
+viewer {in} {lu} {lv} | --view raw --view rgb | serves only one view",
     ) {
         check(&here, &template, &options).assert_exit(2, &says);
     }

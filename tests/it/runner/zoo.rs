@@ -48,7 +48,7 @@ accepts-all | 1 | | 17 | received raw 1x1
 accepts-malformed | 1 | | 2 | accepted a file that must be refused
 wrong-size | 1 | | 15 | received raw 1x1 with 1 channels
 crashes-on-malformed
-  | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && to reproduce it:↵  $
+  | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && to reproduce this:↵  $
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
@@ -56,8 +56,8 @@ upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all firs
 blue-first | 1 | | none | rgb: red and blue are exchanged (BGR), in all first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
 brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
-high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && to reproduce it:↵  $
-cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && to reproduce it:↵  $
+high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && to reproduce this:↵  $
+cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && to reproduce this:↵  $
 unsupported-once | 1 | | 1 | decodes other files of this kind
 no-lum | 0 | | none | unsupported (exit status 69): LUM, rgb of LUM
 no-raw-of-rgb | 0 | | none | unsupported (exit status 69): raw of RGB

@@ -256,10 +256,10 @@ fn partial_decoders_are_ready() {
     assert_scripts_probed(
         r#"
 0 | case $1 in rgb:*) ;; *) exit 69;; esac↵grep -q PTM_FORMAT_RGB "$2" || { grep -q PTM_FORMAT_ "$2" && exit 69; exit 65; }↵right "$@" || exit 65
-  | – not decoded: LRGB && ✓ RGB rgb:0.3125,-0.4375: decoded && – RGB raw: exited with 69 && ready.
-0 | case $1 in raw|coef|rgb:*) grep -aq _LUT "$2" && grep -aq nentries "$2" || exit 65;; *) exit 69;; esac↵right "$@"
+  | – not supported: LUM, LRGB, PTM_LUT && ✓ RGB rgb:0.3125,-0.4375: decoded && – RGB raw: exited with 69 && ready.
+0 | case $1 in raw|coef|rgb:*) grep -aq 'FORMAT_[RLJ]' "$2" && exit 69; grep -aq nentries "$2" || exit 65;; *) exit 69;; esac↵right "$@"
   | PTM_C_LUT raw: decoded correctly && is spelled "nentries 256" && ready. Next
-0 | case $1 in raw|coef|rgb:*) grep -aq _LUT "$2" && ! grep -aq 'nentries\|N_LUT_ENTRIES' "$2" || exit 65;; *) exit 69;; esac↵right "$@"
+0 | case $1 in raw|coef|rgb:*) grep -aq 'FORMAT_[RLJ]' "$2" && exit 69; grep -aq _LUT "$2" && ! grep -aq 'nentries\|N_LUT_ENTRIES' "$2" || exit 65;; *) exit 69;; esac↵right "$@"
   | PTM_C_LUT raw: decoded correctly && is spelled "256" && ready. Next"#,
     );
 }

@@ -135,7 +135,7 @@ fn commands_have_the_expected_status_and_output() {
 2 | render first-lrgb.ptm --light 0.9,0.9 -o x.png | below the horizon
 2 | render first-lrgb.ptm --light north -o x.png | two numbers such as
 2 | export first-lrgb.ptm -o x.tif | .exr, .npy or .png
-2 | export first-lrgb.ptm --final -o x.png | PNG cannot hold
+2 | export first-lrgb.ptm --final -o x.png | PNG cannot store
 2 | convert first-lrgb.ptm --to TIFF -o x.ptm | expected one of RGB, LUM
 2 | inspect no-such-file.ptm | no-such-file.ptm
 65 | render half-payload-lrgb.ptm -o x.png | ptm-conform inspect
@@ -332,7 +332,7 @@ fn oversized_tables_are_refused_with_a_count() {
     here.succeeds("diff a.ptm b.ptm");
     write(65_537);
     let text = here.exits(1, "convert a.ptm --to PTM_C_LUT -o b.ptm");
-    assert!(text.contains("65537 texels are distinct"), "{text}");
+    assert!(text.contains("65537 distinct texels"), "{text}");
 }
 
 #[test]
