@@ -198,19 +198,14 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
 }
 
 /// Returns a plan that selects all cases.
-fn plan(
-    args: &CheckArgs,
-    suite: &Suite,
-    tested: &Subject,
-    serves: bool,
-) -> Result<RunPlan, String> {
+fn plan(args: &CheckArgs, suite: &Suite, tested: &Subject, serve: bool) -> Result<RunPlan, String> {
     let precomputed = matches!(tested.answers, Answers::Precomputed(_));
     Ok(RunPlan {
         soonest: smoke::selection(suite)?,
         views: tested.views.clone(),
         withheld: tested.withheld.clone(),
         precomputed,
-        repeat: match (precomputed, serves) {
+        repeat: match (precomputed, serve) {
             (true, _) => Repeat::Nothing,
             (false, true) => Repeat::FailuresAndSample,
             (false, false) => Repeat::Failures,

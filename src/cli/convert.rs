@@ -12,7 +12,7 @@ use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repai
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///
 /// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
-/// distinct texels. Every format has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows.
+/// distinct texels. Every format except LUM has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows.
 /// The result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
 /// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not
@@ -47,6 +47,11 @@ pub struct ConvertArgs {
 }
 
 pub fn run(args: &ConvertArgs) -> CommandResult {
+    let source = args.file.canonicalize().ok();
+    if source.is_some() && source == args.output.canonicalize().ok() {
+        let output = args.output.display();
+        return Err(format!("{output} is the input file; write to a different file").into());
+    }
     if args.repair {
         return repair_file(args);
     }

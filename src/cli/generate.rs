@@ -10,6 +10,7 @@ use super::{CommandResult, files};
 use super::{arguments::id_filter, names::did_you_mean};
 #[cfg(unix)]
 use ptm_conform::protocol::frame::ViewKind;
+use ptm_conform::ptm::Format;
 #[cfg(unix)]
 use ptm_conform::session::outputs;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
@@ -23,7 +24,7 @@ use ptm_conform::tools::profiles::{self, Profile};
 /// exhaustive has every file and adds EXR images. Each version of ptm-conform writes the same bytes on every machine.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
+    after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --ptm-format LRGB --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
     /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
@@ -43,6 +44,9 @@ pub struct GenerateArgs {
     /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
+    /// With a profile, write only files of this format, such as LRGB or JPEG_RGB. Repeatable.
+    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile")]
+    formats: Vec<Format>,
     /// Also write files over 4 KiB.
     #[arg(long)]
     all: bool,
@@ -53,7 +57,10 @@ pub struct GenerateArgs {
 
 /// Writes the corpus, the requests or the profile.
 pub fn run(args: &GenerateArgs) -> CommandResult {
-    let suite = Suite::load()?;
+    let (mut suite, formats) = (Suite::load()?, &args.formats);
+    suite
+        .cases
+        .retain(|case| formats.is_empty() || formats.contains(&case.format()));
     if let Some(id) = &args.case {
         return write_cases(&suite, id, args.out.as_deref());
     }

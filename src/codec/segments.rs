@@ -4,8 +4,7 @@
 //! Fill bytes (B.1.1.2) belong to no segment and are not preserved.
 
 use super::markers::{Cursor, SOS};
-use super::stream_error::StreamResult;
-use super::writer::Writer;
+use super::{stream_error::StreamResult, writer::Writer};
 
 /// A marker segment.
 pub(crate) struct MarkerSegment {

@@ -30,8 +30,7 @@
 
 use std::ops::Range;
 
-use super::channels::Channels;
-use super::planes;
+use super::{channels::Channels, planes};
 // Both versions return the same residuals. The parallel version is faster.
 #[cfg(not(feature = "parallel"))]
 use super::planes::residuals;

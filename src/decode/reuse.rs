@@ -10,8 +10,7 @@
 //!                                 └── …
 //! ```
 
-use super::compressed::Streams;
-use super::stored::Stored;
+use super::{compressed::Streams, stored::Stored};
 use crate::error::Result;
 use crate::ptm::Shape;
 use crate::reading::Reading;

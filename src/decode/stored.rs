@@ -16,8 +16,7 @@
 
 use std::ops::Range;
 
-use super::channels::Channels;
-use super::runs;
+use super::{channels::Channels, runs};
 use crate::error::Result;
 use crate::ptm::{Header, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;

@@ -52,14 +52,9 @@ use witness::{reference_reading, witnesses};
 /// Returns the causes of the failures in `run`, the cause with the most failures first. `assumed` lists mistakes that
 /// the user knows about. If the user interrupts the search, most failures have no cause.
 #[must_use]
-pub fn diagnose(
-    suite: &Suite,
-    run: &Run,
-    assumed: &[&'static Misreading],
-    threads: usize,
-) -> Causes {
+pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs: usize) -> Causes {
     let start = cpu_time();
-    let mut causes = diagnose_by(suite, run, assumed, threads, edits::add_candidates);
+    let mut causes = diagnose_by(suite, run, assumed, jobs, edits::add_candidates);
     causes.cpu_time = cpu_time()
         .zip(start)
         .map(|(now, start)| now.saturating_sub(start));

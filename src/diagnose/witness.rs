@@ -32,6 +32,8 @@ pub(super) struct Witness<'a> {
     pub failed: bool,
     /// Number of judged legal files of the same format.
     pub legal_files: usize,
+    /// Number of these files whose cases are inconclusive.
+    pub inconclusive_files: usize,
     /// Choices of the decoder to which mistakes are applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
@@ -88,10 +90,14 @@ pub(super) fn witnesses<'a>(
     threads: usize,
 ) -> Vec<Witness<'a>> {
     let dialect = dialect_reading(run);
-    let mut legal_files = HashMap::new();
+    let mut legal_files: HashMap<_, [usize; 2]> = HashMap::new();
     for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
-        let is_judged_legal = case.expect == Expect::Decode && judged.is_some();
-        *legal_files.entry(case.format()).or_default() += usize::from(is_judged_legal);
+        let Some(judged) = judged.as_ref().filter(|_| case.expect == Expect::Decode) else {
+            continue;
+        };
+        let [all, inconclusive] = legal_files.entry(case.format()).or_default();
+        *all += 1;
+        *inconclusive += usize::from(judged.outcome == Outcome::Inconclusive);
     }
     let witness = |case_index: usize| {
         let case = &suite.cases[case_index];
@@ -106,6 +112,8 @@ pub(super) fn witnesses<'a>(
             return None;
         }
         let built = case.build(run.table);
+        let counts = legal_files.get(&case.format()).copied();
+        let [legal_files, inconclusive_files] = counts.unwrap_or_default();
         let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
         let (right, correct_answer) = (answer(dialect), reading.map(answer));
         Some(Witness {
@@ -114,7 +122,8 @@ pub(super) fn witnesses<'a>(
             observation,
             built,
             failed: outcome == Outcome::Fail,
-            legal_files: legal_files.get(&case.format()).copied().unwrap_or_default(),
+            legal_files,
+            inconclusive_files,
             reading: reading.unwrap_or(dialect),
             right,
             correct_answer,

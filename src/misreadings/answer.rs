@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::hook::Hook;
-use super::misreading::Misreading;
+use super::{hook::Hook, misreading::Misreading};
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
 use crate::protocol::frame::{Answer, Frame, View};

@@ -9,13 +9,12 @@ use std::sync::LazyLock;
 use super::misreading::{Misreading, load_catalog};
 use crate::texture::compose::{mix, multiply};
 use crate::texture::parameterize::{dot, length};
-use crate::texture::primitive::Terms;
-use crate::texture::stage::is_split;
 use crate::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Entry, Fetched, Frequency, InteriorStyle,
     Interpolation, LitPrimitive, Parameterization, RenderingControl, Rules, SampleMethod,
     Selection, Shade, Site, Texel,
 };
+use crate::texture::{primitive::Terms, stage::is_split};
 
 /// A mistake in the rules of texture mapping.
 pub type Change = fn(&mut Rules);

@@ -13,9 +13,7 @@
 //!   replicated (ruling `explicit-neighbour`).
 
 use super::entry::{Boundary, ClampMethod, Entry, Vector};
-use super::map::Texel;
-use super::primitive::Fetched;
-use super::rules::Rules;
+use super::{map::Texel, primitive::Fetched, rules::Rules};
 
 /// Returns the texel index along one direction for coordinate `t` in a level of `size` texels.
 #[must_use]

@@ -8,16 +8,12 @@ use std::f64::consts::PI;
 
 use super::depth::{Footprint, is_magnified, sample_depth};
 use super::entry::{Color, Entry, Vector};
-use super::map::TextureMap;
-use super::no_value::NoValue;
-use super::orient::orient;
 use super::parameterize::{dot, length, parameterize};
 use super::primitive::{
     Frequency, Interpolation, LitPrimitive, Point, Shade, SplinePoint, VertexData,
 };
-use super::rules::Rules;
-use super::sample::fetch;
-use super::stage::stage;
+use super::{map::TextureMap, no_value::NoValue, orient::orient};
+use super::{rules::Rules, sample::fetch, stage::stage};
 
 /// Textured shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

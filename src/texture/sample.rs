@@ -12,8 +12,7 @@
 use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{Level, Texel, TextureMap};
-use super::primitive::Fetched;
-use super::rules::Rules;
+use super::{primitive::Fetched, rules::Rules};
 
 /// Indices of two neighboring cells along a dimension, each with its weight. The weights sum to 1.
 pub(crate) type CellPair = [(usize, f64); 2];

@@ -7,8 +7,7 @@
 //!   `undefined-entry`).
 
 use super::entry::{Entry, Table};
-use super::no_value::NoValue;
-use super::rules::Rules;
+use super::{no_value::NoValue, rules::Rules};
 
 /// Looks up the entry for `index` in `table`.
 ///

@@ -141,12 +141,9 @@ pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
 ///
 /// # Errors
 /// Returns an error if the image is too large for the format.
-pub fn encode_image(
-    image: impl Into<DynamicImage>,
-    format: ImageFormat,
-) -> Result<Vec<u8>, String> {
+pub fn encode_image(image: impl Into<DynamicImage>, kind: ImageFormat) -> Result<Vec<u8>, String> {
     let (image, mut out) = (image.into(), Cursor::new(Vec::new()));
-    let result = match format {
+    let result = match kind {
         ImageFormat::Pnm => {
             // The default is the newer variant P7, which few programs read.
             let subtype = PnmSubtype::Pixmap(SampleEncoding::Binary);
@@ -155,7 +152,7 @@ pub fn encode_image(
         ImageFormat::Jpeg => {
             image.write_with_encoder(JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY))
         }
-        _ => image.write_to(&mut out, format),
+        _ => image.write_to(&mut out, kind),
     };
     result.map_err(|error| error.to_string())?;
     Ok(out.into_inner())

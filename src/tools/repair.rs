@@ -14,7 +14,7 @@ use super::dissection::{Dissection, FilePart, Role};
 use super::lint::Lint;
 use super::segments::{EOI, SegmentKind, segments};
 use crate::decode::decode;
-use crate::ptm::Format;
+use crate::ptm::{Format, Ptm};
 
 /// Repaired file.
 #[derive(Debug)]
@@ -51,6 +51,11 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
+        if may_be_values(&bytes, end) {
+            return Err(format!(
+                "{rest} bytes follow the last value, but they may be values: check the size and the whitespace in the header"
+            ));
+        }
         changes.push(format!("removed {rest} bytes after the last value"));
         bytes.truncate(end);
     }
@@ -111,13 +116,11 @@ impl<'a> LenientHeader<'a> {
     fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const WHITESPACE: &str = "replaced the whitespace in the header with spaces and line feeds";
         let normalized = self.to_bytes();
-        if let Ok(ptm) = decode(&normalized) {
+        if decode(&normalized).is_ok() {
             let is_exact = Dissection::parse(&normalized).end() == normalized.len();
-            if self.line_end != "\n" && !is_exact {
-                return Err(format!(
-                    "the header has line endings other than line feeds, and the payload is longer than {} texels require: the file was copied in text mode, which also changed the payload",
-                    ptm.header.size
-                ));
+            if self.line_end != "\n" && !is_exact || self.has_converted_payload() {
+                let why = "the file was copied in text mode, which also changed its payload";
+                return Err(why.to_owned());
             }
             changes.push(WHITESPACE.to_owned());
             return Ok(normalized);
@@ -128,6 +131,21 @@ impl<'a> LenientHeader<'a> {
         }
         self.measure_streams(changes)?;
         Ok(self.to_bytes())
+    }
+
+    /// Returns true if every line feed of the payload seems to have been converted to the line ending of the header.
+    fn has_converted_payload(&self) -> bool {
+        let count = |pattern: &[u8]| {
+            self.payload
+                .windows(pattern.len())
+                .filter(|w| *w == pattern)
+                .count()
+        };
+        match self.line_end {
+            "\r" => count(b"\r") > 0 && count(b"\n") == 0,
+            "\r\n" => count(b"\n") > 0 && count(b"\n") == count(b"\r\n"),
+            _ => false,
+        }
     }
 
     fn to_bytes(&self) -> Vec<u8> {
@@ -159,6 +177,22 @@ impl<'a> LenientHeader<'a> {
             false => Err(ambiguous.to_owned()),
         }
     }
+}
+
+/// Returns true if the bytes after `end` may be values: whole rows or columns, or values that are displaced because the header
+/// continues into the payload.
+fn may_be_values(bytes: &[u8], end: usize) -> bool {
+    let Ok(Ptm { header, .. }) = decode(bytes) else {
+        return false;
+    };
+    let (format, size) = (header.format, header.size);
+    let extra = bytes.len() - end;
+    let start = end.saturating_sub(size.texels() * format.channels());
+    let lines = [size.width, size.height].map(|texels| texels as usize * format.channels());
+    format.coding().is_none()
+        && !format.has_table()
+        && (lines.iter().any(|line| extra.is_multiple_of(*line))
+            || bytes[start].is_ascii_whitespace())
 }
 
 /// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.

@@ -26,8 +26,7 @@
 //! - For 8-bit samples, differences have at most 11 bits (Table F.1), and AC coefficients have at most 10
 //!   (Table F.2).
 
-use super::huffman::ReadSymbols;
-use super::zigzag::ZIGZAG;
+use super::{huffman::ReadSymbols, zigzag::ZIGZAG};
 use crate::codec::stream_error::{StreamResult, malformed};
 
 /// Decodes and dequantizes a block (A.3.4). Returns its DCT coefficients in row order.

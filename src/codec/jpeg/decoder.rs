@@ -10,8 +10,7 @@
 //!   supports SOF1 can treat both in the same way.
 //! - Other processes use the same SOI. Only the marker of the frame header identifies the process.
 
-use super::scan::decode_scan;
-use super::tables::Tables;
+use super::{scan::decode_scan, tables::Tables};
 use crate::codec::bit_buffer::BitBuffer;
 use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, EOI, SOS};

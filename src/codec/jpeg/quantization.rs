@@ -16,9 +16,7 @@
 //! - Blocks that extend past the image are padded with its last column and row (A.2.4).
 //! - Halves are rounded away from zero.
 
-use super::forward_dct::forward_dct;
-use super::inverse_dct::inverse_dct;
-use super::zigzag::ZIGZAG;
+use super::{forward_dct::forward_dct, inverse_dct::inverse_dct, zigzag::ZIGZAG};
 
 /// Quantization steps for luminance at quality 50, in row order (Table K.1).
 #[rustfmt::skip]

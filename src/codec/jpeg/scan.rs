@@ -20,8 +20,7 @@
 use super::decode_block::decode_block;
 use super::huffman::ReadSymbols;
 use super::huffman_table::HuffmanTable;
-use super::narrow_dct::fast_inverse_dct;
-use super::processes::unexpected_marker;
+use super::{narrow_dct::fast_inverse_dct, processes::unexpected_marker};
 use crate::codec::headers::allocate_samples;
 use crate::codec::markers::{Cursor, RST0};
 use crate::codec::stream_error::StreamResult;

@@ -16,9 +16,7 @@
 //! - The byte before a table contains its precision or class in the high four bits and its index in the low four bits.
 //! - DC and AC tables have separate indices: DC table 0 and AC table 0 are different tables.
 
-use super::huffman_table::HuffmanTable;
-use super::processes::unexpected_marker;
-use super::scan::ScanTables;
+use super::{huffman_table::HuffmanTable, processes::unexpected_marker, scan::ScanTables};
 use crate::codec::headers::{FrameHeader, ScanHeader};
 use crate::codec::markers::{Cursor, DRI};
 use crate::codec::stream_error::{StreamResult, malformed};
@@ -40,22 +38,17 @@ pub(super) struct Tables {
 
 impl Tables {
     /// Reads tables up to a marker in `codes`. Skips comments and application data. Any other marker is an error.
-    pub fn read_until(
-        &mut self,
-        stream: &mut Cursor,
-        codes: &[u8],
-        what: &str,
-    ) -> StreamResult<()> {
+    pub fn read_until(&mut self, input: &mut Cursor, codes: &[u8], what: &str) -> StreamResult<()> {
         loop {
-            let marker = stream.read_marker_after_comments()?;
+            let marker = input.read_marker_after_comments()?;
             match marker.code {
                 DQT => {
-                    self.read_quantization(stream.read_segment("the quantization table segment")?)?;
+                    self.read_quantization(input.read_segment("the quantization table segment")?)?;
                 }
-                DHT => self.read_huffman(stream.read_segment("the Huffman table segment")?)?,
+                DHT => self.read_huffman(input.read_segment("the Huffman table segment")?)?,
                 DRI => {
                     // The number of blocks between restart markers (B.2.4.4).
-                    let mut segment = stream.read_segment("the restart interval segment")?;
+                    let mut segment = input.read_segment("the restart interval segment")?;
                     self.restart_interval = segment.read_u16("the restart interval")?;
                     segment.expect_end()?;
                 }

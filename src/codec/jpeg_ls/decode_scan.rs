@@ -20,14 +20,11 @@
 
 use super::contexts::{Context, fresh_contexts};
 use super::golomb::ReadGolomb;
-use super::gradients::context_number;
-use super::parameters::Parameters;
-use super::prediction::predict;
 use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
-use crate::codec::headers::allocate_samples;
-use crate::codec::markers::Cursor;
+use super::{gradients::context_number, parameters::Parameters, prediction::predict};
 use crate::codec::stream_error::{StreamError, StreamResult, malformed};
+use crate::codec::{headers::allocate_samples, markers::Cursor};
 
 /// Decodes the entropy-coded data that starts at the cursor. Leaves the cursor at the marker that ends the data.
 pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(

@@ -16,11 +16,9 @@
 //! - If the last byte is 0xFF, a byte of seven zero bits follows. Without it, a decoder would read the marker as data.
 
 use super::contexts::{Context, fresh_contexts};
-use super::gradients::context_number;
-use super::parameters::Parameters;
-use super::prediction::predict;
 use super::run_mode::{Interruption, RunMode};
 use super::template::{Lines, Neighbors};
+use super::{gradients::context_number, parameters::Parameters, prediction::predict};
 use crate::codec::writer::{BitWriter, Writer};
 
 /// Encodes all samples. Returns the samples that a decoder reconstructs.

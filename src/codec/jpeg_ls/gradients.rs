@@ -11,8 +11,7 @@
 //! a x       5  x
 //! ```
 
-use super::parameters::Parameters;
-use super::template::Neighbors;
+use super::{parameters::Parameters, template::Neighbors};
 
 /// Returns the signed index of the context, which is negative in the mirrored neighborhood. Index 0 is the flat
 /// neighborhood, which belongs to run mode. The standard does not specify the numbering.

@@ -12,8 +12,7 @@
 //! sample   7 − 13 = −6          −6 + 256 = 250
 //! ```
 
-use super::parameters::Parameters;
-use super::template::Neighbors;
+use super::{parameters::Parameters, template::Neighbors};
 
 /// Predicts a sample from its neighbors (A.4.1).
 #[inline]

@@ -105,9 +105,11 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
         let all: Vec<usize> = (0..witnesses.len()).filter(of_format).collect();
         let legal: Vec<usize> = all.iter().copied().filter(is_legal).collect();
-        // Unsupported files are not witnesses, but they are also legal files.
-        let is_whole = |&w: &usize| witnesses[w].failed && witnesses[w].legal_files == legal.len();
-        if legal.len() < MIN_SUPPORT || !legal.iter().all(is_whole) {
+        // Unsupported files are not witnesses, but they are also legal files. Inconclusive legal files are always refused.
+        let is_whole = |witness: &Witness| {
+            witness.failed && witness.legal_files == legal.len() + witness.inconclusive_files
+        };
+        if legal.len() < MIN_SUPPORT || !legal.iter().all(|&w| is_whole(&witnesses[w])) {
             continue;
         }
         let Some(mode) = common_mode(witnesses, &legal) else {
@@ -135,10 +137,18 @@ impl WholeFormats {
     pub fn describe(&self, witnesses: &[Witness], alike: Vec<&'static Misreading>) -> Diagnosis {
         let names = self.formats.iter().map(|format| format.short_name());
         let names: Vec<&str> = names.collect();
-        let effect = format!("{} every legal file of {}", self.mode, names.join(", "));
-        let refusal =
-            refusal_text(witnesses, &self.cases, &self.mode, effect).with_equivalents(alike);
-        refusal.with_clause("2.2/1")
+        let text = CauseText {
+            effect: format!("{} every legal file of {}", self.mode, names.join(", ")),
+            fix: "read these formats, or exit with 69 for all of their files".to_owned(),
+            example: example(witnesses, &self.cases),
+        };
+        let alike = match self.mode {
+            FailureMode::Refuses | FailureMode::Unsupported => alike,
+            _ => Vec::new(),
+        };
+        Diagnosis::from_description(Category::Refusal, witnesses, &self.cases, text)
+            .with_equivalents(alike)
+            .with_clause("2.2/1")
     }
 }
 
