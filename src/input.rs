@@ -9,6 +9,7 @@
 //! Tabs, carriage returns, leading blanks, empty lines and extra spaces are errors (ruling `header-blanks`).
 
 use std::ops::Range;
+use std::str::FromStr;
 
 use crate::error::{Error, Kind, Result};
 use crate::ptm::Field;
@@ -79,23 +80,15 @@ impl<'a> Input<'a> {
         value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 
-    /// Reads an integer from 0 to 2³² − 1, in decimal digits with an optional sign.
-    pub(crate) fn integer(&mut self, clause: &'static str, name: &'static str) -> Result<u32> {
+    /// Reads an integer that fits in `T`, a `u32` or `i64`, in decimal digits with an optional sign.
+    pub(crate) fn integer<T: FromStr>(
+        &mut self,
+        clause: &'static str,
+        name: &'static str,
+    ) -> Result<T> {
         let start = self.at;
-        let token = self.token(clause, name)?;
-        let value = std::str::from_utf8(token)
-            .ok()
-            .and_then(|digits| digits.parse().ok());
-        value.ok_or_else(|| self.unexpected_at(start, clause, name))
-    }
-
-    /// Reads a signed integer.
-    pub(crate) fn signed(&mut self, clause: &'static str, name: &'static str) -> Result<i64> {
-        let start = self.at;
-        let token = self.token(clause, name)?;
-        let value = std::str::from_utf8(token)
-            .ok()
-            .and_then(|digits| digits.parse().ok());
+        let token = std::str::from_utf8(self.token(clause, name)?).ok();
+        let value = token.and_then(|digits| digits.parse().ok());
         value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 

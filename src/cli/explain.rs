@@ -12,10 +12,13 @@ use clap::Args;
 #[cfg(unix)]
 use super::output::{bar, jobs};
 use super::terminal::print_styled;
-use super::{CommandResult, arguments::is_at_or_below, links::page_line, names::nearest_names};
+use super::{
+    CommandResult, arguments::is_at_or_below, links::page_line, names::nearest_names, readers,
+};
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
 use ptm_conform::ptm::Format;
+use ptm_conform::readers::ReaderProfile;
 #[cfg(unix)]
 use ptm_conform::session::outcome::Outcome;
 #[cfg(unix)]
@@ -27,7 +30,7 @@ use ptm_conform::suite::texture::cases as texture;
 use ptm_conform::suite::{name::SuiteName, test_case::TestCase};
 use ptm_conform::tools::lint::codes::{self, Code};
 
-/// Explain a case, a clause, a ruling, a misreading or a lint code.
+/// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down"
@@ -141,8 +144,26 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
     }
+    let profiles = readers::load_profiles(None)?;
+    text.extend(
+        profiles
+            .iter()
+            .filter(|profile| profile.name == id)
+            .map(explain_reader),
+    );
     text += &explain_texture(id)?;
     Ok(Some(text).filter(|text| !text.is_empty()))
+}
+
+/// Describes the profile of a public reader.
+fn explain_reader(profile: &ReaderProfile) -> String {
+    let ReaderProfile { name, reader, .. } = profile;
+    let misreadings = profile.misreadings.iter().map(|known| known.slug.as_str());
+    format!(
+        "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n  Predictions: ptm-conform lint --for {name} FILE\n",
+        profile.reads.join(", "),
+        misreadings.collect::<Vec<_>>().join(", ")
+    )
 }
 
 /// Describes everything in the texture suite that has the given id. Returns an empty string if the id is unknown there.

@@ -164,7 +164,7 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
 fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {
-        value: input.signed(clause, name)?,
+        value: input.integer(clause, name)?,
         at,
     })
 }

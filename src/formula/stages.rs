@@ -15,7 +15,7 @@ use crate::error::{Error, Kind, Result};
 use crate::evaluate::{self, Coefficients, RelitImage};
 use crate::input::Input;
 use crate::parts::{Coded, RawLists, Step};
-use crate::ptm::{Coding, Header, Limits, Planes, Ptm, ScaleBias, Shape, Size, Storage};
+use crate::ptm::{Coding, Header, Limits, Planes, Ptm, Shape, Size, Storage};
 use crate::reading::Reading;
 
 /// Edits that a decoder makes, at most one per formula.
@@ -578,16 +578,13 @@ pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients
                 false => Formula::FinalColor,
             };
             if edits.is_edited(formula) {
-                *value = final_value(formula, raw, channel, set, edits);
+                let [i, c] = coefficient_index(channel);
+                let variables = [f64::from(raw), i, c];
+                *value = edits.value(formula, &variables, &[&set.scale, &set.bias]);
             }
         }
     }
     coefficients
-}
-
-fn final_value(formula: Formula, raw: u8, channel: usize, set: &ScaleBias, edits: Edits) -> f64 {
-    let [i, c] = coefficient_index(channel);
-    edits.value(formula, &[f64::from(raw), i, c], &[&set.scale, &set.bias])
 }
 
 /// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).

@@ -41,7 +41,10 @@ const PLANE_SIMPLIFICATIONS: [fn(&mut Parts, usize); 7] = [
         let records = &mut parts.compressed().planes[plane].records;
         records.truncate(records.len() / 2);
     },
-    Parts::make_gray,
+    |parts, plane| {
+        let stream = parts.encode(&vec![128; parts.recipe.size.texels()]);
+        parts.compressed().planes[plane].stream = stream;
+    },
     |parts, plane| {
         let plan = &mut parts.compressed().plan;
         (plan.references[plane], plan.transforms[plane]) = (-1, 0);
@@ -162,12 +165,6 @@ impl Parts {
     fn encode(&self, residual: &[u8]) -> Vec<u8> {
         let (size, plan) = (self.recipe.size, &self.recipe.compression);
         (plan.coding).encode(residual, (size.width, size.height), plan.parameter)
-    }
-
-    /// Sets all residuals of a plane to 128.
-    fn make_gray(&mut self, plane: usize) {
-        let stream = self.encode(&vec![128; self.recipe.size.texels()]);
-        self.compressed().planes[plane].stream = stream;
     }
 
     /// Keeps the first `1 / divisor` of the used entries, and reduces each index modulo their number.

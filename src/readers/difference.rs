@@ -74,7 +74,8 @@ impl ReaderImages {
     /// Describes the visible fault of the reader's image, or returns `None` if the image is correct.
     pub(super) fn difference(&self) -> Option<String> {
         let Some(light) = self.differ.iter().position(|&differs| differs) else {
-            let fault = "coefficients differ; the difference is visible under some lights at most";
+            let fault =
+                "coefficients differ; the difference is visible only under some lights, if at all";
             return self.coefficients_differ.then(|| fault.to_owned());
         };
         if self.sizes[0] != self.sizes[1] {

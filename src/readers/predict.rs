@@ -126,11 +126,12 @@ impl<'a> OpenedFile<'a> {
     fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Shown, String) {
         let (mut ptm, reading) = match read(misreadings, Reading::SPEC, self.file) {
             Ok(found) => found,
-            Err(None) => return (Shown::Nothing, "the program refuses the file".to_owned()),
-            Err(Some(error)) => {
+            // The position in the error may depend on the misreadings.
+            Err(Some(error)) if self.truth.is_ok() => {
                 let how = format!("the program refuses the file: {error}");
                 return (Shown::Nothing, how);
             }
+            Err(_) => return (Shown::Nothing, "the program refuses the file".to_owned()),
         };
         let Ok(truth) = &self.truth else {
             return match profile.reads(ptm.header.format) {

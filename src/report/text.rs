@@ -194,7 +194,7 @@ impl<C: TestCase> Page<'_, C> {
         let report = self.report;
         self.write_dialect(out)?;
         let lenient = report.lenient.iter().map(Leniency::to_summary);
-        write_list(out, "outside the specification", lenient)?;
+        write_list(out, "outside the specification (see explain NAME)", lenient)?;
         if !report.decoder.unsupported.is_empty() {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;
@@ -205,6 +205,17 @@ impl<C: TestCase> Page<'_, C> {
             false => String::new(),
         };
         writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
+        if report.verdict == "fail"
+            && report
+                .cases
+                .iter()
+                .all(|case| case.outcome != Outcome::Fail)
+        {
+            writeln!(
+                out,
+                "no case failed, but the run does not pass; see the remarks above"
+            )?;
+        }
         for ((outcome, says), count) in self.count_open_cases() {
             writeln!(out, "{count} {outcome}: {says}")?;
         }

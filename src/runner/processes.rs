@@ -90,15 +90,15 @@ pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
     members.push(root.as_raw_nonzero().get().cast_unsigned());
     let mut pages = 0;
     while let Some(pid) = members.pop() {
-        pages += resident_pages(pid).unwrap_or_default();
+        let sizes = fs::read_to_string(format!("/proc/{pid}/statm")).unwrap_or_default();
+        let resident = sizes
+            .split(' ')
+            .nth(1)
+            .and_then(|pages| pages.parse::<u64>().ok());
+        pages += resident.unwrap_or_default();
         members.extend(children_of(pid));
     }
     pages * page
-}
-
-fn resident_pages(pid: u32) -> Option<u64> {
-    let sizes = fs::read_to_string(format!("/proc/{pid}/statm")).ok()?;
-    sizes.split(' ').nth(1)?.parse().ok()
 }
 
 /// Kills all orphans of the call in `workplace`. Reaps all orphans that have ended, so that they do not count against

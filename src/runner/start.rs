@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The reason why a program cannot be started, and a remedy.
 pub(crate) type Obstacle = (String, String);
@@ -52,7 +52,9 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {
-        find_in_path(word)
+        let path = std::env::var_os("PATH");
+        let mut directories = path.iter().flat_map(std::env::split_paths);
+        directories.find_map(|directory| Some(directory.join(word)).filter(|file| file.is_file()))
     }) else {
         let (says, next) = if here.is_file() {
             (
@@ -108,13 +110,6 @@ fn missing_command(text: &str, says: &str) -> Obstacle {
         "name the decoder by a path such as ./my-decoder, after --".to_owned()
     };
     (says.to_owned(), next)
-}
-
-fn find_in_path(word: &OsStr) -> Option<PathBuf> {
-    let directories = std::env::var_os("PATH")?;
-    std::env::split_paths(&directories)
-        .map(|directory| directory.join(word))
-        .find(|path| path.is_file())
 }
 
 /// Returns the first bytes of a file, or nothing if the file cannot be read. An unreadable file may still be executable.

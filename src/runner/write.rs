@@ -76,7 +76,8 @@ impl Decoder {
         for attachment in call.attachments {
             let path = workspace.write_input(&attachment.file_name, &attachment.bytes)?;
             let name = format!("\"{{{}}}\"", attachment.name);
-            request = request.replace(&name, &json_string(&path.to_string_lossy()));
+            let text = serde_json::Value::from(path.to_string_lossy()).to_string();
+            request = request.replace(&name, &text);
             values.push((&attachment.name, path.clone().into()));
             inputs.push((path, &attachment.bytes));
         }
@@ -103,9 +104,4 @@ impl Decoder {
         }
         Ok(result)
     }
-}
-
-/// Returns `text` as a JSON string.
-fn json_string(text: &str) -> String {
-    serde_json::to_string(text).expect("text is JSON")
 }

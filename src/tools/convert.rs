@@ -108,10 +108,10 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             Ok(ptm.planes.samples.clone())
         }
         (Shape::Lum(_), _) => Err(format!(
-            "{source} into {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
+            "cannot convert {source} to {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
         )),
         (_, Shape::Lum(())) => Err(format!(
-            "{source} into {target}: conversion to Y, Cr and Cb always loses precision"
+            "cannot convert {source} to {target}: conversion to Y, Cr and Cb always loses precision"
         )),
         _ => convert_texels(ptm, target),
     }
@@ -138,7 +138,7 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let (source, set) = (ptm.header.format, &ptm.header.scale_bias);
     if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
         return Err(format!(
-            "{source} into {target}: a bias exceeds {MAX_EXACT_BIAS}"
+            "cannot convert {source} to {target}: a bias exceeds {MAX_EXACT_BIAS}"
         ));
     }
     let bias = set.bias.map(|bias| bias as i64);
@@ -157,7 +157,7 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     let (count, size) = (misfits.len(), ptm.planes.size);
     let (all, position) = (size.texels(), describe_position(size, first));
     Err(format!(
-        "{source} into {target}: {count} of {all} texels do not fit, the first at {position}: {why}"
+        "cannot convert {source} to {target}: {count} of {all} texels do not fit, the first at {position}: {why}"
     ))
 }
 

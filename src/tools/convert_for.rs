@@ -35,7 +35,9 @@ pub fn convert_for(
     let formats: Vec<Format> = formats.collect();
     let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
-        return Err(names + ": no lossless format is supported by all of them");
+        return Err(
+            "no lossless format is supported by all of these readers: ".to_owned() + &names,
+        );
     }
     let mut reasons = Vec::new();
     for format in formats {

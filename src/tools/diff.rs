@@ -98,7 +98,7 @@ fn compare_headers(a: &Ptm, b: &Ptm) -> Vec<String> {
     let (a, b) = (a.header.size, b.header.size);
     if a != b {
         layout.push(format!(
-            "size: {a} and {b}; planes of different layout are not compared"
+            "size: {a} and {b}; planes are compared only if the sizes are equal"
         ));
     }
     [layout, numbers].concat()

@@ -204,7 +204,7 @@ fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
     let word = String::from_utf8_lossy(&file[*offset..*offset + length]).into_owned();
     *offset += length;
     match length {
-        0 => Err(format!("the header ends at byte {offset}")),
+        0 => Err(format!("the header cannot be read beyond byte {offset}")),
         _ => Ok(word),
     }
 }

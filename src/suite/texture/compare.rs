@@ -25,19 +25,17 @@ pub fn difference(expected: &Value, received: &Value, tolerance: Tolerance) -> O
             return Some(format!("{name}: expected {expected}, received nothing"));
         };
         // The texels of a black and white map may be luminances.
-        let gray = name == "texel" && as_gray(expected, received, tolerance);
+        let gray = match (expected, received) {
+            (Value::Array(all), Value::Array(one))
+                if name == "texel" && all.len() == 3 && one.len() == 1 =>
+            {
+                all.iter().all(|value| equal("", value, &one[0], tolerance))
+            }
+            _ => false,
+        };
         (!gray && !equal(name, expected, received, tolerance))
             .then(|| format!("{name}: expected {expected}, received {received}"))
     })
-}
-
-fn as_gray(expected: &Value, received: &Value, tolerance: Tolerance) -> bool {
-    match (expected, received) {
-        (Value::Array(all), Value::Array(one)) if all.len() == 3 && one.len() == 1 => {
-            all.iter().all(|value| equal("", value, &one[0], tolerance))
-        }
-        _ => false,
-    }
 }
 
 fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -> bool {

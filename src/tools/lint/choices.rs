@@ -32,7 +32,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
             let mut reading = Reading::SPEC;
             change(&mut reading);
             if let Some(difference) = difference(dissection, ptm, streams, &reading) {
-                let found = format!("for a reader that assumes that {words}, {difference}");
+                let found = format!("under the reading “{words}”, {difference}");
                 findings.add(code.problem, role, found);
                 break;
             }
