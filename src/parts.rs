@@ -52,7 +52,7 @@ pub struct IndexBlock<'a> {
 
 // 2.9
 
-/// Numbers of 2.9.1–2.9.7, as stored.
+/// Numbers in the lists (2.9.1–2.9.7), as stored.
 #[derive(Clone, Debug)]
 pub struct RawLists {
     /// Number of planes.

@@ -1,4 +1,4 @@
-//! Files of a collection, given on the command line, in a list, or by their folder.
+//! Files of a collection: given on the command line, in a list, or as the contents of a folder.
 //!
 //! Collections of any size are walked in bounded memory: only a limited number of names in a folder is read at a time. Links
 //! inside folders are not followed, so a walk cannot loop.
@@ -20,7 +20,7 @@ use ptm_conform::tools::dissection::Dissection;
 const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line in a list, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 16;
-/// Number of bytes that always contain the first lines of a PTM: version, format, width and height.
+/// Number of initial bytes that always contain the first lines of a PTM: version, format, width and height.
 const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to the height.
 const SIZE_HEADER_LINES: usize = 4;

@@ -207,7 +207,7 @@ fn progress(args: &LintArgs) -> ProgressBar {
     bar
 }
 
-/// Checker of files, with the settings that apply to every file.
+/// Checks files with settings that apply to all of them.
 struct Judge<'a> {
     limit: u64,
     memory: MemoryPool,

@@ -14,7 +14,7 @@ use super::{links::add_links, output};
 /// Output format of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RowFormat {
-    /// For people
+    /// Text for human readers
     Text,
     /// A list with a record for each file
     Json,

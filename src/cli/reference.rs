@@ -96,7 +96,7 @@ fn malformed(path: &Path) -> impl Fn(String) -> CommandError + '_ {
     |error| CommandError::refused(path, EXIT_MALFORMED as u8, &error)
 }
 
-/// Writes the requested file, or returns an error with the reason why it cannot be written.
+/// Writes the requested file, or returns an error that states why it cannot be written.
 fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::write_requested_file(request) {
         Ok(bytes) => return Ok(files::write_atomically(out, bytes).map(|()| 0)?),

@@ -47,7 +47,7 @@ use crate::reading::Reading;
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
     coding: Coding,
-    /// Numbers of 2.9.1–2.9.7, unmodified.
+    /// Numbers in the lists (2.9.1–2.9.7), unmodified.
     #[cfg(feature = "harness")]
     pub(crate) lists: RawLists,
     pub(super) plan: Plan,

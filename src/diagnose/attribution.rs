@@ -81,9 +81,9 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but these are less than a quarter of the
-/// wrong images of their formats and views that have no other cause. A larger mistake may explain them as well. Images in
-/// later views do not count, because a mistake in a later step may explain these.
+/// Returns true if most of the explained failures are images of legal files, but they are fewer than a quarter of the wrong
+/// images of their formats and views that have no other cause. A more general mistake may explain all of these. Images in later
+/// views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
@@ -143,7 +143,7 @@ fn diagnose_whole_formats(
 /// - more cases contradict it than support it,
 /// - only malformed files support it, and some case contradicts it,
 /// - it explains a crash by a signal, and no image supports it, or
-/// - it changes values, no image supports it, and more images are unexplained than it explains failures.
+/// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
 fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
     let Some(misreading) = search.mistakes[member.id].catalog_misreading() else {
         return false;
@@ -269,8 +269,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     }
 }
 
-/// Returns the indices of the mistakes in `set` that a failure needs: a single one if it explains the failure alone,
-/// or else all that are indispensable. Returns the first mistake if none is indispensable.
+/// Returns the indices of the mistakes in `set` that are needed to explain a failure: a single mistake if it is sufficient, or
+/// else all that are indispensable. Returns the first mistake if none is indispensable.
 fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     let explained = |set: &[MistakeId]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {

@@ -27,7 +27,7 @@ pub struct Diagnosis<A: 'static = Hook> {
 pub struct Causes<A: 'static = Hook> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics during the search. Each is a bug in this program and costs one cause.
+    /// Messages of panics during the search. Each indicates a bug in this program that lost one cause.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
     pub answered: usize,
@@ -91,7 +91,7 @@ pub enum Category {
 }
 
 impl Category {
-    /// Returns the name that reports use.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -126,7 +126,7 @@ impl<A> Diagnosis<A> {
 }
 
 impl Diagnosis {
-    /// Creates a diagnosis that describes the witnesses `indices`, with the clause that is most specific to them.
+    /// Creates a diagnosis that describes the witnesses at `indices`, with the clause that is most specific to them.
     pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],

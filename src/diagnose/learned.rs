@@ -12,7 +12,7 @@ use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Coding, Ptm};
 
-/// Stored values that could produce an output value: one flag for each of 0 to 255.
+/// Stored values that could produce an output value: one flag for each value from 0 to 255.
 type Candidates = [bool; 256];
 
 /// Observed outputs for one correct value.

@@ -108,7 +108,7 @@ impl ChannelSubset {
     }
 }
 
-/// Returns a misreading without a slug that makes a single edit.
+/// Returns a misreading that consists of a single edit and has no slug.
 pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",

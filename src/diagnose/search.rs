@@ -587,7 +587,7 @@ impl<'a> Search<'a> {
         self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
-    /// Returns one flag per case: whether to try mistakes on it. Skips large maps unless only large maps are left.
+    /// Returns one flag per case: true if mistakes should be tried on it. Skips large maps unless only large maps are left.
     fn trial_flags(&self, left: &[usize]) -> Vec<bool> {
         let with_large = left.iter().all(|&w| !self.is_small(w));
         let all = 0..self.witnesses.len();
@@ -767,7 +767,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: those without which the set explains as much, for small and for large maps.
+    /// Removes redundant mistakes: the set explains as many failures without them, both on small and on large maps.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

@@ -45,7 +45,7 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// The clause about a property and text that completes "files …", separated by a space; true if the file has the property.
+/// A property: its clause and text that completes "files …", separated by a space, and true if the file has the property.
 pub(super) type Property = (&'static str, bool);
 
 /// A numeric property of a file: the clause about it, text in which {} stands for "at least 17", and the value.
@@ -310,8 +310,8 @@ impl Witness<'_> {
         matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
-    /// Returns true if `answer` would fail a passing case. The answer of a decoder without mistakes contradicts
-    /// nothing, even if its dialect differs.
+    /// Returns true if a passing case would fail with `answer`. The answer of a decoder without mistakes contradicts nothing,
+    /// even if its dialect differs.
     pub fn contradicts(&self, answer: &Answer) -> bool {
         if std::ptr::eq(answer, &raw const self.right)
             || self.correct_answer.as_ref() == Some(answer)
@@ -396,8 +396,8 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file, because the file has the table, matrix or compressed planes
-/// that the clause is about.
+/// Returns true if the misreading can affect the file, because the file contains the table, matrix or compressed planes that the
+/// clause is about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

@@ -120,7 +120,7 @@ impl Formula {
         (Formula::Corrected, "corrected value"),
     ];
 
-    /// Returns the name that `formulas.yaml` and reports use.
+    /// Returns the name used in `formulas.yaml` and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         Formula::ALL[self as usize].1

@@ -26,7 +26,7 @@ const MAX_REQUESTED_FILES: usize = 24;
 
 /// A decoder with known properties.
 pub struct KnownDecoder<'a> {
-    /// Sends a request to the decoder.
+    /// Function that sends a request to the decoder.
     pub ask: &'a Ask<'a>,
     /// Views and features that the decoder offers.
     pub offer: Offer,

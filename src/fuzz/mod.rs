@@ -1,8 +1,8 @@
 //! Differential fuzzing of a decoder: random files of all formats are judged like cases, grouped by cause, and minimized.
 //!
-//! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances.
-//! Failures are grouped by the misreadings that explain them. The first file of each group is minimized while it still
-//! fails in the same way. Equal seeds give equal files.
+//! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances. Failures are
+//! grouped by the misreadings that explain them. The first file of each group is minimized while it still fails in the same way.
+//! The same seed always gives the same files.
 
 pub mod draft;
 pub mod finding;
@@ -60,7 +60,7 @@ pub struct FuzzResult {
     pub files: usize,
     /// Mistakes, in the order in which they were found.
     pub findings: Vec<Finding>,
-    /// The reason why the program is not a decoder, if it is not.
+    /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// The reason why the run ended before its limit, if it did.
     pub ended_early: Option<&'static str>,

@@ -166,7 +166,8 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     Some((encoded.stream, width, height, decoded))
 }
 
-/// Returns true if our samples of a JPEG stream differ from another decoder's by at most 18, the effect of a different DCT.
+/// Returns true if our samples of a JPEG stream differ from another decoder's by at most 18, the largest effect of a different
+/// DCT.
 ///
 /// Blocks that contain a 0 or a 255 are skipped. Their values before clamping may be far out of range, where a 16-bit DCT
 /// overflows.

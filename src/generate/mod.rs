@@ -93,7 +93,7 @@ pub fn write(recipe: &Recipe, model: &Model) -> Written {
     out.into_written()
 }
 
-/// Writes 2.1–2.4.
+/// Writes the header (2.1–2.4).
 fn write_header(recipe: &Recipe, out: &mut Output) {
     header_string::write(out);
     format_string::write(recipe.format, out);
@@ -101,7 +101,7 @@ fn write_header(recipe: &Recipe, out: &mut Output) {
     scale_bias::write(&recipe.scale, &recipe.bias, out);
 }
 
-/// Writes 2.5–2.9.
+/// Writes the values (2.5–2.9).
 fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
     if let Shape::Lum(()) = recipe.format.shape() {
         color_matrix::write(&recipe.matrix, out);

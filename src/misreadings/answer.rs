@@ -20,7 +20,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
     }
 }
 
-/// Returns the answer for a refused file. `None` means that a mistake refused it.
+/// Returns the answer for a refused file. `None` means that a mistake caused the refusal.
 pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
     match error {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
@@ -31,7 +31,7 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
 /// Decodes a file with these mistakes, except those that change decoded planes. Returns the map and the modified reading.
 ///
 /// # Errors
-/// Returns the error for which the decoder refuses the file, or `None` if a mistake refuses it.
+/// Returns the error for which the decoder refuses the file, or `None` if a mistake causes the refusal.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,

@@ -33,9 +33,9 @@ pub struct Misreading<A = Hook> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Symptom {
-    /// The mistake only refuses legal files.
+    /// The mistake only causes refusals of legal files.
     Refusals,
-    /// The mistake only accepts malformed files.
+    /// The mistake only causes malformed files to be accepted.
     Acceptances,
     /// The mistake changes values, or its symptoms depend on the file.
     #[default]

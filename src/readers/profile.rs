@@ -41,7 +41,7 @@ pub enum Evidence {
     Code,
 }
 
-/// A misreading of a reader.
+/// A known misreading of a reader.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownMisreading {
@@ -51,7 +51,7 @@ pub struct KnownMisreading {
     pub evidence: Evidence,
 }
 
-/// A limit of a reader.
+/// A known limit of a reader.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownLimit {

@@ -26,7 +26,7 @@ pub struct Report {
     pub decoder: DecoderInfo,
     /// Overall verdict: `pass`, `fail`, `not a decoder` or `not a writer`.
     pub verdict: String,
-    /// Reason why the program is not a decoder, if it is not.
+    /// Reason why the program is not a decoder, if it is not one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// Scores for correctness, breadth and robustness.

@@ -201,7 +201,7 @@ fn inline_code(text: &str) -> String {
     format!("<code>{escaped}</code>")
 }
 
-/// Escapes HTML and replaces line breaks by spaces. Markdown characters are escaped with `markdown`.
+/// Escapes HTML and replaces line breaks with spaces. Markdown characters are escaped with `markdown`.
 fn escape_with(text: &str, markdown: impl Fn(char) -> String) -> String {
     let escape = |c: char| match c {
         '<' => "&lt;".to_owned(),

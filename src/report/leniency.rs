@@ -17,13 +17,13 @@ const MAX_EVIDENCE_CASES: usize = 3;
 pub struct Leniency {
     /// Id of the ruling.
     pub ruling: String,
-    /// Number of files that gave the same image as the reference.
+    /// Number of files for which the decoder returned the image of the reference.
     pub decoded: usize,
     /// Number of refused files.
     pub refused: usize,
     /// Number of files for which the decoder exited with status 69.
     pub unsupported: usize,
-    /// Number of files that gave a different image or no image.
+    /// Number of files for which the decoder returned a different image or none.
     pub other: usize,
 }
 
@@ -46,7 +46,7 @@ impl Leniency {
     }
 }
 
-/// Counts the results of the decoder outside the specification, one entry per ruling.
+/// Counts the decoder's results for files outside the specification, one entry per ruling.
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {

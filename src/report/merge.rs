@@ -65,7 +65,7 @@ impl<C: Reported> RecordedAnswers<C> {
     /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
     ///
     /// # Errors
-    /// Returns a message if the whole run needs a request that no part made.
+    /// Returns a message if the whole run needs a request that no part sent.
     pub fn merge(
         &self,
         suite: &Suite<C>,

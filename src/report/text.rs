@@ -216,7 +216,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes the number of open questions that the decoder reads like the reference, and its readings of the others.
+    /// Writes the number of open questions that the decoder reads as the reference does, and its readings of the others.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();

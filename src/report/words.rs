@@ -1,10 +1,10 @@
-//! Sentences that the text and HTML reports share, and descriptions of misreadings from the catalogs.
+//! Sentences used in both text and HTML reports, and descriptions of misreadings from the catalogs.
 
 use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
-/// Looks up slugs in the catalogs of the suite and returns slug, clause and effect of each. Unknown slugs are skipped.
+/// Looks up slugs in the catalogs of the suite and returns the slug, clause and effect of each. Unknown slugs are skipped.
 fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
@@ -15,7 +15,7 @@ fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = 
     })
 }
 
-/// Maximum number of misreadings with the same effect that are described. Further ones are only counted.
+/// Maximum number of misreadings with the same effect that are described. The rest are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
 /// Additional sentence about a cause, without the final period: the text before a name, the name of a misreading or case (may be

@@ -48,7 +48,7 @@ pub(crate) struct Call {
 
 /// The way in which a call ended.
 pub(crate) enum CallEnd {
-    /// The process exited by itself.
+    /// The process exited on its own.
     Exited(ExitStatus),
     /// The process was killed because of the timeout.
     OutOfTime,

@@ -98,7 +98,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     check_beginning(text, &beginning)
 }
 
-/// Returns the message for a command that was not found. The command may be several words in one.
+/// Returns the message for a command that was not found. The command may consist of several words that were passed as one.
 fn missing_command(text: &str, says: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(

@@ -37,7 +37,7 @@ pub struct FileResult {
     pub view: Option<String>,
     /// Result of the comparison with the reference.
     pub outcome: Outcome,
-    /// The reason.
+    /// The reason for the outcome.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub says: Option<String>,
     /// Descriptions of other encodings of the same values for which the decoder gives a different image or no image.
@@ -163,7 +163,7 @@ fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     texts.join(" ").parse().ok()
 }
 
-/// Returns the expected image of a file. Lossy JPEG planes have the tolerance of inverse DCTs (ruling `jpeg-samples`).
+/// Returns the expected image of a file. Lossy JPEG planes get a tolerance for inverse DCTs (ruling `jpeg-samples`).
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);

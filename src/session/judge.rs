@@ -17,7 +17,7 @@ use crate::suite::test_case::TestCase;
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Judged>>,
-    /// Reading of each open question; the reference's if no case shows the decoder's.
+    /// Reading of each open question: that of the reference, if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
     pub certain: Vec<Certainty>,

@@ -63,7 +63,7 @@ impl Outcome {
         Outcome::NotRun,
     ];
 
-    /// Returns the name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 pub struct Remark {
     /// True if the remark makes the decoder fail.
     pub failure: bool,
-    /// The text, a sentence.
+    /// The text of the remark, as a sentence.
     pub says: String,
 }
 

@@ -27,7 +27,7 @@ pub struct Run<C: TestCase = Case> {
     pub first: Vec<First<C>>,
     /// The offer of the decoder.
     pub offer: Offer<C>,
-    /// The spelling of tables for the decoder.
+    /// The spelling of tables that are sent to the decoder.
     pub table: TableSpelling,
     /// Remarks on the run as a whole.
     pub remarks: Vec<Remark>,
@@ -37,7 +37,7 @@ pub struct Run<C: TestCase = Case> {
     pub violation: usize,
     /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<&'static str>,
-    /// The reason why the program is not a decoder, if it is not.
+    /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// A scene for the HTML report, if requested.
     pub scene: Option<LitScene>,
@@ -50,7 +50,7 @@ pub struct Run<C: TestCase = Case> {
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
 pub type Observations<C> = Vec<Option<Observation<C>>>;
 
-/// A callback for each finished case. It receives the case, its observation, and the numbers of finished cases and of all cases.
+/// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
 
 /// Runs `suite` against a decoder.
@@ -167,7 +167,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Judges the observations, repeats failures, and judges again if a response differed. `progress` is called after each
-    /// repetition with the numbers of finished and of all repetitions.
+    /// repetition with the number of finished repetitions and the total.
     #[must_use]
     pub fn verdicts(
         self,

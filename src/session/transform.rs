@@ -1,8 +1,8 @@
 //! Transforms that make all first files wrong in the same way: flipped images, exchanged channels, a factor or a tone curve.
 //!
-//! A common transform fails hundreds of cases but is a single mistake. It is reported once, and undone in every image before
-//! comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
-//! default tolerances, and none of them may be right without it.
+//! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
+//! before comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
+//! default tolerances, and none of them may already be right.
 
 use std::sync::Arc;
 
@@ -16,9 +16,9 @@ use crate::suite::cases::{Case, Suite};
 
 /// A change that affects all images of a view.
 pub struct CommonTransform {
-    /// The function that undoes it in every image of the view before comparison.
+    /// The function that undoes the change in every image of the view before comparison.
     pub undo: Undo<Case>,
-    /// Its effect, and the number of affected first files.
+    /// The effect of the change, and the number of affected first files.
     says: String,
     /// The suggested fix.
     next: String,

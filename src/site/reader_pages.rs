@@ -48,7 +48,7 @@ fn find_run<'a>(paper: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
     paper.library.runs.iter().find(|run| run.reader == reader)
 }
 
-/// Returns the profile of a reader that `lint --for` uses.
+/// Returns the profile that `lint --for` uses for a reader.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }

@@ -5,8 +5,7 @@
 //!
 //! Format notes
 //! - A color of LRGB is polynomial · color / 255. An RGB texel converts to LRGB if its three polynomials are multiples of a
-//!   common one. An LRGB texel converts to RGB if each product divided by 255 is an integer that, plus its bias, fits a
-//!   byte.
+//!   common one. An LRGB texel converts to RGB if each product divided by 255 is an integer that, plus its bias, fits in a byte.
 //! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::decode::decode;

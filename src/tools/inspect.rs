@@ -360,7 +360,7 @@ impl FilePart {
     }
 }
 
-/// Replaces spaces and line feeds by visible symbols.
+/// Replaces spaces and line feeds with visible symbols.
 fn visible_symbols(bytes: &[u8]) -> String {
     let symbol = |byte: &u8| match byte {
         b' ' => '␠',

@@ -249,8 +249,8 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
     Ok((entry, outputs))
 }
 
-/// Adds the files of an expected answer to `outputs`: an array, and depending on profile and view an image or an EXR file.
-/// Returns their manifest entries.
+/// Adds the files of an expected answer to `outputs`: an array and, depending on the profile and the view, an image or an EXR
+/// file. Returns their manifest entries.
 fn answers(
     case: &Case,
     view: &View,

@@ -24,7 +24,8 @@ use crate::writers::{reference::write_requested_file, request::WriteRequest};
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format for screening, smallest first. Mistakes that explain none of these files are skipped.
+/// Number of wrong files per format that are used for screening, smallest first. Mistakes that explain none of these files are
+/// skipped.
 const SCREENED_FILES: usize = 3;
 
 /// Number of unexplained files for which pairs of mistakes are tried, smallest first.

@@ -16,7 +16,7 @@ pub use crate::table::rows;
 
 /// Temporary working directory of the program, so that command lines can use file names without a path.
 ///
-/// Command lines are split into words like in a shell. They do not include the program itself.
+/// Command lines are split into words as in a shell. They do not include the program itself.
 pub struct Workspace(TempDir);
 
 impl Workspace {
@@ -106,7 +106,7 @@ impl Workspace {
     }
 }
 
-/// Splits a command line like a shell.
+/// Splits a command line as a shell does.
 pub fn words(line: &str) -> Vec<String> {
     shlex::split(line).unwrap_or_else(|| panic!("unbalanced quotation marks in {line}"))
 }
@@ -251,7 +251,7 @@ pub fn check_writer(line: &str) -> Checked {
     Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` with the report `report`. Also returns the peak memory in KiB, or 0 without /proc.
+/// Runs a `check` that writes its report to `report`. Also returns the peak memory in KiB, or 0 without /proc.
 pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
     let mut child = command
         .stdout(Stdio::piped())
@@ -307,7 +307,7 @@ pub fn assert_conforms(value: &Value, schema: &str) {
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// Starts to keep the given number of processors busy.
+    /// Starts one busy process on each of the given number of processors.
     pub fn new(processors: usize) -> Load {
         let busy = |_| {
             let mut shell = Command::new("sh");

@@ -1,4 +1,5 @@
-//! Faults of a wrapper, found by `check` before any case is requested, with the first files, a large one and malformed ones.
+//! Faults of a wrapper, found by `check` before any case is requested, by means of the first files, a large file and malformed
+//! files.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -22,7 +23,7 @@ use super::repair::{Repair, repairs};
 use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
-/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large one and malformed ones.
+/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
 /// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested
 /// only if the run judges any.
 #[must_use]

@@ -114,7 +114,7 @@ enum TextureStep {
     Defaults {},
     /// Selects entries for a facet.
     Select(Surface),
-    /// Looks an index up in a table.
+    /// Looks up an index in a table.
     Resolve {
         #[serde(default)]
         table: BTreeMap<i64, EntryGiven>,
@@ -129,9 +129,9 @@ enum TextureStep {
         #[serde(default = "two")]
         dim: usize,
     },
-    /// Reflects a unit vector from the eye at a normal.
+    /// Reflects a unit vector from the eye about a normal.
     Reflect { i: Vector, n: Vector },
-    /// Transforms coordinates by a matrix of four rows.
+    /// Transforms coordinates with a matrix of four rows.
     Orient { matrix: Matrix, t: Vector },
     /// Interpolates between the corners of a facet.
     Interpolate {
@@ -152,9 +152,9 @@ enum TextureStep {
     Depth {
         /// Texels of the base level in each direction.
         size: Vec<usize>,
-        /// The change of the coordinates to the next pixel on the right.
+        /// The change of the coordinates from a pixel to the next one on the right.
         dtdx: Vec<f64>,
-        /// The change of the coordinates to the next pixel above.
+        /// The change of the coordinates from a pixel to the next one above.
         dtdy: Vec<f64>,
         /// The depth sampling bias hint.
         #[serde(default)]
@@ -383,7 +383,7 @@ impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
-    /// Never: every field was read as a field of an entry.
+    /// Never panics, because every field was read as a field of an entry.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();
@@ -503,7 +503,7 @@ struct LevelsGiven {
 struct LevelGiven {
     /// One number for each direction of the map.
     size: Vec<usize>,
-    /// The components of each texel, t0 fastest.
+    /// The components of each texel, with t0 varying fastest.
     texels: Vec<Vec<f64>>,
 }
 
@@ -621,7 +621,7 @@ struct StageEntry {
     texel: Option<TexelGiven>,
     /// The map, or the default map if omitted.
     map: Option<MapGiven>,
-    /// The coordinates at which it is sampled, after orientation.
+    /// The coordinates at which the map is sampled, after orientation.
     t: Option<Vector>,
     /// The point from which coordinates are derived.
     point: Option<PointGiven>,

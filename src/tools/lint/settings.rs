@@ -1,4 +1,4 @@
-//! Settings that select findings: allowed codes, exclusive codes, severities, and a maximum number.
+//! Settings that select findings: codes to ignore, codes to report exclusively, severities, and a maximum number.
 
 use std::collections::BTreeMap;
 

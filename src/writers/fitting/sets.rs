@@ -52,7 +52,7 @@ impl Default for SetPlan {
     }
 }
 
-/// All sets. The first one is for the first contact with a fitter.
+/// All sets. The first one is used for first contact with a fitter.
 pub static SETS: LazyLock<Vec<SetPlan>> = LazyLock::new(|| {
     let yaml = include_str!("../../../spec-cases/writers/fitting-sets.yaml");
     from_yaml(yaml).expect("a list of sets")

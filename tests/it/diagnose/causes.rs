@@ -52,7 +52,7 @@ fn cause_text(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Function that changes the correct answer like a faulty decoder.
+/// Function that changes the correct answer as a faulty decoder would.
 type ChangeAnswer = fn(&Request, Answer) -> Answer;
 
 /// Runs the suite against a decoder that changes the correct answers.
@@ -240,7 +240,7 @@ fn mistake_outside_the_formulas_is_described() {
     }
 }
 
-/// Counts the mistakes that are among the first causes, as many as there are mistakes.
+/// Counts the mistakes that are among the first `mistakes.len()` causes.
 fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usize {
     let first = || diagnoses.iter().take(mistakes.len());
     let is_named =

@@ -97,7 +97,7 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Returns precision and recall of predicting a result for which `matches` returns true.
+    /// Returns the precision and recall of predicting a result for which `matches` returns true.
     fn scores(&self, matches: impl Fn(Shown) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
         let share = |all: usize| both / (all.max(1) as f64);
@@ -141,7 +141,7 @@ fn predictions_match_recorded_readers() {
     assert!(scores.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
 }
 
-/// Prints precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
+/// Prints the precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
 fn report(name: &str, tally: &Tally) -> [f64; 4] {
     let kinds: [(&str, fn(Shown) -> bool); 4] = [
         ("right", |shown| shown == Shown::Right),

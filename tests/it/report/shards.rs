@@ -51,7 +51,7 @@ fn remarks() -> OtherRemarks {
 
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
-/// Runs a plan like `check` does, and optionally records the answers.
+/// Runs a plan as `check` does, and optionally records the answers.
 fn run_plan(
     suite: &Suite,
     plan: &RunPlan,
