@@ -93,7 +93,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
     let mut check = Check::new(&plan, circumstances, writer, args.shard)?;
     if !serves && args.cmd.is_none() {
-        check.faster = SERVE_MODE_IS_FASTER;
+        check.speed_hint = SERVE_MODE_IS_FASTER;
     }
     let faults = OnceCell::new();
     let mut run = check.ask(&ask, &|contact| {
@@ -142,7 +142,7 @@ fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
             Some(why) => *why = format!("{why}\n{says}"),
             None => contact.remarks.push(Remark::failure(says)),
         }
-        contact.ends = Some(FIX_THE_WRAPPER);
+        contact.end_reason = Some(FIX_THE_WRAPPER);
     }
 }
 
@@ -206,7 +206,7 @@ fn plan(
 ) -> Result<RunPlan, String> {
     let precomputed = matches!(tested.answers, Answers::Precomputed(_));
     Ok(RunPlan {
-        soonest: smoke::selection(suite)?,
+        prioritized: smoke::selection(suite)?,
         views: tested.views.clone(),
         withheld: tested.withheld.clone(),
         precomputed,

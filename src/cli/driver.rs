@@ -43,7 +43,7 @@ pub struct Check<'a, C: Reported> {
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
     /// Hint on how to get answers faster; empty if there is none.
-    pub faster: &'static str,
+    pub speed_hint: &'static str,
     /// Recorder of the answers if this is a partial run.
     recorder: Option<(Shard, AnswerRecorder<C>)>,
 }
@@ -69,7 +69,7 @@ impl<'a, C: Reported> Check<'a, C> {
             partial: (partial, file),
             writer,
             progress: ProgressLine::new("first contact"),
-            faster: "",
+            speed_hint: "",
             recorder,
         })
     }
@@ -137,7 +137,7 @@ impl<'a, C: Reported> Check<'a, C> {
         }
         let times = [all, soonest.len()].map(|count| pace.mul_f64(count as f64));
         if times[0] >= MIN_ANNOUNCED_TIME {
-            let ([long, short], faster) = (times.map(progress::format_duration), self.faster);
+            let ([long, short], faster) = (times.map(progress::format_duration), self.speed_hint);
             let soonest = soonest.len();
             self.progress.print_message(&format!(
                 "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"

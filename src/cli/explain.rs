@@ -125,7 +125,8 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
         text.extend(clause.map(|clause| format!("  The clause says: {}\n", clause.rule)));
-        let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
+        let sightings = misreading.sightings.iter();
+        let readers: Vec<String> = sightings.map(ToString::to_string).collect();
         if !readers.is_empty() {
             let _ = writeln!(text, "  Seen in: {}.", readers.join(", "));
         }
@@ -140,7 +141,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     if let Ok(format) = id.parse() {
         text += &explain_format(&suite, format);
     }
-    if let Some(known) = Code::by_id(&id.to_uppercase()) {
+    if let Some(known) = Code::find(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
     }

@@ -128,7 +128,7 @@ fn answer_line(line: &[u8]) -> io::Result<Vec<u8>> {
     let Some(view) = view.and_then(|view| view.parse::<View>().ok()) else {
         return Ok(with_number("unsupported view".to_owned()));
     };
-    let file = files::read(&files::path_of(path.to_vec())).map_err(io::Error::other)?;
+    let file = files::read(&files::path_from_bytes(path.to_vec())).map_err(io::Error::other)?;
     Ok(match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();

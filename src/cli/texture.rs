@@ -12,7 +12,7 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::ptm::Size;
-use ptm_conform::suite::texture::cases::cases_of;
+use ptm_conform::suite::texture::cases::parse_cases;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
@@ -124,7 +124,7 @@ pub fn run(args: &TextureArgs) -> CommandResult {
 
 fn run_cases(args: &CasesArgs) -> CommandResult {
     let text = String::from_utf8(files::read(&args.file)?).map_err(with_path(&args.file))?;
-    let cases = cases_of(&text).map_err(with_path(&args.file))?;
+    let cases = parse_cases(&text).map_err(with_path(&args.file))?;
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {

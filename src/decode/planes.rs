@@ -10,9 +10,8 @@
 //! 00 00 01 02 FF     a record: the texel with stored index 258 is 255
 //! ```
 //!
-//! Records are needed because lossy codecs change residuals. If a texel is 255 and its predictor is 200, its residual is 255 −
-//! 200 + 128 = 183. If a lossy codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps
-//! to 0.
+//! Records are needed because lossy codecs change residuals. A texel of 255 with a predictor of 200 has the residual 255 − 200 +
+//! 128 = 183. If a codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
 //! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes, before any

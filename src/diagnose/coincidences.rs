@@ -26,7 +26,7 @@ struct FailureEvidence {
     /// Number of images of legal files that the mistake changes to something other than the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
-    far: usize,
+    not_closer: usize,
     /// Number of images of legal files that the mistake changes.
     changed_images: usize,
     /// Number of legal files that the decoder refuses or crashes on and whose answer the mistake changes.
@@ -63,7 +63,7 @@ impl FailureEvidence {
                 evidence.crashes += usize::from(alone == Agreement::Crash);
             } else if is_changed && is_image {
                 evidence.other_images += 1;
-                evidence.far += usize::from(!reduces_wrong_samples(search, w, set, id));
+                evidence.not_closer += usize::from(!reduces_wrong_samples(search, w, set, id));
             }
         }
         evidence
@@ -144,9 +144,9 @@ fn is_stray(
 /// Returns true if a misreading explains too few of the images that it changes. It must explain nearly all of them if passing
 /// files contradict it, or if it changes only colors, which are rounded.
 fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureEvidence) -> bool {
-    let (images, far) = (evidence.images, evidence.far);
+    let (images, far) = (evidence.images, evidence.not_closer);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
-    let is_color_only = search.mistakes[id].misreading.at.stage() == Stage::Color;
+    let is_color_only = search.mistakes[id].misreading.step.stage() == Stage::Color;
     let is_refuted =
         || !search.refuting_files(&[id]).is_empty() && !search.refuting_files(set).is_empty();
     images > 0
@@ -184,7 +184,7 @@ fn refuses_by_chance(
     let are_crashes = evidence.crashes == explained.len();
     let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
     let listed = search.mistakes[set[index]].catalog_misreading();
-    let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
+    let refuses_only = listed.is_some_and(|listed| listed.symptom == Symptom::Refusals);
     let alone = [set[index]];
     let is_refuted = |w| search.is_refuted(w, &alone) && search.is_refuted(w, set);
     (!refuses_only || is_few(explained.len(), refused)) && is_small

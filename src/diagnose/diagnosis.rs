@@ -14,13 +14,13 @@ pub struct Diagnosis<A: 'static = Hook> {
     /// Indices in the suite of the failing cases that the cause reproduces.
     pub explains: Vec<usize>,
     /// Failing cases that the cause partially explains.
-    pub partly: Vec<usize>,
+    pub partial: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
-    pub except: Vec<usize>,
+    pub contradicted_by: Vec<usize>,
     /// Description of the observed behavior, which reports state instead of the cause if other causes would have the same effect.
-    pub shows: Option<Cause<A>>,
+    pub observed: Option<Cause<A>>,
     /// True if a decoder with this mistake was compared with every case and reproduces the responses.
-    pub certain: bool,
+    pub is_certain: bool,
 }
 
 /// The result of a search for causes.
@@ -53,9 +53,9 @@ pub enum Cause<A: 'static = Hook> {
         /// The misreading that explains the cases.
         misreading: &'static Misreading<A>,
         /// Misreadings that explain the same cases equally well.
-        alike: Vec<&'static Misreading<A>>,
+        equivalents: Vec<&'static Misreading<A>>,
         /// Misreadings that affect the same cases as well.
-        with: Vec<&'static Misreading<A>>,
+        accompanying: Vec<&'static Misreading<A>>,
     },
     /// A difference that no misreading in the catalog produces.
     Described {
@@ -70,7 +70,7 @@ pub enum Cause<A: 'static = Hook> {
         /// One failing case in detail, down to the bytes of the file.
         example: String,
         /// Misreadings that would have the same effect.
-        alike: Vec<&'static Misreading<A>>,
+        equivalents: Vec<&'static Misreading<A>>,
     },
 }
 
@@ -117,10 +117,10 @@ impl<A> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
-            partly: Vec::new(),
-            except: Vec::new(),
-            shows: None,
-            certain: false,
+            partial: Vec::new(),
+            contradicted_by: Vec::new(),
+            observed: None,
+            is_certain: false,
         }
     }
 }
@@ -139,7 +139,7 @@ impl Diagnosis {
             effect: text.effect,
             fix: text.fix,
             example: text.example,
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         };
         Diagnosis::new(
             cause,
@@ -149,8 +149,8 @@ impl Diagnosis {
 
     /// Sets the misreadings that would have the same effect.
     pub(super) fn with_equivalents(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
-        if let Cause::Described { alike, .. } = &mut self.cause {
-            *alike = others;
+        if let Cause::Described { equivalents, .. } = &mut self.cause {
+            *equivalents = others;
         }
         self
     }

@@ -75,10 +75,10 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()
-        .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
+        .flat_map(|&id| search.mistakes[id].misreading.step.formulas())
         .collect();
     let is_unused = |misreading: &&Misreading| {
-        let formulas = misreading.at.formulas();
+        let formulas = misreading.step.formulas();
         !formulas.iter().any(|formula| used.contains(formula))
     };
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_unused).collect();
@@ -183,7 +183,7 @@ fn restrict(
 
 /// Returns the edit of a mistake that consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
-    match mistake.misreading.at {
+    match mistake.misreading.step {
         Hook::Edits([edit]) => Some(&edit.change),
         _ => None,
     }

@@ -115,8 +115,8 @@ pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
         clause: edit.formula.stated().clause,
         effect: "",
         fix: "",
-        shows: Symptom::Values,
-        seen: Vec::new(),
-        at: Hook::Edits(std::slice::from_ref(edit)),
+        symptom: Symptom::Values,
+        sightings: Vec::new(),
+        step: Hook::Edits(std::slice::from_ref(edit)),
     }
 }

@@ -432,13 +432,13 @@ impl<'a> Search<'a> {
 
     /// Returns true if the two mistakes affect the same bytes or a common formula.
     fn depends_on_order(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.at.formulas());
+        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.step.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
             || one.iter().any(|formula| other.contains(formula))
     }
 
     fn edits_bytes(&self, id: MistakeId) -> bool {
-        matches!(self.mistakes[id].misreading.at, Hook::Bytes(_))
+        matches!(self.mistakes[id].misreading.step, Hook::Bytes(_))
     }
 
     /// Returns the mistakes with the ids in `set`.
@@ -448,7 +448,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
     fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
+        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.step);
         !(a.is_decision() && a.changes_same_step(b))
     }
 

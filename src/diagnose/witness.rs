@@ -150,7 +150,7 @@ impl Witness<'_> {
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
         }
-        let Hook::Bytes(edit) = first.at else {
+        let Hook::Bytes(edit) = first.step else {
             return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         let anatomy = Anatomy {
@@ -357,14 +357,14 @@ impl Witness<'_> {
 
 /// Returns true if the misreading only affects the steps after decoding.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
-    misreading.at.stage() >= Stage::Planes
+    misreading.step.stage() >= Stage::Planes
 }
 
 /// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps a line feed after
 /// tables unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
-    let mut choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let mut choices = judgement.dialect.0.iter().zip(&judgement.certainties);
     let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
     let reading = match run.table.newline {
         true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
@@ -380,7 +380,7 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 /// Returns the choices that were inferred for the decoder.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
-    let choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let choices = judgement.dialect.0.iter().zip(&judgement.certainties);
     let settled = choices.map(|(&reading, certain)| match certain {
         Certainty::Open => 0,
         _ => reading,
@@ -403,7 +403,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
     let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
     let section = |name: &str| misreading.clause.starts_with(name);
-    if !has(b"PTM_FORMAT_") || matches!(misreading.at, Hook::Bytes(_)) {
+    if !has(b"PTM_FORMAT_") || matches!(misreading.step, Hook::Bytes(_)) {
         true
     } else if section("2.9") {
         has(b"RMAT_JPEG")
@@ -419,7 +419,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
 /// Returns true if a decoder can make both mistakes, because they affect different steps or different decisions.
 #[must_use]
 pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
-    !a.at.changes_same_step(&b.at)
+    !a.step.changes_same_step(&b.step)
 }
 
 /// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).

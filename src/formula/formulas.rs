@@ -194,7 +194,7 @@ pub struct StatedFormula {
     /// Clause that states or implies the formula.
     pub clause: &'static str,
     /// Noun phrase for the computed value.
-    pub computes: &'static str,
+    pub result: &'static str,
     /// Names that the formula and its edits may use.
     pub scope: Scope,
     /// Expression in this scope.
@@ -238,7 +238,7 @@ fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
         let expression = parse(&record.formula, scope);
         Ok(StatedFormula {
             clause: record.clause.leak(),
-            computes: record.computes.leak(),
+            result: record.computes.leak(),
             scope,
             expression: expression.map_err(|error| format!("line {line}: {error}"))?,
         })

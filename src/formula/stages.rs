@@ -77,7 +77,7 @@ pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm
 }
 
 /// Computes the stored values of a decoded map with edited formulas.
-pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
+pub(crate) fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     if edits.has_stage(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
@@ -565,7 +565,7 @@ impl CompressedPlanes<'_> {
 }
 
 /// Computes the final values with edited formulas (2.4).
-pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
+pub(crate) fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
     let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
     let mut coefficients = evaluate::compute_coefficients(set, planes, reading);
     if edits.has_stage(Stage::Coefficients) {

@@ -1,4 +1,4 @@
-//! The generator of files. The same seed always gives the same files.
+//! The generator of files: equal seeds produce equal files.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::draft::{Draft, DraftDamage};
 use crate::ptm::Format;
 use crate::suite::cases::{Expect, Suite};
 
-/// Number of files per damaged file, which must be refused.
+/// One generated file in this many is damaged, so it must be refused.
 const FILES_PER_DAMAGE: u32 = 6;
 /// Number of random bytes for one file.
 const RANDOM_BYTES: usize = 2048;

@@ -2,7 +2,7 @@
 //!
 //! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances. Failures are
 //! grouped by the misreadings that explain them. The first file of each group is minimized while it still fails in the same way.
-//! The same seed always gives the same files.
+//! Equal seeds produce equal files.
 
 pub mod draft;
 pub mod finding;
@@ -169,11 +169,11 @@ impl Batch {
         report: &impl Fn(FuzzProgress),
         plan: &FuzzPlan,
     ) {
-        let passing = self.with_outcome(run, Outcome::Pass);
+        let passing = self.drafts_with_outcome(run, Outcome::Pass);
         let passing: Vec<&Draft> = passing.map(|(draft, _)| draft).collect();
         // Legal files come first: the causes of their failures often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
-            .with_outcome(run, Outcome::Fail)
+            .drafts_with_outcome(run, Outcome::Fail)
             .partition(|(draft, _)| draft.damage.is_some());
         for (draft, index) in others.into_iter().chain(accepted) {
             let Some(observation) = &run.observations[index] else {
@@ -203,7 +203,7 @@ impl Batch {
         plan: &FuzzPlan,
     ) -> Option<LikelyCause> {
         let mut cases = opening_cases(&self.suite);
-        let passing = self.with_outcome(run, Outcome::Pass);
+        let passing = self.drafts_with_outcome(run, Outcome::Pass);
         let legal = passing.filter(|(draft, _)| draft.damage.is_none());
         let legal = legal.take(MAX_WITNESSES);
         cases.extend(legal.map(|(_, index)| self.suite.cases[index].clone()));
@@ -217,7 +217,7 @@ impl Batch {
     }
 
     /// Returns the drafts with this outcome, and the indices of their cases.
-    fn with_outcome<'a>(
+    fn drafts_with_outcome<'a>(
         &'a self,
         run: &'a Run,
         outcome: Outcome,

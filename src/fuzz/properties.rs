@@ -166,8 +166,7 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     Some((encoded.stream, width, height, decoded))
 }
 
-/// Returns true if our samples of a JPEG stream differ from another decoder's by at most 18, the largest effect of a different
-/// DCT.
+/// Returns true if our samples of a JPEG stream are within 18 of those of another decoder, which may use a different DCT.
 ///
 /// Blocks that contain a 0 or a 255 are skipped. Their values before clamping may be far out of range, where a 16-bit DCT
 /// overflows.
@@ -320,7 +319,7 @@ pub fn diagnosis(bytes: &[u8]) {
     let causes = diagnose(&SUITE, &run, &[], 1);
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);
     for diagnosis in causes.diagnoses {
-        for index in diagnosis.explains.into_iter().chain(diagnosis.partly) {
+        for index in diagnosis.explains.into_iter().chain(diagnosis.partial) {
             assert!(explained.insert(index), "{} twice", SUITE.cases[index].id);
         }
     }

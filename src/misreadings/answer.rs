@@ -40,7 +40,7 @@ pub(crate) fn read(
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
-        if let Hook::Bytes(edit) = misreading.at {
+        if let Hook::Bytes(edit) = misreading.step {
             match edit(&Anatomy::new(&bytes, &reading)) {
                 EditedFile::Refused => return Err(None),
                 EditedFile::File(edited) => bytes = Cow::Owned(edited),
@@ -54,9 +54,9 @@ pub(crate) fn read(
 
 /// Applies these mistakes to `reading`.
 pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
-    misreadings
-        .iter()
-        .fold(reading, |reading, misreading| misreading.at.change(reading))
+    misreadings.iter().fold(reading, |reading, misreading| {
+        misreading.step.change(reading)
+    })
 }
 
 /// Renders a decoded map as a decoder with these mistakes does. `reading` must already include them.
@@ -87,8 +87,8 @@ pub(crate) fn unrounded_colors(
         edit(ptm.to_mut());
     }
     let edits = formula_edits(misreadings);
-    let ptm = formula::stored(&ptm, Edits(&edits));
-    let finals = formula::finals(&ptm, reading, Edits(&edits));
+    let ptm = formula::stored_values(&ptm, Edits(&edits));
+    let finals = formula::final_values(&ptm, reading, Edits(&edits));
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
@@ -97,7 +97,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
-        .filter_map(|misreading| match misreading.at {
+        .filter_map(|misreading| match misreading.step {
             Hook::Edits(edits) => Some(edits),
             _ => None,
         });
@@ -108,7 +108,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
 pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
-        .filter_map(|misreading| match misreading.at {
+        .filter_map(|misreading| match misreading.step {
             Hook::Planes(edit) => Some(edit),
             _ => None,
         })

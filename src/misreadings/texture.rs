@@ -24,7 +24,7 @@ impl Misreading<Change> {
     /// Applies this mistake to `rules`.
     #[must_use]
     pub fn change(&self, rules: Rules) -> Rules {
-        with_change(rules, self.at)
+        with_change(rules, self.step)
     }
 }
 

@@ -37,9 +37,9 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
             clause: misreading.clause,
             effect: record.effect.leak(),
             fix: record.fix.leak(),
-            shows: misreading.shows,
-            seen: Vec::new(),
-            at: misreading,
+            symptom: misreading.symptom,
+            sightings: Vec::new(),
+            step: misreading,
         })
     };
     records.map(join).collect()

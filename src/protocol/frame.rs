@@ -6,8 +6,7 @@
 //! PTM1 <raw|coef|rgb> <width> <height> <channels> <u8|f32>\n
 //! ```
 //!
-//! The samples are written texel by texel, top row first; `f32` is little-endian. The decoder exits with 0, 65 (malformed) or 69
-//! (unsupported).
+//! The samples follow texel by texel, top row first; `f32` is little-endian. Exit status: 0, 65 (malformed), 69 (unsupported).
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -151,11 +150,10 @@ impl View {
         self.kind().name()
     }
 
-    /// Returns the values of all samples of `ptm` in this view under a reading, with some formulas edited. Colors are not
-    /// rounded.
+    /// Returns the values of all samples of `ptm` in this view under a reading with edited formulas. Colors are not rounded.
     pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
-        let ptm = &*formula::stored(ptm, edits);
-        let finals = || formula::finals(ptm, reading, edits);
+        let ptm = &*formula::stored_values(ptm, edits);
+        let finals = || formula::final_values(ptm, reading, edits);
         match self {
             View::Raw => ptm.planes.samples.iter().copied().map(f64::from).collect(),
             View::Coef => finals().values,
@@ -342,7 +340,7 @@ impl Frame {
             channels: kind.channels(ptm.planes.shape.channels()) as u32,
             samples: match view {
                 // Bytes are copied without a conversion to real numbers.
-                View::Raw => Samples::U8(formula::stored(ptm, edits).planes.samples.clone()),
+                View::Raw => Samples::U8(formula::stored_values(ptm, edits).planes.samples.clone()),
                 _ => kind.samples(&view.values(ptm, reading, edits)),
             },
             lossy: false,
@@ -580,7 +578,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns true if both answers are of the same kind. All limits are one kind, because the machine decides which one is
+    /// Returns true if both answers are of the same kind. All limits count as one kind, because the machine decides which is
     /// reached first.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {

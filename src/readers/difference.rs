@@ -40,7 +40,7 @@ impl ReaderImages {
                     planes: extract_row(ptm, row)?,
                     header: ptm.header,
                 };
-                Some((formula::finals(&row, reading, edits), reading, edits))
+                Some((formula::final_values(&row, reading, edits), reading, edits))
             });
             if let [Some((ours, ..)), Some((theirs, ..))] = &rows {
                 let mut pairs = ours.values.iter().zip(&theirs.values);

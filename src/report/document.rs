@@ -113,19 +113,19 @@ pub struct LikelyCause {
     /// Suggested fix.
     pub fix: String,
     /// Slugs of misreadings with the same effect on these cases.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub or: Vec<String>,
+    #[serde(rename = "or", default, skip_serializing_if = "Vec::is_empty")]
+    pub equivalents: Vec<String>,
     /// Slugs of other misreadings that affect the same cases.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub with: Vec<String>,
+    #[serde(rename = "with", default, skip_serializing_if = "Vec::is_empty")]
+    pub accompanying: Vec<String>,
     /// Failing cases that this cause reproduces exactly.
     pub explains: Vec<String>,
     /// Failing cases that this cause explains in part.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub partly: Vec<String>,
+    #[serde(rename = "partly", default, skip_serializing_if = "Vec::is_empty")]
+    pub partial: Vec<String>,
     /// Passing cases that a decoder with this mistake would fail.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub except: Vec<String>,
+    #[serde(rename = "except", default, skip_serializing_if = "Vec::is_empty")]
+    pub contradicted_by: Vec<String>,
     /// Detailed description of one failure, down to the bytes of the file, if no misreading is named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
@@ -211,6 +211,6 @@ impl Report {
             let mut causes = self.diagnoses.iter();
             causes.find(|cause| of(cause).contains(&case.id))
         };
-        with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partly))
+        with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partial))
     }
 }

@@ -25,7 +25,7 @@ pub fn annotations(report: &Report) -> String {
         let _ = writeln!(text, "::error title={title}::{message}");
     }
     if left_out > 0 {
-        let suite = escape_property(report.suite.short());
+        let suite = escape_property(report.suite.short_title());
         let says = format!("see the report for {left_out} more errors");
         let _ = writeln!(text, "::notice title={suite} conformance::{says}");
     }
@@ -34,7 +34,7 @@ pub fn annotations(report: &Report) -> String {
 
 /// Returns the title and message of each error.
 fn errors(report: &Report) -> Vec<(String, String)> {
-    let name = report.suite.short();
+    let name = report.suite.short_title();
     let mut errors: Vec<(String, String)> = Vec::new();
     if let Some(reason) = &report.reason {
         errors.push((report.verdict.clone(), reason.clone()));
@@ -78,7 +78,8 @@ pub fn summary(report: &Report, all: usize) -> String {
 
 /// Writes the verdict, the scores and the remarks.
 fn write_head(report: &Report, out: &mut String) -> fmt::Result {
-    let (suite, command) = (report.suite.short(), inline_code(&report.decoder.command));
+    let suite = report.suite.short_title();
+    let command = inline_code(&report.decoder.command);
     let sign = ["❌", "✅"][usize::from(report.verdict == "pass")];
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {

@@ -11,8 +11,8 @@ use crate::suite::test_case::TestCase;
 /// Maximum number of cases that are listed as evidence.
 const MAX_EVIDENCE_CASES: usize = 3;
 
-/// Results of a decoder for the files of one lenient ruling. A decoder may either refuse these files or return the image of
-/// the reference.
+/// Results of a decoder for the files of one lenient ruling. A decoder may refuse these files or return the image of the
+/// reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Leniency {
     /// Id of the ruling.
@@ -70,13 +70,14 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
     rulings.into_values().collect()
 }
 
-/// Returns the ids of the first passing cases whose indices satisfy `is`.
+/// Returns the ids of the first passing cases whose indices satisfy `is_included`.
 pub(super) fn passing_case_ids<C: TestCase>(
     suite: &Suite<C>,
     run: &Run<C>,
-    is: impl Fn(usize) -> bool,
+    is_included: impl Fn(usize) -> bool,
 ) -> Vec<String> {
-    let passed = run.judgement.with_outcome(Outcome::Pass).filter(|&i| is(i));
+    let passed = run.judgement.with_outcome(Outcome::Pass);
+    let passed = passed.filter(|&i| is_included(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
     ids.take(MAX_EVIDENCE_CASES).collect()
 }

@@ -172,9 +172,9 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
             return fault(&format!("{says}. Run this part again"));
         }
     }
-    for number in 1..=first.part.of {
-        let of = first.part.of;
-        let part = Shard { number, of };
+    for number in 1..=first.part.total {
+        let total = first.part.total;
+        let part = Shard { number, total };
         match ends.iter().filter(|(_, end)| end.part == part).count() {
             1 => {}
             0 => return Err(format!("part {part} is missing")),

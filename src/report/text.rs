@@ -28,12 +28,16 @@ impl Report {
         text
     }
 
-    /// Formats the results of the cases whose ids satisfy `is`.
+    /// Formats the results of the cases whose ids satisfy `is_selected`.
     #[must_use]
-    pub fn cases_to_text<C: TestCase>(&self, of: &Suite<C>, is: impl Fn(&str) -> bool) -> String {
+    pub fn cases_to_text<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        is_selected: impl Fn(&str) -> bool,
+    ) -> String {
         let mut text = String::new();
-        for case in self.cases.iter().filter(|case| is(&case.id)) {
-            write_case(case, of, &mut text).expect("writing to memory does not fail");
+        for case in self.cases.iter().filter(|case| is_selected(&case.id)) {
+            write_case(case, suite, &mut text).expect("writing to memory does not fail");
         }
         text
     }
@@ -289,11 +293,11 @@ fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String
 }
 
 /// Failures with the same message.
-type AlikeFailures<'a> = (&'a str, Vec<&'a CaseResult>);
+type SimilarFailures<'a> = (&'a str, Vec<&'a CaseResult>);
 
 /// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.
-fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<AlikeFailures<'a>>, Vec<&'a CaseResult>) {
-    let mut kinds: Vec<AlikeFailures> = Vec::new();
+fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Vec<&'a CaseResult>) {
+    let mut kinds: Vec<SimilarFailures> = Vec::new();
     let mut single = Vec::new();
     for &case in all {
         let says = case.says.as_str();

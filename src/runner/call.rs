@@ -139,8 +139,7 @@ impl Call {
         }
     }
 
-    /// Returns true if the process has ended. Its id stays reserved until the process is reaped, so no other process
-    /// can reuse it.
+    /// Returns true if the process has ended. Until the process is reaped, no other process can reuse its id.
     pub(crate) fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let pid = Pid::from_child(&self.child);

@@ -98,7 +98,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         };
         let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
         if reply.answer.violation().is_some() || reply.served.is_some() {
-            self.tally.violation.fetch_add(1, Ordering::Relaxed);
+            self.tally.violations.fetch_add(1, Ordering::Relaxed);
         }
         (observation, reply)
     }
@@ -153,8 +153,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Calls `work` with each number below `count`, in as many threads as there are jobs. A worker stops when `work` returns
-    /// false.
+    /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
     pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.

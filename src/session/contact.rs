@@ -87,20 +87,19 @@ pub struct Contact<C: TestCase = Case> {
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// Reason why no case is requested, if something must be fixed first.
-    pub ends: Option<&'static str>,
+    pub end_reason: Option<&'static str>,
 }
 
 impl<C: TestCase> Contact<C> {
     /// Returns true if cases can be requested.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        self.not_a_decoder.is_none() && self.ends.is_none()
+        self.not_a_decoder.is_none() && self.end_reason.is_none()
     }
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Requests the first files to determine whether the program is a decoder, what it offers, and which spelling of tables it
-    /// reads.
+    /// Requests the first files to determine whether the program is a decoder, what it offers, and which table spelling it reads.
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
@@ -117,7 +116,7 @@ impl<C: TestCase> Session<'_, C> {
             table: TableSpelling::default(),
             remarks,
             not_a_decoder: None,
-            ends: None,
+            end_reason: None,
         };
         // If no first file could be requested, use the views that the user names.
         if contact.first.is_empty() {
@@ -144,8 +143,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel. A
-    /// serving process receives all of them in order. If the decoder times out on a file in one view, the other views of that
-    /// file are requested last.
+    /// serving process receives all of them in order. After a timeout, the other views of the same file are requested last.
     fn first_files(&self) -> Vec<First<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();

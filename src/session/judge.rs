@@ -20,7 +20,7 @@ pub struct Judgement<C: TestCase = Case> {
     /// Reading of each open question: that of the reference, if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
-    pub certain: Vec<Certainty>,
+    pub certainties: Vec<Certainty>,
     /// Features that the decoder does not support.
     pub unsupported: BTreeSet<C::Feature>,
     /// Features with at least one decoded file.
@@ -71,7 +71,7 @@ pub fn judge<C: TestCase>(
     Judgement {
         cases: cases.collect(),
         dialect,
-        certain,
+        certainties: certain,
         unsupported,
         decoded,
     }

@@ -27,7 +27,7 @@ pub struct RunPlan {
     pub repeat: Repeat,
     /// True for cases that are requested before the others, one slot per case of the suite; empty if there are none.
     #[serde(skip)]
-    pub soonest: Vec<bool>,
+    pub prioritized: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.

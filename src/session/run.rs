@@ -34,7 +34,7 @@ pub struct Run<C: TestCase = Case> {
     /// Number of requests, not counting repeated ones.
     pub asked: usize,
     /// Number of requests that ended in neither a frame nor a refusal.
-    pub violation: usize,
+    pub violations: usize,
     /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<&'static str>,
     /// The reason why the program is not a decoder, if it is not one.
@@ -73,7 +73,7 @@ impl<C: TestCase> Session<'_, C> {
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
-        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.soonest.clone());
+        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.prioritized.clone());
         soonest.resize(suite.cases.len(), false);
         for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
             if let (true, Some(&twin)) = (plan.selected[i], twins.first()) {
@@ -136,7 +136,7 @@ impl<C: TestCase> Session<'_, C> {
                 let is_violation = matches!(observation.response, Response::Violation(_))
                     || observation.nondeterminism.is_some();
                 self.tally.calls.fetch_sub(1, Ordering::Relaxed);
-                (self.tally.violation).fetch_sub(is_violation.into(), Ordering::Relaxed);
+                (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
             }
         }
     }
@@ -180,7 +180,7 @@ impl<C: TestCase> Session<'_, C> {
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
-            None => (&self.plan.selected, contact.ends.or(end_reason)),
+            None => (&self.plan.selected, contact.end_reason.or(end_reason)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, progress) {
@@ -214,7 +214,7 @@ impl<C: TestCase> Session<'_, C> {
             table: contact.table,
             remarks: contact.remarks,
             asked: self.tally.calls.load(Ordering::Relaxed),
-            violation: self.tally.violation.load(Ordering::Relaxed),
+            violations: self.tally.violations.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
             scene: None,
@@ -282,7 +282,7 @@ impl<C: TestCase> Run<C> {
         Scores {
             correctness: fraction(passed, passed + count(Outcome::Fail)),
             breadth: fraction(decoded, features.len()),
-            robustness: fraction(self.asked - self.violation, self.asked),
+            robustness: fraction(self.asked - self.violations, self.asked),
         }
     }
 

@@ -11,7 +11,7 @@ const HANGS_THAT_END_A_RUN: usize = 3;
 pub(super) struct Tally {
     pub calls: AtomicUsize,
     /// Number of calls that ended in neither a frame nor a refusal.
-    pub violation: AtomicUsize,
+    pub violations: AtomicUsize,
     /// True if the decoder timed out on too many consecutive legal files.
     pub hung: AtomicBool,
 }

@@ -84,8 +84,9 @@ pub struct WorkedExample {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Description, which also serves as the name of the part.
-    pub is: String,
+    /// Name of the part, which describes it.
+    #[serde(rename = "is")]
+    pub name: String,
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
@@ -152,13 +153,14 @@ impl Files {
         let parts = self.files.get(file);
         let parts = parts.ok_or_else(|| format!("unknown file {file}"))?;
         for part in with {
-            if parts.iter().all(|old| old.is != part.is) {
-                return Err(format!("{file} has no part {:?}", part.is));
+            if parts.iter().all(|old| old.name != part.name) {
+                return Err(format!("{file} has no part {:?}", part.name));
             }
         }
         let replaced = parts.iter().map(|old| {
-            let part = with.iter().find(|part| part.is == old.is).unwrap_or(old);
-            Ok((part.is.clone(), self.bytes(part)?))
+            let part = with.iter().find(|part| part.name == old.name);
+            let part = part.unwrap_or(old);
+            Ok((part.name.clone(), self.bytes(part)?))
         });
         replaced.collect()
     }
@@ -169,11 +171,11 @@ impl Files {
             (None, Some(hex), None) => parse_hex(hex),
             (None, None, Some(stream)) => {
                 let stream = self.streams.get(stream);
-                parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.is))?)
+                parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.name))?)
             }
             _ => Err("expected one of text, hex and stream".to_owned()),
         };
-        let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.is))?;
+        let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.name))?;
         Ok(bytes.repeat(part.times.unwrap_or(1)))
     }
 }

@@ -145,8 +145,8 @@ fn render_example(
                     }
                 }
             } }
-            (result(&executed.asks, &executed.found, example.because.as_deref()))
-            @for (reading, found) in &executed.otherwise {
+            (result(&executed.view, &executed.found, example.because.as_deref()))
+            @for (reading, found) in &executed.alternatives {
                 p.otherwise { "Under the reading " em { (reading) } ": " (inline_result(found)) "." }
             }
         }

@@ -27,14 +27,13 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
-/// Returns the mistakes of a reader: first those in its profile, in the order in which they take effect, then other
-/// sightings.
+/// Returns the mistakes of a reader: first those in its profile, in order of effect, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));
     let mut mistakes: Vec<&Misreading> = profiled.flatten().collect();
     for misreading in misreadings::all() {
-        let mut seen = misreading.seen.iter();
+        let mut seen = misreading.sightings.iter();
         let is_seen = seen.any(|sighting| sighting.reader == reader);
         if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
             mistakes.push(misreading);

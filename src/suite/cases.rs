@@ -159,7 +159,7 @@ impl Case {
             return Vec::new();
         };
         let part = |piece| checked(piece, TableSpelling::default());
-        (pieces.iter().map(|piece| (&*piece.is, part(piece)))).collect()
+        (pieces.iter().map(|piece| (&*piece.name, part(piece)))).collect()
     }
 
     /// Returns the compression of a generated compressed file.

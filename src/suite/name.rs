@@ -19,7 +19,7 @@ pub enum SuiteName {
 impl SuiteName {
     /// Returns a short title of the suite.
     #[must_use]
-    pub const fn short(self) -> &'static str {
+    pub const fn short_title(self) -> &'static str {
         match self {
             SuiteName::Ptm => "PTM 1.2",
             SuiteName::Texture => "PEX texture mapping",

@@ -53,7 +53,7 @@ fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> b
         return biases.count() == 6;
     }
     // Applying a decoding mistake twice undoes it.
-    mistake.at.stage() != Stage::Decoding
+    mistake.step.stage() != Stage::Decoding
         && requires_mistakes(right, &[mistake], |seen| seen.is_written_as_seen(file))
 }
 
@@ -73,7 +73,7 @@ fn requires_mistakes(
 
 /// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
-    match mistake.at {
+    match mistake.step {
         Hook::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
             EditedFile::File(bytes) => Some(bytes),
             EditedFile::Refused => None,
@@ -94,7 +94,7 @@ impl MisreadFile {
         for edit in plane_edits(mistakes) {
             edit(&mut ptm);
         }
-        let stages = mistakes.iter().map(|mistake| mistake.at.stage());
+        let stages = mistakes.iter().map(|mistake| mistake.step.stage());
         Some(MisreadFile {
             reading,
             edits: formula_edits(mistakes),
@@ -137,7 +137,7 @@ impl MisreadFile {
             let uniform_finals = |raw: u8| {
                 let mut uniform = map.clone();
                 uniform.planes.samples.fill(raw);
-                formula::finals(&uniform, &self.reading, Edits(&self.edits)).values
+                formula::final_values(&uniform, &self.reading, Edits(&self.edits)).values
             };
             let [zeros, ones] = [0, 1].map(uniform_finals);
             for i in 0..6 {

@@ -373,8 +373,7 @@ pub fn have_python(packages: &[&str]) -> bool {
         || skipped(&format!("python3 with {imports} is not installed"))
 }
 
-/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set, because then everything
-/// should be installed.
+/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
 fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(

@@ -185,8 +185,7 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
 
 /// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images are wrong in
 /// that view: more than half as many images of the same format, or of all formats that have wrong images in that view. Images
-/// that are described elsewhere count as well. The phase `Rearranged` is used only if it applies to most wrong images of the
-/// format.
+/// described elsewhere count as well. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -564,8 +563,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes that determine the
-/// expected value.
+/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes used in it.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }

@@ -38,7 +38,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
                 effect: effect.to_owned(),
                 fix: fix.to_owned(),
                 example: format!("for example {}: {}", case.id, diff.says),
-                alike: Vec::new(),
+                equivalents: Vec::new(),
             },
             indices.iter().map(|&(index, _)| index).collect(),
         ))

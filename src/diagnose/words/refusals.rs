@@ -170,7 +170,7 @@ pub(in crate::diagnose) fn describe_non_images(
     let images = indices
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
-    let is_predicted = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
+    let is_predicted = modes.iter().all(is_refusal) && misreading.symptom == Symptom::Refusals;
     if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted {
         return None;
     }

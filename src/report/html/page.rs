@@ -24,7 +24,7 @@ pub fn page<C: Reported>(
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
     let (command, verdict) = (&report.decoder.command, &report.verdict);
-    let title = format!("{command}: {verdict} — {}", report.suite.short());
+    let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
         (header(suite, report, run.and_then(|run| run.scene.as_ref())))
         main {

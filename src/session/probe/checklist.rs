@@ -106,7 +106,7 @@ pub struct Checklist {
     /// The steps, in the order in which they were taken.
     pub steps: Vec<ProbeStep>,
     /// True if the decoder returned a well-formed frame for any first file.
-    pub answers: bool,
+    pub has_frames: bool,
 }
 
 impl Checklist {
@@ -146,7 +146,7 @@ impl Checklist {
     /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 in all other cases.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        match (self.answers, self.faults()) {
+        match (self.has_frames, self.faults()) {
             (false, _) => 3,
             (true, 1..) => 1,
             (true, 0) => 0,

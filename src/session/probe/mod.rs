@@ -41,7 +41,7 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
     let Some(first) = one_shot::first_frames(&calls, &mut list) else {
         return list;
     };
-    list.answers = true;
+    list.has_frames = true;
     one_shot::large_frame(&calls, &first, &mut list);
     one_shot::refusals(&calls, &first, &mut list);
     one_shot::unknown_view(&calls, &first.sample, &mut list);

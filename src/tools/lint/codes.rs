@@ -159,7 +159,7 @@ pub static ALL: LazyLock<Vec<Code>> = LazyLock::new(|| {
 impl Code {
     /// Looks up a code by id.
     #[must_use]
-    pub fn by_id(id: &str) -> Option<&'static Code> {
+    pub fn find(id: &str) -> Option<&'static Code> {
         ALL.iter().find(|code| code.id == id)
     }
 

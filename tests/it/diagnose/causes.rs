@@ -33,13 +33,15 @@ fn failures(run: &Run) -> Vec<usize> {
 
 /// Returns the slugs of the misreadings that a diagnosis names or lists as equivalent.
 fn slugs(diagnosis: &Diagnosis) -> Vec<&'static str> {
-    let (first, alike) = match &diagnosis.cause {
+    let (first, equivalents) = match &diagnosis.cause {
         Cause::Misreading {
-            misreading, alike, ..
-        } => (Some(*misreading), alike),
-        Cause::Described { alike, .. } => (None, alike),
+            misreading,
+            equivalents,
+            ..
+        } => (Some(*misreading), equivalents),
+        Cause::Described { equivalents, .. } => (None, equivalents),
     };
-    let all = first.into_iter().chain(alike.iter().copied());
+    let all = first.into_iter().chain(equivalents.iter().copied());
     all.map(|misreading| misreading.slug).collect()
 }
 
@@ -69,12 +71,13 @@ fn diagnose_faulty_decoder(
     let diagnoses = causes(suite, &run);
     let explained = diagnoses
         .iter()
-        .flat_map(|one| one.explains.iter().chain(&one.partly));
+        .flat_map(|one| one.explains.iter().chain(&one.partial));
     let mut explained: Vec<usize> = explained.copied().collect();
     explained.sort_unstable();
     assert_eq!(explained, failures(&run), "one diagnosis per failure");
     let lines = diagnoses.iter().map(|one| {
-        let (explains, partly, except) = (one.explains.len(), one.partly.len(), one.except.len());
+        let lists = [&one.explains, &one.partial, &one.contradicted_by];
+        let [explains, partly, except] = lists.map(Vec::len);
         format!("{explains}+{partly}-{except}: {}", cause_text(one))
     });
     let lines: Vec<String> = lines.collect();
@@ -253,7 +256,7 @@ fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Ve
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
         let is_real = mistakes.iter().any(|mistake| slugs.contains(&mistake.slug));
-        diagnosis.certain && !is_real
+        diagnosis.is_certain && !is_real
     };
     diagnoses.iter().filter(is_false).map(cause_text).collect()
 }

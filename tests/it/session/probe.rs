@@ -40,8 +40,7 @@ fn assert_scripts_probed(table: &str) {
     }
 }
 
-/// Probes copies of the Python decoder. Each row contains the exit status, the text to replace, the replacement, and parts of the
-/// output.
+/// Probes copies of the Python decoder. Each row contains the exit status, the text to replace, its replacement, and output.
 #[track_caller]
 fn assert_copies_probed(table: &str) {
     let Some(decoder) = python_decoder() else {
