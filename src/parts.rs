@@ -103,7 +103,7 @@ pub struct Step {
     /// True if the reference is inverted.
     pub inverted: bool,
     /// True if the reference is displaced.
-    pub moved: bool,
+    pub displaced: bool,
     /// Displacement along x and y, in half texels.
     pub motion: (i64, i64),
 }

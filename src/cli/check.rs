@@ -135,8 +135,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
-            Some(next) => format!("{}\n→ {next}", fault.says),
-            None => fault.says.clone(),
+            Some(next) => format!("{}\n→ {next}", fault.message),
+            None => fault.message.clone(),
         };
         match &mut contact.not_a_decoder {
             Some(why) => *why = format!("{why}\n{says}"),

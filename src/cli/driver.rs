@@ -161,7 +161,7 @@ impl<'a, C: Reported> Check<'a, C> {
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let label = "searching for first causes";
-        self.progress.begin_counted(label, &run.searched, MAX_WORK);
+        self.progress.begin_counted(label, &run.work, MAX_WORK);
         let diagnose = |run: &Run<C>| C::diagnose(suite, run, assumed, self.plan.jobs);
         let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
             first_causes(suite, &run, diagnose)
@@ -195,13 +195,13 @@ impl<'a, C: Reported> Check<'a, C> {
             recorder.finish(&end).map_err(with_path(&path))?;
         }
         let label = "searching for causes";
-        self.progress.begin_counted(label, &run.searched, MAX_WORK);
+        self.progress.begin_counted(label, &run.work, MAX_WORK);
         let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
                 && !found.diagnoses.is_empty()
             {
-                let (answers, seconds) = (found.answered, time.as_secs_f64());
+                let (answers, seconds) = (found.answer_count, time.as_secs_f64());
                 self.progress.print_message(&format!(
                     "searched for causes: {answers} answers compared in {seconds:.1} s of CPU time"
                 ));

@@ -268,7 +268,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     };
     let (ids, Case { id, because, .. }) = (abbreviate_ids(&ids, "cases"), &suite.cases[place]);
     let (judged, seen) = (&run.judgement.cases[place], &run.observations[place]);
-    let says = judged.as_ref().map_or("", |judged| &judged.says);
+    let says = judged.as_ref().map_or("", |judged| &judged.message);
     let view = seen.as_ref().map(|seen| seen.view.to_string());
     let view = view.unwrap_or_default();
     Ok(format!(
@@ -335,9 +335,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     let cases = suite.cases.iter().filter(provokes);
     let cases: Vec<&str> = cases.map(|case| &*case.id).collect();
     let cases = abbreviate_ids(&cases, "cases provoke it");
-    let Code {
-        id, clause, says, ..
-    } = code;
+    let (id, clause, says) = (code.id, code.clause, code.message);
     let mut text = format!(
         "code {id} ({}, clause {clause}): {says}\n",
         code.severity.name()

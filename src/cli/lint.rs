@@ -279,7 +279,7 @@ impl FileChecker<'_> {
 fn list_codes(args: &LintArgs) -> CommandResult {
     if !args.machine.print(&*ALL)? {
         for code in ALL.iter() {
-            let (id, clause, says) = (code.id, code.clause, code.says);
+            let (id, clause, says) = (code.id, code.clause, code.message);
             output::print(&format!("{id}  {clause:<8} {says}\n"));
         }
     }

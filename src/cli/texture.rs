@@ -137,7 +137,7 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
         if line.holds == Some(false) || !args.quiet {
             let reading = line.reading.map(|name| format!(" under {name}"));
             let reading = reading.unwrap_or_default();
-            let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.says);
+            let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.message);
         }
     }
     let aside = match unknown {

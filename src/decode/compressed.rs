@@ -206,8 +206,8 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     Ok(Step {
         reference: checked_reference(lists, plane)?,
         // If a bit is not set, the reference is unchanged, even if there is a vector.
-        inverted: transform.value & 1 != 0, // clause 2.9.2/3
-        moved: transform.value & 2 != 0,    // clause 2.9.2/4
+        inverted: transform.value & 1 != 0,  // clause 2.9.2/3
+        displaced: transform.value & 2 != 0, // clause 2.9.2/4
         motion: (
             lists.motion[plane].value,
             lists.motion[planes + plane].value,

@@ -53,7 +53,7 @@ pub(crate) fn invert_then_displace<'a>(
     if step.inverted {
         (reading.invert)(predictor.to_mut());
     }
-    if step.moved {
+    if step.displaced {
         predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     predictor
@@ -67,7 +67,7 @@ pub(crate) fn displace_then_invert<'a>(
     reading: &Reading,
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
-    if step.moved {
+    if step.displaced {
         predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     if step.inverted {
@@ -236,7 +236,7 @@ mod tests {
             let step = Step {
                 reference: Some(0),
                 inverted: true,
-                moved: true,
+                displaced: true,
                 motion: (1, 0),
             };
             let (mut plane, reading) = ([140, 140], reading(alternative));

@@ -41,7 +41,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
     for (index, outcome, says) in changes {
         if let Some(judged) = &mut run.judgement.cases[index] {
             judged.outcome = outcome;
-            judged.says = says;
+            judged.message = says;
         }
     }
 }

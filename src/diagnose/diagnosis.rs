@@ -30,7 +30,7 @@ pub struct Causes<A: 'static = Hook> {
     /// Messages of panics during the search. Each indicates a bug in this program that lost one cause.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
-    pub answered: usize,
+    pub answer_count: usize,
     /// CPU time of the search, if the system reports it.
     pub cpu_time: Option<Duration>,
 }
@@ -40,7 +40,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
         Causes {
             diagnoses,
             faults: Vec::new(),
-            answered: 0,
+            answer_count: 0,
             cpu_time: None,
         }
     }
@@ -86,7 +86,7 @@ pub enum Category {
     Violation,
     /// The decoder output wrong images.
     Difference,
-    /// The decoder gave different responses to the same request.
+    /// The decoder returned different responses to the same request.
     Nondeterminism,
 }
 

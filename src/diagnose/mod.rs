@@ -138,7 +138,7 @@ fn diagnose_by(
     Causes {
         diagnoses: causes,
         faults: search.faults(),
-        answered: search.answered(),
+        answer_count: search.answer_count(),
         cpu_time: None,
     }
 }

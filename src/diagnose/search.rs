@@ -49,7 +49,7 @@ pub(super) struct Search<'a> {
     /// Units of work done so far. An answer is one unit, or several if the map is large.
     work: &'a AtomicUsize,
     /// Number of answers computed so far.
-    answered: AtomicUsize,
+    answer_count: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     pub passing: Vec<usize>,
     /// Messages of panics, without duplicates.
@@ -116,8 +116,8 @@ impl<'a> Search<'a> {
             threads,
             is_arbitrary: nondeterminism::is_prevalent(run) || uniform::is_prevalent(witnesses),
             stop: &run.stop,
-            work: &run.searched,
-            answered: AtomicUsize::new(0),
+            work: &run.work,
+            answer_count: AtomicUsize::new(0),
             probed: HashSet::new(),
             effects: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
     /// program, returns the correct answer.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
-        self.answered.fetch_add(1, Ordering::Relaxed);
+        self.answer_count.fetch_add(1, Ordering::Relaxed);
         let answer = catch_unwind(AssertUnwindSafe(|| {
             match witness.refuses_positions(mistakes) {
                 true => Cow::Owned(Answer::Rejected),
@@ -392,8 +392,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the number of answers computed so far.
-    pub fn answered(&self) -> usize {
-        self.answered.load(Ordering::Relaxed)
+    pub fn answer_count(&self) -> usize {
+        self.answer_count.load(Ordering::Relaxed)
     }
 
     /// Returns the messages of all recorded panics.

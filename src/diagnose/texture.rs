@@ -1,7 +1,8 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts a misreading
-//! if a stage with this misreading would fail it. A misreading is reported only if it explains more cases than contradict it.
+//! A misreading explains a failure if a stage with this misreading returns the same answer. A passing case contradicts a
+//! misreading if a stage with this misreading would fail it. A misreading is reported only if it explains more cases than
+//! contradict it.
 
 use serde_json::Value;
 
@@ -33,7 +34,7 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagn
     causes.map(CoverCandidate::diagnosis).collect()
 }
 
-/// Returns true if a stage with these rules gives the received answer.
+/// Returns true if a stage with these rules returns the received answer.
 fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules) -> bool {
     let Some(observation) = &run.observations[i] else {
         return false;

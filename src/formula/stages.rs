@@ -380,7 +380,7 @@ impl CompressedPlanes<'_> {
         Ok(Step {
             reference: usize::try_from(reference).ok(),
             inverted: has(Formula::Inverted),
-            moved: has(Formula::Displaced),
+            displaced: has(Formula::Displaced),
             motion: (
                 edited_or(Formula::VectorX, default.motion.0),
                 edited_or(Formula::VectorY, default.motion.1),
@@ -422,7 +422,7 @@ impl CompressedPlanes<'_> {
             }
             Expression::Call(Function::Displace, arguments) => {
                 let plane = inner(&arguments[0])?;
-                if step.moved {
+                if step.displaced {
                     self.displace(&plane, step)
                 } else {
                     Ok(plane)
@@ -515,7 +515,8 @@ impl CompressedPlanes<'_> {
                 Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
             };
         }
-        let [inverted, moved] = [step.inverted, step.moved].map(|flag| f64::from(u8::from(flag)));
+        let [inverted, moved] =
+            [step.inverted, step.displaced].map(|flag| f64::from(u8::from(flag)));
         for (value, &predictor) in plane.iter_mut().zip(predictor) {
             let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
             *value = to_byte(self.edits.value(Formula::Plane, &variables, &[]));

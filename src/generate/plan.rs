@@ -335,7 +335,7 @@ impl Compression {
 
     /// Returns true if a reference is displaced.
     #[must_use]
-    pub fn moves(&self) -> bool {
+    pub fn displaces(&self) -> bool {
         self.predicted()
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
@@ -415,7 +415,7 @@ impl Compression {
                 Err("a table number must be at most 3".to_owned())
             }
             // The mean of 255 and 0 is far from both, so a different inverse DCT could cause a large deviation.
-            Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => Err(
+            Coding::Jpeg if self.residuals == Residuals::Natural && self.displaces() => Err(
                 "motion requires residuals that every inverse DCT reconstructs exactly".to_owned(),
             ),
             Coding::JpegLs if self.parameter > 127 => {

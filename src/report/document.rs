@@ -146,8 +146,8 @@ pub struct CaseResult {
     /// Clauses that the case tests.
     pub clauses: Vec<String>,
     /// Explanation of the outcome; empty if none is needed.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub says: String,
+    #[serde(rename = "says", default, skip_serializing_if = "String::is_empty")]
+    pub message: String,
     /// True if the file was refused with the exit status of `--reject-exit`, which may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,

@@ -40,7 +40,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         errors.push((report.verdict.clone(), reason.clone()));
     }
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
-    errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
+    errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.message.clone())));
     // Known failures are not reported again.
     let failures = report.with_outcome(Outcome::Fail);
     let new: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
@@ -56,7 +56,8 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         }
     }
     let unexplained = new.iter().filter(|case| report.cause_of(case).is_none());
-    errors.extend(unexplained.map(|case| (format!("{name}, case {}", case.id), case.says.clone())));
+    let title = |case: &CaseResult| format!("{name}, case {}", case.id);
+    errors.extend(unexplained.map(|case| (title(case), case.message.clone())));
     errors
 }
 
@@ -93,7 +94,7 @@ fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     writeln!(out, "| correctness | breadth | robustness |\n|--:|--:|--:|")?;
     writeln!(out, "| {} | {} | {} |\n", parts[0], parts[1], parts[2])?;
     for remark in &report.remarks {
-        writeln!(out, "> {}\n", escape_markdown(&remark.says))?;
+        writeln!(out, "> {}\n", escape_markdown(&remark.message))?;
     }
     Ok(())
 }
@@ -157,7 +158,7 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     writeln!(out, "\n<details><summary>{count} failing cases</summary>\n")?;
     writeln!(out, "| case | clauses | result |\n|---|---|---|")?;
     for case in failures.iter().take(MAX_LISTED_FAILURES) {
-        let says: String = case.says.chars().take(300).collect();
+        let says: String = case.message.chars().take(300).collect();
         let [clauses, says] = [&case.clauses.join(", "), &says].map(escape_markdown);
         writeln!(out, "| {} | {clauses} | {says} |", inline_code(&case.id))?;
     }

@@ -22,7 +22,7 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
     }
     let failures = report.remarks.iter().filter(|remark| remark.failure);
     for (number, remark) in (1..).zip(failures) {
-        let element = html! { failure message=(remark.says) {} };
+        let element = html! { failure message=(remark.message) {} };
         add(format!("whole-run-{number}"), ("failure", element));
     }
     tests.extend(report.cases.iter().map(|case| {
@@ -73,7 +73,7 @@ pub fn junit(report: &Report) -> String {
 
 /// Returns the name and the markup of the element for a case, or `None` if the case passed.
 fn element(report: &Report, case: &CaseResult) -> Option<(&'static str, Markup)> {
-    let says = match case.says.as_str() {
+    let says = match case.message.as_str() {
         "" => case.outcome.name(),
         says => says,
     };

@@ -92,7 +92,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
             view: seen.map_or_else(String::new, |seen| seen.view.to_string()),
             expect: case.expectation().to_owned(),
             clauses: case.clauses().to_vec(),
-            says: judged.says.clone(),
+            message: judged.message.clone(),
             weak: seen.is_some_and(|seen| seen.weak),
             stderr: failed.map_or_else(String::new, |seen| seen.stderr.clone()),
         });

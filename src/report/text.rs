@@ -118,7 +118,7 @@ impl<C: TestCase> Page<'_, C> {
         }
         for remark in &self.report.remarks {
             let kind = if remark.failure { "FAIL" } else { "note" };
-            writeln!(out, "{kind}: {}", remark.says.replace('\n', "\n  "))?;
+            writeln!(out, "{kind}: {}", remark.message.replace('\n', "\n  "))?;
         }
         if !self.report.remarks.is_empty() {
             writeln!(out)?;
@@ -181,7 +181,7 @@ impl<C: TestCase> Page<'_, C> {
 
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
-        writeln!(out, "    {}: {}", case.view, case.says)?;
+        writeln!(out, "    {}: {}", case.view, case.message)?;
         if let Some(case) = self.suite.case(&case.id) {
             for line in case.because().lines() {
                 writeln!(out, "    {line}")?;
@@ -249,7 +249,7 @@ impl<C: TestCase> Page<'_, C> {
             reasons.insert((Outcome::Inconclusive, twins), count);
         }
         for case in self.report.with_outcome(Outcome::NotJudged) {
-            let key = (Outcome::NotJudged, &*case.says);
+            let key = (Outcome::NotJudged, &*case.message);
             *reasons.entry(key).or_default() += 1;
         }
         reasons
@@ -283,8 +283,8 @@ fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String
         "" => writeln!(out, "  expected: {}", case.expect)?,
         view => writeln!(out, "  expected: {}, requested in {view}", case.expect)?,
     }
-    if !case.says.is_empty() {
-        writeln!(out, "  {}", case.says)?;
+    if !case.message.is_empty() {
+        writeln!(out, "  {}", case.message)?;
     }
     if !case.stderr.is_empty() {
         writeln!(out, "  its standard error:")?;
@@ -300,7 +300,7 @@ fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Ve
     let mut kinds: Vec<SimilarFailures> = Vec::new();
     let mut single = Vec::new();
     for &case in all {
-        let says = case.says.as_str();
+        let says = case.message.as_str();
         let is_start = |prefix| says.starts_with(prefix);
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
             Some((_, cases)) => cases.push(case),

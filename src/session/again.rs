@@ -109,8 +109,8 @@ impl<C: TestCase> Session<'_, C> {
             }
             let differs = !alone.response.is_equivalent(&first.response);
             if differs {
-                let says = difference(served, &first, &alone, once_more.as_ref());
-                first.nondeterminism = Some(Nondeterminism { served, says });
+                let message = difference(served, &first, &alone, once_more.as_ref());
+                first.nondeterminism = Some(Nondeterminism { served, message });
             }
             // A serving process may not have printed anything about this file yet.
             if first.stderr.is_empty() {

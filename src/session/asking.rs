@@ -185,7 +185,10 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     let after = previous_request_text(reply.previous_request.as_ref());
     let (trouble, alone) = (served.describe(), reply.answer.name());
     let says = format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})");
-    Some(Nondeterminism { served: true, says })
+    Some(Nondeterminism {
+        served: true,
+        message: says,
+    })
 }
 
 /// Describes the request that the process answered previously.

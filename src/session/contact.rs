@@ -106,7 +106,7 @@ impl<C: TestCase> Session<'_, C> {
         // Report the first file that was not answered in serve mode.
         let trouble = first.iter().find_map(|First { case, view, reply }| {
             let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
-            let says = format!("{} in {view}, {}", case.id(), failure.says);
+            let says = format!("{} in {view}, {}", case.id(), failure.message);
             Some(Remark::failure(says))
         });
         let mut remarks: Vec<Remark> = trouble.into_iter().collect();

@@ -1,7 +1,7 @@
 //! Checks on the user's files, which have no expected output.
 //!
 //! The decoder is compared with the reference, in the best-matching reading of the open questions, and with itself: other
-//! encodings of the same values must give the same image.
+//! encodings of the same values must produce the same image.
 
 use std::fmt::Write;
 
@@ -38,9 +38,9 @@ pub struct FileResult {
     /// Result of the comparison with the reference.
     pub outcome: Outcome,
     /// The reason for the outcome.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub says: Option<String>,
-    /// Descriptions of other encodings of the same values for which the decoder gives a different image or no image.
+    #[serde(rename = "says", skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Descriptions of other encodings of the same values for which the decoder returns a different image or none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
     /// Number of other encodings that were tried.
@@ -55,7 +55,7 @@ impl FileResult {
             file: file.to_owned(),
             view: None,
             outcome: Outcome::NotRun,
-            says,
+            message: says,
             relations: Vec::new(),
             encodings: 0,
         }
@@ -104,7 +104,7 @@ pub fn check_file(
         true => Outcome::Pass,
         false => Outcome::Fail,
     };
-    result.says = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
+    result.message = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
     result
 }
 
@@ -270,7 +270,7 @@ impl FilesReport {
                 let view = result.view.as_deref().unwrap_or("in no view");
                 let _ = write!(text, " {view}: {} other encodings", result.encodings);
             }
-            text.extend(result.says.iter().map(|says| format!("; {says}")));
+            text.extend(result.message.iter().map(|says| format!("; {says}")));
             text.push('\n');
             for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");

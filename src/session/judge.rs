@@ -89,9 +89,9 @@ struct CaseFacts<'a, C: TestCase> {
     spelling_known: bool,
 }
 
-fn verdict(outcome: Outcome, says: impl Into<String>) -> Judged {
-    let says = says.into();
-    Judged { outcome, says }
+fn verdict(outcome: Outcome, message: impl Into<String>) -> Judged {
+    let message = message.into();
+    Judged { outcome, message }
 }
 
 fn fail(says: impl Into<String>) -> Judged {
@@ -104,7 +104,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
-            return fail(&*how.says);
+            return fail(&*how.message);
         }
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();

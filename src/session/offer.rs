@@ -13,7 +13,7 @@ pub struct Offer<C: TestCase = Case> {
     pub views: Vec<&'static str>,
     /// Views that are missing for a kind of case that the decoder decodes in other views.
     pub lacking: Vec<(&'static str, C::Feature)>,
-    /// Kinds of cases whose first files all gave exit status 69 in every view.
+    /// Kinds of cases for which every first file resulted in exit status 69 in every view.
     pub unsupported: Vec<C::Feature>,
     /// Names of the kinds of cases that the decoder declares.
     pub declared: Vec<String>,

@@ -12,7 +12,7 @@ pub struct Judged {
     /// The verdict.
     pub outcome: Outcome,
     /// The reason, in a sentence; empty if there is none.
-    pub says: String,
+    pub message: String,
 }
 
 /// The verdict on a case.

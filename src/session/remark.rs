@@ -8,7 +8,8 @@ pub struct Remark {
     /// True if the remark makes the decoder fail.
     pub failure: bool,
     /// The text of the remark, as a sentence.
-    pub says: String,
+    #[serde(rename = "says")]
+    pub message: String,
 }
 
 impl Remark {
@@ -17,7 +18,7 @@ impl Remark {
     pub fn failure(says: String) -> Remark {
         Remark {
             failure: true,
-            says,
+            message: says,
         }
     }
 
@@ -26,7 +27,7 @@ impl Remark {
     pub fn note(says: String) -> Remark {
         Remark {
             failure: false,
-            says,
+            message: says,
         }
     }
 }

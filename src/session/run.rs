@@ -32,7 +32,7 @@ pub struct Run<C: TestCase = Case> {
     /// Remarks on the run as a whole.
     pub remarks: Vec<Remark>,
     /// Number of requests, not counting repeated ones.
-    pub asked: usize,
+    pub request_count: usize,
     /// Number of requests that ended in neither a frame nor a refusal.
     pub violations: usize,
     /// The reason why the run ended before all cases were requested, if it did.
@@ -44,7 +44,7 @@ pub struct Run<C: TestCase = Case> {
     /// Set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
-    pub searched: Arc<AtomicUsize>,
+    pub work: Arc<AtomicUsize>,
 }
 
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
@@ -213,13 +213,13 @@ impl<C: TestCase> Session<'_, C> {
             offer: contact.offer,
             table: contact.table,
             remarks: contact.remarks,
-            asked: self.tally.calls.load(Ordering::Relaxed),
+            request_count: self.tally.calls.load(Ordering::Relaxed),
             violations: self.tally.violations.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
             scene: None,
             stop: Arc::clone(&self.plan.stop),
-            searched: Arc::default(),
+            work: Arc::default(),
         }
     }
 }
@@ -245,10 +245,10 @@ impl<C: TestCase> Run<C> {
             let Some(judged) = judged else { continue };
             if let Some(why) = why {
                 judged.outcome = Outcome::NotJudged;
-                judged.says.clone_from(why);
+                judged.message.clone_from(why);
             } else if observation.is_none() && self.offer.chosen_view(case).is_some() {
                 judged.outcome = Outcome::NotRun;
-                judged.says = self.ended_early.map(str::to_owned).unwrap_or_default();
+                judged.message = self.ended_early.map(str::to_owned).unwrap_or_default();
             }
         }
     }
@@ -261,7 +261,8 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let (not_run, asked) = (self.judgement.with_outcome(Outcome::NotRun), self.asked);
+        let not_run = self.judgement.with_outcome(Outcome::NotRun);
+        let asked = self.request_count;
         let not_run = format!("{} cases were not run", not_run.count());
         let says = format!("{why}; {not_run}; {asked} requests were sent");
         self.remarks.push(Remark::failure(says));
@@ -282,7 +283,7 @@ impl<C: TestCase> Run<C> {
         Scores {
             correctness: fraction(passed, passed + count(Outcome::Fail)),
             breadth: fraction(decoded, features.len()),
-            robustness: fraction(self.asked - self.violations, self.asked),
+            robustness: fraction(self.request_count - self.violations, self.request_count),
         }
     }
 

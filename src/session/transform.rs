@@ -19,7 +19,7 @@ pub struct CommonTransform {
     /// The function that undoes the change in every image of the view before comparison.
     pub undo: Undo<Case>,
     /// The effect of the change, and the number of affected first files.
-    says: String,
+    effect: String,
     /// The suggested fix.
     next: String,
 }
@@ -52,14 +52,14 @@ pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransfor
 pub fn remarks(transforms: &[CommonTransform]) -> Vec<Remark> {
     let mut groups: Vec<(Vec<&str>, &CommonTransform)> = Vec::new();
     for transform in transforms {
-        let same = |(_, of): &&mut (Vec<&str>, &CommonTransform)| of.says == transform.says;
+        let same = |(_, of): &&mut (Vec<&str>, &CommonTransform)| of.effect == transform.effect;
         match groups.iter_mut().find(same) {
             Some((views, _)) => views.push(transform.undo.view),
             None => groups.push((vec![transform.undo.view], transform)),
         }
     }
     let remark = |(views, transform): (Vec<&str>, &CommonTransform)| {
-        let CommonTransform { says, next, .. } = transform;
+        let (says, next) = (&transform.effect, &transform.next);
         Remark::failure(format!(
             "{}: {says}; all cases are judged after undoing this\n→ {next}",
             views.join(", ")
@@ -98,12 +98,12 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     };
     let mut changes = candidates(view, images).into_iter();
     let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
-    let (says, all) = (change.says, images.len());
-    let says = match count == all {
+    let (says, all) = (change.effect, images.len());
+    let effect = match count == all {
         true => format!("{says}, in all first files"),
         false => format!("{says}, in {count} of {all} first files"),
     };
-    Some(CommonTransform { says, ..change })
+    Some(CommonTransform { effect, ..change })
 }
 
 /// Returns all candidate changes, those with the fewest mistakes first.
@@ -112,7 +112,7 @@ fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
         let view = view.name();
         CommonTransform {
             undo: Undo { view, undo },
-            says,
+            effect: says,
             next,
         }
     };

@@ -57,15 +57,16 @@ pub struct AnnotatedClause {
 #[serde(deny_unknown_fields)]
 pub struct WorkedExample {
     /// Description of the example.
-    pub says: Option<String>,
+    #[serde(rename = "says")]
+    pub description: Option<String>,
     /// Name of the base file in `files.yaml`.
     pub file: String,
     /// Parts that replace the parts of the base file with the same names.
-    #[serde(default)]
-    pub with: Vec<Part>,
+    #[serde(rename = "with", default)]
+    pub replacements: Vec<Part>,
     /// Names of the parts to highlight.
-    #[serde(default)]
-    pub look: Vec<String>,
+    #[serde(rename = "look", default)]
+    pub highlighted: Vec<String>,
     /// View: `raw` (the default), `coef` or `rgb:LU,LV`.
     pub view: Option<String>,
     /// Column and row, counted from the top left, or `all`. The default is `0 0`.

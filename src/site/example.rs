@@ -123,9 +123,9 @@ pub fn execute(
 }
 
 fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
-    let parts = files.parts(&example.file, &example.with)?;
+    let parts = files.parts(&example.file, &example.replacements)?;
     let is_missing = |name: &&String| parts.iter().all(|(part, _)| part != *name);
-    if let Some(name) = example.look.iter().find(is_missing) {
+    if let Some(name) = example.highlighted.iter().find(is_missing) {
         return Err(format!("{} has no part {name:?}", example.file));
     }
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();

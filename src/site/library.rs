@@ -90,7 +90,7 @@ impl Library {
         }
         for code in codes::ALL.iter() {
             let page = address::code(code.id);
-            put(code.id, "lint code", Some(page), code.says);
+            put(code.id, "lint code", Some(page), code.message);
         }
         for reader in self.readers() {
             put(reader, "reader", Some(address::reader(reader)), "");

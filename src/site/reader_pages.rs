@@ -102,7 +102,7 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
             @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
             dt { "Formats" } dd { (profile.reads.join(", ")) " (" (basis(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.words) " (" (basis(known.evidence)) ")." } } } }
+                dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.behavior) " (" (basis(known.evidence)) ")." } } } }
             }
             dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the output of the reader for a file." }
         }
@@ -120,7 +120,7 @@ fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
         dl.facts {
             dt { "Source" } dd { a href=(run.source) { (run.source) } " (" (run.language) ")" }
             dt { "Version" } dd { (run.dated_version()) }
-            dt { "Run" } dd { (run.run_date) ", " (run.called) "; judged by suite " (run.suite) " (" (run.cases) " cases)" }
+            dt { "Run" } dd { (run.run_date) ", " (run.command) "; judged by suite " (run.suite) " (" (run.cases) " cases)" }
             dt { "Views" } dd { (run.views.join(", ")) }
             dt { "Outcomes" } dd { (run.counts()) }
         }

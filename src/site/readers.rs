@@ -27,7 +27,8 @@ pub struct ReaderRun {
     /// Date of the run.
     pub run_date: String,
     /// Command line of the reader.
-    pub called: String,
+    #[serde(rename = "called")]
+    pub command: String,
     /// Remarks on the run.
     #[serde(default)]
     pub remarks: Vec<String>,

@@ -251,7 +251,7 @@ fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)
         parameters.push(("entries", entries));
     }
     if let Some(plan) = case.compression() {
-        let prediction = match (plan.predicts(), plan.inverts(), plan.moves()) {
+        let prediction = match (plan.predicts(), plan.inverts(), plan.displaces()) {
             (false, ..) => "none",
             (_, false, false) => "plain",
             (_, true, false) => "inverted",

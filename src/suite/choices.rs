@@ -85,7 +85,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
 
 /// Returns the choices that affect a case in a view. Most cases have none.
 ///
-/// A choice that is not returned must have no effect on the case: all of its readings give the same image.
+/// A choice that is not returned must have no effect on the case: all of its readings produce the same image.
 #[must_use]
 pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     match case.format() {

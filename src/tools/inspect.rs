@@ -137,7 +137,7 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
                 let (name, clause) = segment.kind.label();
                 let element = part.element(segment.range, clause, name.into_owned());
                 FilePart {
-                    value: segment.says,
+                    value: segment.description,
                     ..element
                 }
             });

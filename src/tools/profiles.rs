@@ -170,8 +170,8 @@ pub struct ProfiledAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
     /// Rulings that affect the answer. Decoders that follow other readings of these rulings have different correct answers.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub shows: Vec<&'static str>,
+    #[serde(rename = "shows", skip_serializing_if = "Vec::is_empty")]
+    pub rulings: Vec<&'static str>,
 }
 
 type ProfileFile = (String, Vec<u8>);
@@ -279,7 +279,7 @@ fn answers(
             shape: [size.height as usize, size.width as usize, channels],
             sha256: sha256(&bytes),
             slack: slack.clone(),
-            shows: shows.clone(),
+            rulings: shows.clone(),
         });
         outputs.push((path, bytes));
     }

@@ -1,7 +1,7 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file contains
-//! the values that this reader gets from the reference's file. A correct file contradicts the mistake if this reader misreads
+//! A mistake explains a file if only a reader with this misreading reads the right values from the file, or if the file contains
+//! the values that this reader reads from the reference's file. A correct file contradicts the mistake if this reader misreads
 //! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
@@ -209,7 +209,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
 
 /// Returns the effect and the fix for files that differ in the given clause.
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
-    let clause = match fault.says.starts_with("the reference refuses") {
+    let clause = match fault.message.starts_with("the reference refuses") {
         true => "refused",
         false => clause,
     };

@@ -38,7 +38,7 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
         Some(first) if first.severity == Severity::Error => {
-            let problem = format!("{} ({})", first.says, first.found);
+            let problem = format!("{} ({})", first.message, first.found);
             let says = format!("lint {} at byte {}: {problem}", first.code, first.offset);
             Err(WriterFault::new(first.clause, says))
         }

@@ -23,7 +23,7 @@ pub struct ProbeStep {
     /// Result of the step.
     pub mark: Mark,
     /// The observation.
-    pub says: String,
+    pub message: String,
     /// The next step, if there is something to do.
     pub next: Option<String>,
     /// Instructions for reproducing the observation by hand, if there is something to fix.
@@ -35,7 +35,7 @@ impl ProbeStep {
     pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
-            says: format!("{subject}: {}", fault.0),
+            message: format!("{subject}: {}", fault.0),
             next: Some(fault.1),
             repeat: Some(repeat),
         }
@@ -114,7 +114,7 @@ impl Checklist {
         let (says, repeat) = (says.into(), None);
         self.steps.push(ProbeStep {
             mark,
-            says,
+            message: says,
             next,
             repeat,
         });
@@ -170,7 +170,7 @@ impl Checklist {
                 Mark::Bad => '✗',
                 Mark::Absent => '–',
             };
-            let _ = writeln!(text, "{mark} {}", step.says.replace('\n', "\n  "));
+            let _ = writeln!(text, "{mark} {}", step.message.replace('\n', "\n  "));
             if let Some(next) = &step.next {
                 let _ = writeln!(text, "  → {}", next.replace('\n', "\n    "));
             }

@@ -90,10 +90,10 @@ fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
         }
     }
     let with_count = |(first, more): (ProbeStep, usize)| ProbeStep {
-        says: match more {
-            0 => first.says,
-            1 => first.says + "\n(and the same in one other view)",
-            _ => format!("{}\n(and the same in {more} other views)", first.says),
+        message: match more {
+            0 => first.message,
+            1 => first.message + "\n(and the same in one other view)",
+            _ => format!("{}\n(and the same in {more} other views)", first.message),
         },
         ..first
     };
@@ -145,7 +145,7 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     (is_common && !repair.is_order).then(|| reply.step(repair.fault()))
 }
 
-/// Returns the reason why no first file gave a frame, from the first reply that shows it.
+/// Returns the reason why the decoder returned no frame for any first file, from the first reply that reveals it.
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let failed = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(failed).or_else(|| replies.first())?;

@@ -104,7 +104,7 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
         "\n{reader}: {failures} failures, {} answers computed in {:?}",
-        found.answered, found.cpu_time
+        found.answer_count, found.cpu_time
     );
     let causes = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {

@@ -129,7 +129,7 @@ fn predictions_match_recorded_readers() {
         let mut tally = Tally::default();
         for (place, seen) in recorded_results(name, &cases) {
             let file = &cases[place].build(TableSpelling::default()).file;
-            let predicted = OpenedFile::new(file).predict(profile).shows;
+            let predicted = OpenedFile::new(file).predict(profile).result;
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
@@ -179,7 +179,7 @@ fn files_converted_for_a_reader_keep_the_map() {
                 Ok((_, made)) => {
                     let back = decode(&made.bytes).expect("a legal file");
                     assert_same_map(ptm, &back, &case.id);
-                    let shown = OpenedFile::new(&made.bytes).predict(reader(name)).shows;
+                    let shown = OpenedFile::new(&made.bytes).predict(reader(name)).result;
                     assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
                     converted += 1;
                 }
@@ -228,7 +228,7 @@ fn wrong_images_are_described() {
         let profile = parse_profiles(&yaml).expect("a profile").remove(0);
         OpenedFile::new(&case.build(TableSpelling::default()).file)
             .predict(&profile)
-            .how
+            .fault
     };
     for (misreading, words) in [
         ("rows-top-down", "upside down"),

@@ -108,7 +108,7 @@ fn run_part(
     report
 }
 
-/// Asserts that eight merged parts give the same report as a whole run.
+/// Asserts that eight merged parts produce the same report as a whole run.
 #[track_caller]
 fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let whole = report_of_whole_run(suite, decoder);
