@@ -1,6 +1,6 @@
 //! Removes mistakes that match some responses by chance.
 //!
-//! Chance matches are common because many mistakes end in a refusal, and because colors are rounded.
+//! Chance matches are common because many mistakes cause refusals and because colors are rounded.
 
 use std::collections::HashSet;
 

@@ -17,7 +17,7 @@ pub struct Diagnosis<A: 'static = Hook> {
     pub partial: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
     pub contradicted_by: Vec<usize>,
-    /// Description of the observed behavior, which reports state instead of the cause if other causes would have the same effect.
+    /// Observed behavior, which is reported instead of the cause if other causes would have the same effect.
     pub observed: Option<Cause<A>>,
     /// True if a decoder with this mistake was compared with every case and reproduces the responses.
     pub is_certain: bool,
@@ -27,7 +27,7 @@ pub struct Diagnosis<A: 'static = Hook> {
 pub struct Causes<A: 'static = Hook> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics during the search. Each indicates a bug in this program that lost one cause.
+    /// Messages of panics during the search. Each is due to a bug in this program, and one cause may be missing.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
     pub answer_count: usize,

@@ -594,7 +594,7 @@ impl<'a> Search<'a> {
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
+    /// Returns the best of `finalists` on all cases marked in `tried`, together with those that are equally good.
     fn pick_finalist(
         &self,
         set: &MistakeSet,

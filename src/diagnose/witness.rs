@@ -127,7 +127,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare but that it never reads.
+/// Returns true if the decoder exited with 69 for a file in a format that its capabilities declare but that it never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)

@@ -20,7 +20,7 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Maximum numbers of files that are generated, and requested, to distinguish suspects.
+/// Maximum numbers of files that are generated and requested to distinguish suspects.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 

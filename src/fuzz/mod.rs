@@ -1,8 +1,8 @@
 //! Differential fuzzing of a decoder: random files of all formats are judged like cases, grouped by cause, and minimized.
 //!
-//! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances. Failures are
-//! grouped by the misreadings that explain them. The first file of each group is minimized while it still fails in the same way.
-//! Equal seeds produce equal files.
+//! Files are generated in batches, and a batch is run like the suite, with the same verdicts, dialect and tolerances. Failures
+//! are grouped by the misreadings that explain them. The first file of each group is minimized while it still fails in the same
+//! way. Equal seeds produce equal files.
 
 pub mod draft;
 pub mod finding;
@@ -194,7 +194,7 @@ impl Batch {
         }
     }
 
-    /// Returns the cause that the diagnosis finds for a failing file, from its answer and from files that pass.
+    /// Returns the cause that the diagnosis finds for a failing file, based on its answer and on passing files.
     fn diagnosis(
         &self,
         run: &Run,

@@ -56,8 +56,7 @@ impl Model {
     /// Creates the values of a file with the header and format of `recipe` and with the existing `samples`, laid out as in
     /// [`Model::samples`].
     ///
-    /// The table contains the distinct texels in stored order. After lossy compression, the samples of the model are the decoded
-    /// samples.
+    /// The table contains the distinct texels in stored order. After lossy compression, the model contains the decoded samples.
     ///
     /// # Errors
     /// Returns an error if the map has more distinct texels than a table can have entries.

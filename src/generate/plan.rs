@@ -242,7 +242,7 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Assigns the numbers in a cycle to the predicted planes, or to all planes. Other planes get 0.
+    /// Assigns the numbers cyclically to the predicted planes, or to all planes. Other planes get 0.
     #[must_use]
     pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {

@@ -59,7 +59,7 @@ pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) ->
     })
 }
 
-/// Renders a decoded map as a decoder with these mistakes does. `reading` must already include them.
+/// Renders a decoded map as a decoder with these mistakes would. `reading` must already include them.
 pub(crate) fn render(
     misreadings: &[&Misreading],
     reading: &Reading,

@@ -32,7 +32,7 @@ impl<C: Reported> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from a different run, suite or version, or if a part is missing, duplicate or
+    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, duplicate or
     /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();

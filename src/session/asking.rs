@@ -23,7 +23,7 @@ pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 pub type Ask<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
-/// A progress callback. It receives the number of finished items and the number of all items.
+/// A progress callback. It receives the number of finished items and the total.
 pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.

@@ -240,8 +240,8 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Returns the features of which no must-accept file was decoded and most were answered with 69, and the features of which a file
-/// was decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
+/// Returns the features for which no must-accept file was decoded and most were answered with 69, and those for which a file was
+/// decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
 /// before the feature matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,

@@ -93,8 +93,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests some cases once, each in the first of its views that is offered.
     ///
-    /// If the run ends because of timeouts, parallel results after the last of them are dropped, so that the number of jobs has
-    /// no effect.
+    /// If the run ends because of timeouts, later parallel results are dropped, so that the number of jobs has no effect.
     pub fn ask_some(
         &self,
         contact: &Contact<C>,
@@ -253,7 +252,7 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Reports why the run ended early, in a place that every format of the report shows: the reason why the program is not a
+    /// Reports why the run ended early, in a place that appears in every report format: the reason why the program is not a
     /// decoder or, if it is one, a remark.
     fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };

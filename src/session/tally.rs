@@ -54,7 +54,7 @@ impl HangWatch {
         }
     }
 
-    /// Returns the index of the last file that is requested; None if the run continues.
+    /// Returns the index of the last file that is requested, or `None` if the run continues.
     pub fn last(&self) -> Option<usize> {
         Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
     }

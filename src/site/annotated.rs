@@ -146,20 +146,24 @@ impl Annotated {
 }
 
 impl Files {
-    /// Returns the description and the bytes of each part of a base file, with the parts in `with` replaced.
+    /// Returns the description and the bytes of each part of a base file, with some parts replaced.
     ///
     /// # Errors
     /// Returns a message that names the missing part or file.
-    pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
+    pub fn parts(
+        &self,
+        file: &str,
+        replacements: &[Part],
+    ) -> Result<Vec<(String, Vec<u8>)>, String> {
         let parts = self.files.get(file);
         let parts = parts.ok_or_else(|| format!("unknown file {file}"))?;
-        for part in with {
+        for part in replacements {
             if parts.iter().all(|old| old.name != part.name) {
                 return Err(format!("{file} has no part {:?}", part.name));
             }
         }
         let replaced = parts.iter().map(|old| {
-            let part = with.iter().find(|part| part.name == old.name);
+            let part = replacements.iter().find(|part| part.name == old.name);
             let part = part.unwrap_or(old);
             Ok((part.name.clone(), self.bytes(part)?))
         });

@@ -1,6 +1,6 @@
 //! Open questions of kind *choice* about PTM files, and the dialect of a decoder. Each listed reading of a choice is correct, and
 //! a decoder must use one of them throughout a run. A file may therefore have several correct images; the image that a decoder
-//! shows is evidence of its dialect.
+//! outputs is evidence of its dialect.
 
 use std::sync::Arc;
 

@@ -33,7 +33,7 @@ pub struct Expected {
 const COLOR_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 
 /// Additional tolerance for a byte of a JPEG image. At quality 95, no sample of the images of the suite deviates by more than 29;
-/// the rest allows for other encoders and their tables.
+/// the remainder allows for other encoders and their tables.
 pub const LOSSY_TOLERANCE: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {

@@ -1,7 +1,7 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading reads the right values from the file, or if the file contains
-//! the values that this reader reads from the reference's file. A correct file contradicts the mistake if this reader misreads
+//! A mistake explains a file if only a reader with this misreading sees the right values in the file, or if the file contains
+//! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads
 //! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;

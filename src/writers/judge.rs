@@ -1,7 +1,7 @@
 //! Comparison of a written file with the requested values.
 //!
-//! The reference must be able to decode the file, and `lint` must find no error. Header and planes must equal the request.
-//! For planes of lossy formats, the tolerance depends on the compression parameter.
+//! The reference must be able to decode the file, and `lint` must find no error. The header and the planes must match the
+//! request. For planes of lossy formats, the tolerance depends on the compression parameter.
 
 use std::fmt::Write;
 

@@ -1,7 +1,7 @@
 //! Comparison of requested values with a file as seen by a reader with mistakes.
 //!
-//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake reads the right values
-//! from the file, or the file contains the values that this reader reads from the right file.
+//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake sees the right values
+//! in the file, or the file contains the values that this reader sees in the right file.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
@@ -36,12 +36,12 @@ pub fn explains(request: &WriteRequest, right: &[u8], file: &[u8], mistake: &Mis
     is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader reads the right values from `file` with these mistakes but not without them.
+/// Returns true if a reader sees the right values in `file` with these mistakes but not without them.
 pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misreading]) -> bool {
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that a reader with this mistake, but not one without it, reads from the right file.
+/// Returns true if `file` contains the values that a reader with this mistake, but not one without it, sees in the right file.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)

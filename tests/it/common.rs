@@ -326,7 +326,7 @@ impl Drop for Load {
     }
 }
 
-/// Returns the command line of a decoder from the zoo of wrong decoders.
+/// Returns the command line of a decoder from the zoo of faulty decoders.
 pub fn zoo(kind: &str) -> String {
     let directory = Path::new(PROGRAM).parent().expect("a directory");
     format!("{}/examples/zoo {kind}", directory.display())

@@ -254,8 +254,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// Removes groups of files with a property that most of the `open` files share and no `known` file has, for each entry
-/// of `formats`.
+/// For each entry of `formats`, removes groups of files with a property that most `open` files and no `known` file have.
 fn take_scopes(
     search: &Search,
     known: &[usize],

@@ -74,7 +74,7 @@ pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usiz
         .collect()
 }
 
-/// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are no evidence.
+/// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are not evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode

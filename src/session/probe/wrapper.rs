@@ -116,8 +116,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes that corrects most frames of a view when undone, unless only the order of samples is
-/// wrong.
+/// Returns the smallest set of mistakes whose undoing corrects most frames of a view, unless only the order of samples is wrong.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
@@ -165,7 +164,7 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
     Some(first.step(known.unwrap_or_else(unknown)))
 }
 
-/// Returns a fault if all malformed files cause the same exit status and it does not mean a refusal.
+/// Returns a fault if all malformed files cause the same exit status and this status does not mean a refusal.
 fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);

@@ -74,7 +74,7 @@ impl Requests {
         }
     }
 
-    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or equivalent to it.
+    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or one of its equivalents.
     fn count_named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {
