@@ -33,6 +33,7 @@ pub struct Shard {
     /// Number of the part, starting at 1.
     pub number: u32,
     /// Total number of parts.
+    #[serde(rename = "of")]
     pub total: u32,
 }
 
