@@ -8,7 +8,7 @@ use super::expression::{Expression, Scope, parse};
 use crate::kit::yaml;
 use crate::ptm::Format;
 
-/// A step of decoding that the specification states, or implies, as arithmetic.
+/// A step of decoding that the specification states or implies as arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // see `formulas.yaml`
 pub enum Formula {
@@ -193,7 +193,7 @@ impl Formula {
 pub struct StatedFormula {
     /// Clause that states or implies the formula.
     pub clause: &'static str,
-    /// Noun phrase for the computed value.
+    /// Description of the result, as a noun phrase.
     pub result: &'static str,
     /// Names that the formula and its edits may use.
     pub scope: Scope,

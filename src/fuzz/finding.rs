@@ -91,7 +91,7 @@ impl KnownDecoder<'_> {
     }
 }
 
-/// Reason why a file fails.
+/// Reason why the decoder fails on a file.
 pub enum Explanation {
     /// One of these misreadings, the most likely first.
     Misreading(Vec<&'static Misreading>),

@@ -156,7 +156,7 @@ pub enum Structure {
     Upward,
     /// All planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its inverse.
     Rotated,
-    /// The structure of the only real file, a clay tablet.
+    /// The structure of the only real file, which shows a clay tablet.
     Tablet,
     /// Like `Star`, but all dependent planes have the same rank (ruling `ranks`).
     EqualRanks,

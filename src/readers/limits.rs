@@ -22,9 +22,9 @@ pub struct Limit {
 /// Effect of a limit on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
-    /// The file is refused, with the reason.
+    /// The file is refused for this reason.
     Refused(&'static str),
-    /// The file is displayed incorrectly, with a description.
+    /// The file is displayed incorrectly in this way.
     Wrong(&'static str),
 }
 

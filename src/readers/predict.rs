@@ -41,7 +41,7 @@ impl Shown {
 pub struct ReaderPrediction {
     /// Short name of the reader.
     pub reader: String,
-    /// The result.
+    /// The result of opening the file.
     #[serde(rename = "shows")]
     pub result: Shown,
     /// The visible fault of the image, or the reason why there is no image; empty if the image is correct.

@@ -92,7 +92,7 @@ pub struct FollowedReading {
     pub ruling: String,
     /// Name of the reading.
     pub reading: String,
-    /// First few cases that demonstrate the reading.
+    /// The first few cases that demonstrate the reading.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shown_by: Vec<String>,
 }

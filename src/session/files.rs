@@ -241,7 +241,7 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
 }
 
 impl FilesReport {
-    /// Creates the report on some files.
+    /// Creates a report on these files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
         let is_one = |outcome: &Outcome| files.iter().any(|file| file.outcome == *outcome);

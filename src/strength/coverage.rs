@@ -40,7 +40,7 @@ pub struct ClauseCoverage {
     pub status: String,
     /// Number of cases that test the clause.
     pub cases: usize,
-    /// Slugs of the misreadings of the clause that are killed.
+    /// Slugs of the killed misreadings of the clause.
     pub killed: Vec<String>,
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum SuiteName {
     /// PTM files.
     Ptm,
-    /// Questions to a texture stage.
+    /// Questions for a texture stage.
     Texture,
     /// Requests to write PTM files.
     Writers,

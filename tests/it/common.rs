@@ -307,7 +307,7 @@ pub fn assert_conforms(value: &Value, schema: &str) {
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// Starts one busy process on each of the given number of processors.
+    /// Keeps the given number of processors busy.
     pub fn new(processors: usize) -> Load {
         let busy = |_| {
             let mut shell = Command::new("sh");

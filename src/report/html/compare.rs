@@ -15,7 +15,7 @@ pub(super) struct ComparedImages<'a> {
     pub height: usize,
     pub expected: &'a [u8],
     pub received: &'a [u8],
-    /// Difference image, four bytes per texel.
+    /// Difference image, with four bytes per texel.
     pub difference: Option<&'a [u8]>,
 }
 

@@ -18,7 +18,7 @@ use crate::texture::{
     Texel, TexelKind, TextureMap, Vector, VertexData,
 };
 
-/// A question to a texture stage.
+/// A question for a texture stage.
 #[derive(Clone, Debug)]
 pub struct Question(Arc<TextureStep>);
 
@@ -150,7 +150,7 @@ enum TextureStep {
     },
     /// Returns the sample depth of a footprint on a map.
     Depth {
-        /// Texels of the base level in each direction.
+        /// Number of texels of the base level in each direction.
         size: Vec<usize>,
         /// The change of the coordinates from a pixel to the next one on the right.
         dtdx: Vec<f64>,
@@ -361,7 +361,7 @@ fn white() -> Color {
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
     fields: Map<String, Value>,
-    /// The entry under the fallback values of the text.
+    /// The entry, with the fallback values of the text.
     entry: Entry,
 }
 
@@ -491,7 +491,7 @@ struct PtmGiven {
 #[serde(deny_unknown_fields)]
 struct LevelsGiven {
     kind: TexelKind,
-    /// From the base to the pinnacle.
+    /// The levels, from the base to the pinnacle.
     levels: Vec<LevelGiven>,
     /// `none` or `box`.
     mipmap: Option<String>,

@@ -27,7 +27,7 @@ pub struct SetPlan {
     is_one_sided: bool,
     /// Scale of `a5`, which determines the brightness.
     brightness: f64,
-    /// Maximum noise of a pixel value.
+    /// Maximum noise added to a pixel value.
     noise: u8,
     /// True if the vectors in the `.lp` file are not unit vectors.
     has_long_vectors: bool,
