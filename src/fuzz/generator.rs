@@ -20,7 +20,7 @@ pub struct DraftGenerator {
 }
 
 impl DraftGenerator {
-    /// Creates a generator of legal files, and of damaged files for which all cases of the suite expect the same result.
+    /// Creates a generator of legal files, and of files with damage for which all cases of the suite expect the same result.
     #[must_use]
     pub fn new(suite: &Suite) -> DraftGenerator {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();

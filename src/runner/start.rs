@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 pub(crate) type Obstacle = (String, String);
 
 /// Returns an obstacle as an error.
-fn obstacle(says: String, next: impl Into<String>) -> Result<(), Obstacle> {
-    Err((says, next.into()))
+fn obstacle(message: String, next: impl Into<String>) -> Result<(), Obstacle> {
+    Err((message, next.into()))
 }
 
 /// Returns the message for `program`, which did not start because of `error`.
@@ -99,7 +99,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
 }
 
 /// Returns the message for a command that was not found. The command may consist of several words that were passed as one.
-fn missing_command(text: &str, says: &str) -> Obstacle {
+fn missing_command(text: &str, message: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(
             "the command consists of several words; write them without quotation marks: -- {text}"
@@ -107,7 +107,7 @@ fn missing_command(text: &str, says: &str) -> Obstacle {
     } else {
         "name the decoder by a path such as ./my-decoder, after --".to_owned()
     };
-    (says.to_owned(), next)
+    (message.to_owned(), next)
 }
 
 fn find_in_path(word: &OsStr) -> Option<PathBuf> {

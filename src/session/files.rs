@@ -48,14 +48,14 @@ pub struct FileResult {
 }
 
 impl FileResult {
-    /// Creates the result for a file that was not requested, for the reason `says`.
+    /// Creates the result for a file that was not requested, for the reason `message`.
     #[must_use]
-    pub fn not_run(file: &str, says: Option<String>) -> FileResult {
+    pub fn not_run(file: &str, message: Option<String>) -> FileResult {
         FileResult {
             file: file.to_owned(),
             view: None,
             outcome: Outcome::NotRun,
-            message: says,
+            message,
             relations: Vec::new(),
             encodings: 0,
         }

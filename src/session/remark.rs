@@ -15,19 +15,19 @@ pub struct Remark {
 impl Remark {
     /// Creates a remark that makes the decoder fail.
     #[must_use]
-    pub fn failure(says: String) -> Remark {
+    pub fn failure(message: String) -> Remark {
         Remark {
             failure: true,
-            message: says,
+            message,
         }
     }
 
     /// Creates an informational remark.
     #[must_use]
-    pub fn note(says: String) -> Remark {
+    pub fn note(message: String) -> Remark {
         Remark {
             failure: false,
-            message: says,
+            message,
         }
     }
 }

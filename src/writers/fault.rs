@@ -12,10 +12,10 @@ pub struct WriterFault {
 }
 
 impl WriterFault {
-    pub(super) fn new(clause: &str, says: impl Into<String>) -> WriterFault {
+    pub(super) fn new(clause: &str, message: impl Into<String>) -> WriterFault {
         WriterFault {
             clause: clause.to_owned(),
-            message: says.into(),
+            message: message.into(),
         }
     }
 }

@@ -110,23 +110,23 @@ pub struct Checklist {
 }
 
 impl Checklist {
-    fn add(&mut self, mark: Mark, says: impl Into<String>, next: Option<String>) {
-        let (says, repeat) = (says.into(), None);
+    fn add(&mut self, mark: Mark, message: impl Into<String>, next: Option<String>) {
+        let (message, repeat) = (message.into(), None);
         self.steps.push(ProbeStep {
             mark,
-            message: says,
+            message,
             next,
             repeat,
         });
     }
 
-    pub(crate) fn add_good(&mut self, says: impl Into<String>) {
-        self.add(Mark::Good, says, None);
+    pub(crate) fn add_good(&mut self, message: impl Into<String>) {
+        self.add(Mark::Good, message, None);
     }
 
     /// Adds a fault and a suggested fix.
-    pub(crate) fn add_bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
-        self.add(Mark::Bad, says, Some(next.into()));
+    pub(crate) fn add_bad(&mut self, message: impl Into<String>, next: impl Into<String>) {
+        self.add(Mark::Bad, message, Some(next.into()));
     }
 
     /// Adds a fault found in `subject`, with instructions to reproduce it.
@@ -139,8 +139,8 @@ impl Checklist {
         self.steps.push(ProbeStep::bad(subject, fault, repeat));
     }
 
-    pub(crate) fn add_absent(&mut self, says: impl Into<String>) {
-        self.add(Mark::Absent, says, None);
+    pub(crate) fn add_absent(&mut self, message: impl Into<String>) {
+        self.add(Mark::Absent, message, None);
     }
 
     /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 in all other cases.
