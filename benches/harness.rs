@@ -89,7 +89,7 @@ fn plan(selected: &[bool], serves: bool) -> RunPlan {
         selected: selected.to_vec(),
         jobs: jobs(),
         views: Vec::new(),
-        soonest: Vec::new(),
+        prioritized: Vec::new(),
         withheld: Vec::new(),
         precomputed: false,
         declared_views: Vec::new(),
@@ -119,7 +119,7 @@ fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratc
 fn count_calls(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch) -> usize {
     let servers = Servers::new(decoder, scratch, jobs());
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
-    check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).asked
+    check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).request_count
 }
 
 /// Writes the files of all requests of a run. Returns their views and paths.

@@ -13,7 +13,7 @@ use crate::reading::Reading;
 pub struct Coefficients {
     /// Width and height.
     pub size: Size,
-    /// Meaning of the channels.
+    /// Shape of each texel.
     pub shape: Shape,
     /// `height * width * channels` values, in the order of [`Planes::samples`].
     pub values: Vec<f64>,

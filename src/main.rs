@@ -109,7 +109,7 @@ fn main() -> ExitCode {
     };
     outcome.map_or_else(
         |failed| {
-            cli::output::print_error(&failed.says);
+            cli::output::print_error(&failed.message);
             ExitCode::from(failed.status)
         },
         ExitCode::from,

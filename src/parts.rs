@@ -52,7 +52,7 @@ pub struct IndexBlock<'a> {
 
 // 2.9
 
-/// Numbers of 2.9.1–2.9.7, as stored.
+/// Numbers in the lists (2.9.1–2.9.7), as stored.
 #[derive(Clone, Debug)]
 pub struct RawLists {
     /// Number of planes.
@@ -103,7 +103,7 @@ pub struct Step {
     /// True if the reference is inverted.
     pub inverted: bool,
     /// True if the reference is displaced.
-    pub moved: bool,
+    pub displaced: bool,
     /// Displacement along x and y, in half texels.
     pub motion: (i64, i64),
 }

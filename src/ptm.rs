@@ -322,7 +322,7 @@ pub fn channel_name(channels: usize, channel: usize) -> String {
 pub struct Planes {
     /// Width and height.
     pub size: Size,
-    /// Meaning of the channels.
+    /// Shape of each texel.
     pub shape: Shape,
     /// `height * width * channels` bytes, texel by texel, top row first. The channels of a texel are adjacent.
     pub samples: Vec<u8>,

@@ -93,7 +93,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
     let mut check = Check::new(&plan, circumstances, writer, args.shard)?;
     if !serves && args.cmd.is_none() {
-        check.faster = SERVE_MODE_IS_FASTER;
+        check.speed_hint = SERVE_MODE_IS_FASTER;
     }
     let faults = OnceCell::new();
     let mut run = check.ask(&ask, &|contact| {
@@ -135,14 +135,14 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
-            Some(next) => format!("{}\n→ {next}", fault.says),
-            None => fault.says.clone(),
+            Some(next) => format!("{}\n→ {next}", fault.message),
+            None => fault.message.clone(),
         };
         match &mut contact.not_a_decoder {
             Some(why) => *why = format!("{why}\n{says}"),
             None => contact.remarks.push(Remark::failure(says)),
         }
-        contact.ends = Some(FIX_THE_WRAPPER);
+        contact.end_reason = Some(FIX_THE_WRAPPER);
     }
 }
 
@@ -201,7 +201,7 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
 fn plan(args: &CheckArgs, suite: &Suite, tested: &Subject, serve: bool) -> Result<RunPlan, String> {
     let precomputed = matches!(tested.answers, Answers::Precomputed(_));
     Ok(RunPlan {
-        soonest: smoke::selection(suite)?,
+        prioritized: smoke::selection(suite)?,
         views: tested.views.clone(),
         withheld: tested.withheld.clone(),
         precomputed,

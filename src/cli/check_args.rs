@@ -42,10 +42,10 @@ pub struct CheckArgs {
     /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     pub views: Vec<String>,
-    /// Run only one part of the suite, for example 3/8; keeps all responses in FILE.answers for `report merge`.
+    /// Run only one part of the suite, for example 3/8, and keep all responses in FILE.answers for `report merge`.
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Use serve mode (`DECODER serve`); by default if the decoder's capabilities declare it.
+    /// Use serve mode (`DECODER serve`); the default if the decoder's capabilities declare it.
     #[arg(long, conflicts_with = "one_shot")]
     pub serve: bool,
     /// Start a new process for each call.
@@ -63,23 +63,23 @@ pub struct CheckArgs {
     /// Run only the smoke subset: a few cases that catch every misreading in the catalog, in a decoder of all formats.
     #[arg(long)]
     pub smoke: bool,
-    /// Take this misreading as given and judge the rest; the diagnosis prints its name. Repeatable.
+    /// Assume this misreading and judge the rest; the diagnosis prints its name. Repeatable.
     #[arg(long = "assume", value_name = "SLUG")]
     pub assumed: Vec<String>,
     /// Check a program that does not speak the protocol, through its command line.
     ///
-    /// The line is split into words as a shell would, but no shell runs. {in} is the PTM file. {out} is the output file and may
-    /// have a suffix ({out}.png); without it, standard output is read. {lu} and {lv} are the light; {view} is raw, coef or
-    /// rgb:LU,LV. {{ and }} are braces. The output is an image (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy array or a PTM1
+    /// The line is split into words as in a shell, but no shell is run. {in} is the PTM file. {out} is the output file and may
+    /// have a suffix ({out}.png); without it, standard output is read. {lu} and {lv} are the light direction; {view} is raw, coef
+    /// or rgb:LU,LV. {{ and }} are braces. The output is an image (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy array or a PTM1
     /// frame. Only rgb is requested, unless the line has {view} or --view names one view. Without --reject-exit, files that must
     /// or may be refused are not judged.
     #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
     pub cmd: Option<String>,
     /// Judge images that were made elsewhere, for example in a viewer, in a browser or on another system.
     ///
-    /// DIR is a directory written by `generate --requests`. Its outputs/ has one file per case, named after the case: an image, a
-    /// NumPy array or a PTM1 frame. Refused and unsupported files are listed in rejected.txt and unsupported.txt. Cases without
-    /// an output are not judged.
+    /// DIR is a directory written by `generate --requests`. Its subdirectory outputs/ contains one file per case, named after the
+    /// case: an image, a NumPy array or a PTM1 frame. Refused and unsupported files are listed in rejected.txt and
+    /// unsupported.txt. Cases without an output are not judged.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["decoder", "cmd", "serve", "reject_exit", "views", "files", "shard"])]
     pub outputs: Option<PathBuf>,
     /// Send requests to the process that listens on this Unix socket (for packages in other languages).

@@ -45,7 +45,7 @@ pub struct CheckWriterArgs {
     /// Run only the smoke subset: a few requests of every format.
     #[arg(long)]
     smoke: bool,
-    /// Check a fitter: a program that makes a PTM from images under known lights.
+    /// Check a fitter: a program that creates a PTM from images under known lights.
     ///
     /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and the
     /// path of an .lp file. The error of the fitted map is compared with the least-squares optimum.
@@ -56,7 +56,7 @@ pub struct CheckWriterArgs {
     lp: Option<PathBuf>,
     /// Check a program that does not speak the protocol, through its command line.
     ///
-    /// The line is split into words as a shell would, but no shell runs. {out} is the output file and may have a suffix
+    /// The line is split into words as in a shell, but no shell is run. {out} is the output file and may have a suffix
     /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {lp} is the .lp file of a fitter; {format},
     /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values, where the numbers of a list are separated
     /// by commas. {{ and }} are braces.

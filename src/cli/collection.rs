@@ -1,4 +1,4 @@
-//! Files of a collection, given on the command line, in a list, or by their folder.
+//! Files of a collection: given on the command line, in a list, or as the contents of a folder.
 //!
 //! Collections of any size are walked in bounded memory: only a limited number of names in a folder is read at a time. Links
 //! inside folders are not followed, so a walk cannot loop.
@@ -12,7 +12,7 @@ use std::sync::{Condvar, Mutex};
 
 #[cfg(unix)]
 use super::files::is_named_pipe;
-use super::files::path_of;
+use super::files::path_from_bytes;
 use ptm_conform::ptm::Format;
 use ptm_conform::tools::dissection::Dissection;
 
@@ -20,7 +20,7 @@ use ptm_conform::tools::dissection::Dissection;
 const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line in a list, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 16;
-/// Number of bytes that always contain the first lines of a PTM: version, format, width and height.
+/// Number of initial bytes that always contain the first lines of a PTM: version, format, width and height.
 const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to the height.
 const SIZE_HEADER_LINES: usize = 4;
@@ -41,8 +41,7 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, and a flag that is true if the path is from a list. A path from the command line is read even if it
-/// is a device.
+/// Path of a file or folder, and true if the path is from a list. A path from the command line is read even if it is a device.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.
@@ -147,7 +146,7 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
                 line.pop();
             }
             if !line.is_empty() {
-                return Some(path_of(line));
+                return Some(path_from_bytes(line));
             }
         }
     })
@@ -172,22 +171,22 @@ pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
 
 /// Memory budget shared by all workers. A worker waits until the amount that it needs is free.
 pub struct MemoryPool {
-    all: u64,
+    size: u64,
     left: Mutex<u64>,
     freed: Condvar,
 }
 
 impl MemoryPool {
-    /// Creates a pool of `all` bytes.
-    pub fn new(all: u64) -> MemoryPool {
-        let (left, freed) = (Mutex::new(all), Condvar::new());
-        MemoryPool { all, left, freed }
+    /// Creates a pool of `size` bytes.
+    pub fn new(size: u64) -> MemoryPool {
+        let (left, freed) = (Mutex::new(size), Condvar::new());
+        MemoryPool { size, left, freed }
     }
 
     /// Runs `work` as soon as `bytes` are free. A request for more than the whole pool waits until all of it is free.
     pub fn run_when_free<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
         const LOCK_NOT_POISONED: &str = "no thread panics while it holds the lock";
-        let bytes = bytes.min(self.all);
+        let bytes = bytes.min(self.size);
         let left = self.left.lock().expect(LOCK_NOT_POISONED);
         let left = self.freed.wait_while(left, |left| *left < bytes);
         *left.expect(LOCK_NOT_POISONED) -= bytes;

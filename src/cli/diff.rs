@@ -35,7 +35,7 @@ pub fn run(args: &DiffArgs) -> CommandResult {
         [(&args.a, &a_anatomy), (&args.b, &b_anatomy)].map(|(path, of)| files::map(path, of));
     let [Ok(a), Ok(b)] = maps else {
         for failed in maps.into_iter().filter_map(Result::err) {
-            output::print_error(&failed.says);
+            output::print_error(&failed.message);
         }
         return Ok(2);
     };

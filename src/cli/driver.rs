@@ -43,7 +43,7 @@ pub struct Check<'a, C: Reported> {
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
     /// Hint on how to get answers faster; empty if there is none.
-    pub faster: &'static str,
+    pub speed_hint: &'static str,
     /// Recorder of the answers if this is a partial run.
     recorder: Option<(Shard, AnswerRecorder<C>)>,
 }
@@ -69,7 +69,7 @@ impl<'a, C: Reported> Check<'a, C> {
             partial: (partial, file),
             writer,
             progress: ProgressLine::new("first contact"),
-            faster: "",
+            speed_hint: "",
             recorder,
         })
     }
@@ -137,7 +137,7 @@ impl<'a, C: Reported> Check<'a, C> {
         }
         let times = [all, soonest.len()].map(|count| pace.mul_f64(count as f64));
         if times[0] >= MIN_ANNOUNCED_TIME {
-            let ([long, short], faster) = (times.map(progress::format_duration), self.faster);
+            let ([long, short], faster) = (times.map(progress::format_duration), self.speed_hint);
             let soonest = soonest.len();
             self.progress.print_message(&format!(
                 "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
@@ -161,7 +161,7 @@ impl<'a, C: Reported> Check<'a, C> {
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let label = "searching for first causes";
-        self.progress.begin_counted(label, &run.searched, MAX_WORK);
+        self.progress.begin_counted(label, &run.work, MAX_WORK);
         let diagnose = |run: &Run<C>| C::diagnose(suite, run, assumed, self.plan.jobs);
         let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
             first_causes(suite, &run, diagnose)
@@ -195,13 +195,13 @@ impl<'a, C: Reported> Check<'a, C> {
             recorder.finish(&end).map_err(with_path(&path))?;
         }
         let label = "searching for causes";
-        self.progress.begin_counted(label, &run.searched, MAX_WORK);
+        self.progress.begin_counted(label, &run.work, MAX_WORK);
         let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time
                 && !found.diagnoses.is_empty()
             {
-                let (answers, seconds) = (found.answered, time.as_secs_f64());
+                let (answers, seconds) = (found.answer_count, time.as_secs_f64());
                 self.progress.print_message(&format!(
                     "searched for causes: {answers} answers compared in {seconds:.1} s of CPU time"
                 ));

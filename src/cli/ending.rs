@@ -1,5 +1,4 @@
-//! Output at the end of a run or a merge: writes and prints the report in all requested formats and compares it with the
-//! baseline.
+//! Output at the end of a run or a merge: the report in all requested formats, and its comparison with the baseline.
 
 use std::fs;
 use std::io::Write;
@@ -48,7 +47,7 @@ pub struct OutputArgs {
     /// is not a decoder.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
-    /// Number of failures to print in full; the report has all of them.
+    /// Number of failures to print in full; the report contains all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
 }

@@ -6,8 +6,8 @@ use super::output;
 
 /// Print a minimal decoder to start from: one-shot mode, serve mode, and one function to fill in.
 ///
-/// The function decodes the stored values of PTM_FORMAT_LRGB; everything else is refused with exit status 69 (unsupported).
-/// The first line of the program says how it is built and run.
+/// The function decodes the stored values of PTM_FORMAT_LRGB; everything else is refused with exit status 69 (unsupported). The
+/// first line of the program says how to build and run it.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  ptm-conform example python > decoder.py\n  ptm-conform check -- python3 decoder.py"

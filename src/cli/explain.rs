@@ -125,7 +125,8 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
         text.extend(clause.map(|clause| format!("  The clause says: {}\n", clause.rule)));
-        let readers: Vec<String> = misreading.seen.iter().map(ToString::to_string).collect();
+        let sightings = misreading.sightings.iter();
+        let readers: Vec<String> = sightings.map(ToString::to_string).collect();
         if !readers.is_empty() {
             let _ = writeln!(text, "  Seen in: {}.", readers.join(", "));
         }
@@ -140,7 +141,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     if let Ok(format) = id.parse() {
         text += &explain_format(&suite, format);
     }
-    if let Some(known) = Code::by_id(&id.to_uppercase()) {
+    if let Some(known) = Code::find(&id.to_uppercase()) {
         text += &explain_code(known, &suite);
         text += &page_line(Some(address::code(known.id)));
     }
@@ -285,7 +286,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     };
     let (ids, Case { id, because, .. }) = (abbreviate_ids(&ids, "cases"), &suite.cases[place]);
     let (judged, seen) = (&run.judgement.cases[place], &run.observations[place]);
-    let says = judged.as_ref().map_or("", |judged| &judged.says);
+    let says = judged.as_ref().map_or("", |judged| &judged.message);
     let view = seen.as_ref().map(|seen| seen.view.to_string());
     let view = view.unwrap_or_default();
     Ok(format!(
@@ -352,9 +353,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     let cases = suite.cases.iter().filter(provokes);
     let cases: Vec<&str> = cases.map(|case| &*case.id).collect();
     let cases = abbreviate_ids(&cases, "cases provoke it");
-    let Code {
-        id, clause, says, ..
-    } = code;
+    let (id, clause, says) = (code.id, code.clause, code.message);
     let mut text = format!(
         "code {id} ({}, clause {clause}): {says}\n",
         code.severity.name()

@@ -10,10 +10,10 @@ use ptm_conform::tools::{export, render::encode_image};
 
 /// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
 ///
-/// .exr has the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 …
-/// blue.a5; for LUM maps Cr, Cb). .npy has the stored bytes as an array of height x width x channels or, with --final, the final
-/// coefficients as 32-bit floats. .png has the stored planes stacked vertically, in specification order. The top row is always
-/// first.
+/// .exr contains the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 …
+/// blue.a5; for LUM maps Cr, Cb). .npy contains the stored bytes as an array of height x width x channels or, with --final, the
+/// final coefficients as 32-bit floats. .png contains the stored planes stacked vertically, in specification order. The top row
+/// is always first.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
 #[derive(Args)]

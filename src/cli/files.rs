@@ -21,7 +21,7 @@ pub fn with_path<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
 }
 
 /// Converts bytes to a path. On Unix systems, a path may contain any bytes.
-pub fn path_of(bytes: Vec<u8>) -> PathBuf {
+pub fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
     #[cfg(unix)]
     let path = <std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);
     #[cfg(not(unix))]

@@ -13,7 +13,7 @@ use super::output::{bar, jobs, print};
 use super::{CommandError, CommandResult};
 use super::{arguments::positive_seconds, calls::CallArgs};
 use ptm_conform::fuzz::finding::Finding;
-use ptm_conform::fuzz::write::{because, write};
+use ptm_conform::fuzz::write::{cause_text, write};
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::protocol::frame::ViewKind;
 use ptm_conform::ptm::Format;
@@ -127,7 +127,7 @@ impl FuzzArgs {
             Ok(name) => self.out.join(name).display().to_string(),
             Err(error) => format!("not written: {error}"),
         };
-        print(&format!("found: {}\n  {written}\n", because(finding)));
+        print(&format!("found: {}\n  {written}\n", cause_text(finding)));
     }
 }
 

@@ -31,7 +31,7 @@ pub struct GenerateArgs {
     /// matches one case, it is the output file (by default ID.ptm), or a directory that exists or ends in /.
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write requests for a viewer that check cannot call: the files, a list of requests, and a README. VIEW is raw, coef or rgb
+    /// Write requests for a viewer that check cannot call: files, a list of requests, and a README. VIEW is raw, coef or rgb
     /// (default).
     ///
     /// Save the images in DIR/outputs/; `check --outputs DIR` judges them.

@@ -23,13 +23,13 @@ pub fn add_links(text: &str) -> String {
         && anstream::AutoStream::choice(&std::io::stdout()) != anstream::ColorChoice::Never
         && supports_hyperlinks::supports_hyperlinks();
     match wanted {
-        true => insert_links(text, &page_of),
+        true => insert_links(text, &page_url),
         false => text.to_owned(),
     }
 }
 
-/// Returns the URL of the page of an id.
-fn page_of(word: &str) -> Option<String> {
+/// Returns the URL of the page for an id.
+fn page_url(word: &str) -> Option<String> {
     PAGES.get(word).map(|page| published_url(page))
 }
 
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn only_words_with_a_page_become_links() {
         let text = "\x1b[1mclause 2.4/8:\x1b[0m x. More: ptm-conform explain rows-top-down\n  FAIL hand-rgb-blocks  (2.7.1/2, 2.4/99) rows";
-        let linked = insert_links(text, &page_of);
+        let linked = insert_links(text, &page_url);
         assert_eq!(linked.matches("\x1b]8;;https://").count(), 4, "{linked:?}");
         for (name, place) in [
             ("2.4/8", "format/2.4.html#c-2.4-8"),

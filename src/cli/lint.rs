@@ -112,7 +112,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let readers = readers::select_profiles(&profiles, &args.readers)?;
     let rows = Rows::new(format, &readers, settings.max);
     let mut rows = rows.map_err(|error| error.to_string())?;
-    let judge = Judge {
+    let checker = FileChecker {
         limit: args.limit,
         memory: MemoryPool::new(args.limit.saturating_mul(2)),
         readers: &readers,
@@ -126,7 +126,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     process_in_order(
         walk,
         jobs,
-        &|item| judge.lint_item(item),
+        &|item| checker.lint_item(item),
         |(path, lint, failed)| {
             let fails = lint.errors > 0 || (settings.deny_warnings && lint.warnings > 0);
             let status = match lint.status {
@@ -207,15 +207,15 @@ fn progress(args: &LintArgs) -> ProgressBar {
     bar
 }
 
-/// Checker of files, with the settings that apply to every file.
-struct Judge<'a> {
+/// Checks files with settings that apply to all of them.
+struct FileChecker<'a> {
     limit: u64,
     memory: MemoryPool,
     readers: &'a [&'a ReaderProfile],
     settings: &'a Settings,
 }
 
-impl Judge<'_> {
+impl FileChecker<'_> {
     /// Reads and checks a file. A panic affects only the result for this file.
     fn lint_item(&self, item: WalkItem) -> Row {
         let unread = |path: &Path, reason: &str| {
@@ -224,7 +224,7 @@ impl Judge<'_> {
         };
         let (path, judged) = match item {
             WalkItem::File(path) => {
-                let judged = catch_unwind(AssertUnwindSafe(|| self.judge(&path)));
+                let judged = catch_unwind(AssertUnwindSafe(|| self.check_file(&path)));
                 let failed = |_| Err(io::Error::other("internal error in ptm-conform"));
                 let judged = judged.unwrap_or_else(failed);
                 (path, judged)
@@ -238,7 +238,7 @@ impl Judge<'_> {
     }
 
     /// Checks a file. Waits until there is enough memory for a PTM and its planes.
-    fn judge(&self, path: &Path) -> io::Result<Lint> {
+    fn check_file(&self, path: &Path) -> io::Result<Lint> {
         let (name, limit) = (escape_name(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
             let reason = format!("larger than the limit of {limit} bytes");
@@ -279,7 +279,7 @@ impl Judge<'_> {
 fn list_codes(args: &LintArgs) -> CommandResult {
     if !args.machine.print(&*ALL)? {
         for code in ALL.iter() {
-            let (id, clause, says) = (code.id, code.clause, code.says);
+            let (id, clause, says) = (code.id, code.clause, code.message);
             output::print(&format!("{id}  {clause:<8} {says}\n"));
         }
     }

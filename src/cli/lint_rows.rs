@@ -14,7 +14,7 @@ use super::{links::add_links, output};
 /// Output format of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RowFormat {
-    /// For people
+    /// Text for human readers
     Text,
     /// A list with a record for each file
     Json,
@@ -32,9 +32,9 @@ pub struct Rows {
     /// Maximum number of findings that are printed per file.
     max_findings: usize,
     /// Number of requested readers.
-    readers: usize,
+    reader_count: usize,
     /// True if a row or a result has been printed.
-    begun: bool,
+    has_output: bool,
     /// Counts of all findings, including those that are not printed.
     totals: Totals,
 }
@@ -55,8 +55,8 @@ impl Rows {
         Ok(Rows {
             format,
             max_findings: max_findings.unwrap_or(usize::MAX),
-            readers: readers.len(),
-            begun: false,
+            reader_count: readers.len(),
+            has_output: false,
             totals: Totals::default(),
         })
     }
@@ -81,7 +81,7 @@ impl Rows {
                 self.print_list_items(&[record])
             }
             RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
-            RowFormat::Csv => emit(&csv::row(&lint, self.readers)),
+            RowFormat::Csv => emit(&csv::row(&lint, self.reader_count)),
             RowFormat::Sarif => self.print_list_items(&sarif::results(path, &lint, failed)),
         }
     }
@@ -108,9 +108,9 @@ impl Rows {
     fn print_list_items(&mut self, records: &[String]) -> io::Result<()> {
         let mut out = String::new();
         for record in records {
-            out += if self.begun { ",\n" } else { "" };
+            out += if self.has_output { ",\n" } else { "" };
             out += record;
-            self.begun = true;
+            self.has_output = true;
         }
         emit(&out)
     }

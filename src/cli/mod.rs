@@ -70,7 +70,7 @@ pub type CommandResult = Result<u8, CommandError>;
 /// Error that ends a subcommand.
 pub struct CommandError {
     /// Message for standard error.
-    pub says: String,
+    pub message: String,
     /// Exit status of the process.
     pub status: u8,
 }
@@ -78,14 +78,14 @@ pub struct CommandError {
 impl CommandError {
     /// Creates an error with an exit status and a message.
     pub fn new(status: u8, says: &str) -> CommandError {
-        let says = format!("ptm-conform: {says}");
-        CommandError { says, status }
+        let message = format!("ptm-conform: {says}");
+        CommandError { message, status }
     }
 
     /// Creates an error for a file that is refused.
     pub fn refused(path: &Path, status: u8, says: &str) -> CommandError {
-        let says = format!("{}: {says}", path.display());
-        CommandError { says, status }
+        let message = format!("{}: {says}", path.display());
+        CommandError { message, status }
     }
 }
 

@@ -23,8 +23,8 @@ struct Activity {
     label: &'static str,
     done: Arc<AtomicUsize>,
     /// Number of items; 0 if unknown.
-    all: usize,
-    /// True if `all` is an upper bound rather than the number of items. The number of finished items is then not displayed.
+    total: usize,
+    /// True if `total` is an upper bound rather than the number of items. The number of finished items is then not displayed.
     is_limit: bool,
     wrong: usize,
     since: Instant,
@@ -34,18 +34,18 @@ impl Activity {
     fn status_text(&self) -> String {
         let done = self.done.load(Ordering::Relaxed);
         let mut words = self.label.to_owned();
-        if self.all > 0 && !self.is_limit {
-            let _ = write!(words, " {done} of {}", self.all);
+        if self.total > 0 && !self.is_limit {
+            let _ = write!(words, " {done} of {}", self.total);
         }
         if self.wrong > 0 {
             let _ = write!(words, ", {} wrong so far", self.wrong);
         }
         let elapsed = self.since.elapsed();
-        if done < MIN_DONE || done > self.all {
+        if done < MIN_DONE || done > self.total {
             return format!("{words}, for {}", format_duration(elapsed));
         }
         let bound = if self.is_limit { "at most" } else { "about" };
-        let left = elapsed.mul_f64((self.all - done) as f64 / done as f64);
+        let left = elapsed.mul_f64((self.total - done) as f64 / done as f64);
         format!("{words}, {bound} {} left", format_duration(left))
     }
 }
@@ -75,7 +75,7 @@ impl ProgressLine {
         let activity = Arc::new(Mutex::new(Activity {
             label,
             done: Arc::default(),
-            all: 0,
+            total: 0,
             is_limit: false,
             wrong: 0,
             since: Instant::now(),
@@ -107,7 +107,7 @@ impl ProgressLine {
     /// Starts a new activity.
     pub fn begin(&self, label: &'static str) {
         let mut activity = lock(&self.activity);
-        (activity.done, activity.all, activity.is_limit) = (Arc::default(), 0, false);
+        (activity.done, activity.total, activity.is_limit) = (Arc::default(), 0, false);
         (activity.label, activity.since) = (label, Instant::now());
         self.bar.set_message(label);
         self.bar.set_length(0);
@@ -118,14 +118,14 @@ impl ProgressLine {
     pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
         self.begin(label);
         let mut activity = lock(&self.activity);
-        (activity.done, activity.all, activity.is_limit) = (Arc::clone(counter), all, true);
+        (activity.done, activity.total, activity.is_limit) = (Arc::clone(counter), all, true);
     }
 
     /// Reports that `done` of `all` items are finished. Concurrent calls may arrive out of order.
     pub fn update(&self, done: usize, all: usize) {
         let mut activity = lock(&self.activity);
         let before = activity.done.fetch_max(done, Ordering::Relaxed);
-        activity.all = all;
+        activity.total = all;
         self.bar.set_length(all as u64);
         self.bar.set_position(before.max(done) as u64);
     }
@@ -163,7 +163,7 @@ mod tests {
         let mut activity = Activity {
             label: "running",
             done: Arc::default(),
-            all: 0,
+            total: 0,
             is_limit: false,
             wrong: 7,
             since: since.expect("it is later"),
@@ -175,7 +175,7 @@ mod tests {
             (100, 300, false, about),
         ] {
             activity.done.store(done, Ordering::Relaxed);
-            (activity.all, activity.is_limit) = (all, is_limit);
+            (activity.total, activity.is_limit) = (all, is_limit);
             assert_eq!(activity.status_text(), format!("running{expected}"));
         }
     }

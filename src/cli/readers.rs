@@ -52,7 +52,7 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
     let subject = OpenedFile::new(file);
     let predict = |profile: &&ReaderProfile| {
         let mut prediction = subject.predict(profile);
-        if prediction.shows != Shown::Right {
+        if prediction.result != Shown::Right {
             let (dissection, name) = (Dissection::parse(file), &profile.name);
             let says = "write the file again from its source; `lint` lists its errors";
             let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());

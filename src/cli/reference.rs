@@ -96,7 +96,7 @@ fn malformed(path: &Path) -> impl Fn(String) -> CommandError + '_ {
     |error| CommandError::refused(path, EXIT_MALFORMED as u8, &error)
 }
 
-/// Writes the requested file, or returns an error with the reason why it cannot be written.
+/// Writes the requested file, or returns an error that states why it cannot be written.
 fn write_request(path: &Path, out: &Path, request: &WriteRequest) -> CommandResult {
     let (status, says) = match reference::write_requested_file(request) {
         Ok(bytes) => return Ok(files::write_atomically(out, bytes).map(|()| 0)?),
@@ -128,7 +128,7 @@ fn answer_line(line: &[u8]) -> io::Result<Vec<u8>> {
     let Some(view) = view.and_then(|view| view.parse::<View>().ok()) else {
         return Ok(with_number("unsupported view".to_owned()));
     };
-    let file = files::read(&files::path_of(path.to_vec())).map_err(io::Error::other)?;
+    let file = files::read(&files::path_from_bytes(path.to_vec())).map_err(io::Error::other)?;
     Ok(match ptm_conform::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();

@@ -12,7 +12,7 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::ptm::Size;
-use ptm_conform::suite::texture::cases::cases_of;
+use ptm_conform::suite::texture::cases::parse_cases;
 use ptm_conform::suite::texture::question::{EntryGiven, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
@@ -50,9 +50,9 @@ struct CasesArgs {
 
 /// Render a textured plane or sphere under a light, to show the effect of a table entry.
 ///
-/// The map is in the middle of the shape; --around controls how much is shown around it, to make boundary conditions visible.
-/// Methods that need a reflection use an eye in front of the shape. The lamp at --light lights the surface; a PTM is rendered
-/// under --ptm-light.
+/// The map is in the middle of the shape; --around controls how much of the shape is shown around the map, to make boundary
+/// conditions visible. Methods that need a reflection use an eye in front of the shape. The lamp at --light lights the surface; a
+/// PTM is rendered under --ptm-light.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform texture render -o wrap.png\n  ptm-conform texture render --shape sphere --map coin.ptm --ptm-light 0.4,0.3 -o sphere.png\n  ptm-conform texture render --map coin.ptm --entry '{boundary: [Mirror, Wrap, Wrap], composition: Modulate}' -o mirror.png"
@@ -124,7 +124,7 @@ pub fn run(args: &TextureArgs) -> CommandResult {
 
 fn run_cases(args: &CasesArgs) -> CommandResult {
     let text = String::from_utf8(files::read(&args.file)?).map_err(with_path(&args.file))?;
-    let cases = cases_of(&text).map_err(with_path(&args.file))?;
+    let cases = parse_cases(&text).map_err(with_path(&args.file))?;
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {
@@ -137,7 +137,7 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
         if line.holds == Some(false) || !args.quiet {
             let reading = line.reading.map(|name| format!(" under {name}"));
             let reading = reading.unwrap_or_default();
-            let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.says);
+            let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.message);
         }
     }
     let aside = match unknown {

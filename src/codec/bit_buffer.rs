@@ -73,14 +73,14 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         }
     }
 
-    /// Returns the next bits, left-aligned, with zeros after the end. Only bits that were passed to `require` are
+    /// Returns the next bits, left-aligned, with zeros after the end. Only the number of bits that was passed to `require` is
     /// guaranteed to be present.
     #[inline]
     pub fn peek_window(&self) -> u64 {
         self.window
     }
 
-    /// Skips `bits` bits, which must have been passed to `require`. Returns an error if the segment ends before them.
+    /// Skips `bits` bits, a number that must have been passed to `require`. Returns an error if the segment ends before them.
     #[inline]
     pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {
@@ -124,8 +124,8 @@ pub(super) fn leading_bits(window: u64, bits: u32) -> u32 {
     (window >> 1 >> (63 - bits)) as u32
 }
 
-/// Returns true if one of the bytes is 0xFF, which is a zero byte of the complement: subtracting one from each byte
-/// borrows into the high bit of every zero byte (and possibly of bytes above it).
+/// Returns true if any byte is 0xFF, that is, if its complement is zero. Subtracting one from each byte of the complement borrows
+/// into the high bit of every zero byte (and possibly of bytes above it).
 #[inline]
 fn contains_ff(eight: [u8; 8]) -> bool {
     let complement = !u64::from_be_bytes(eight);
@@ -139,7 +139,7 @@ mod tests {
     use super::super::bits::{Bits, ReadBits, transcript};
     use super::BitBuffer;
 
-    /// Reads numbers of these sizes.
+    /// Reads one number of each size in bits.
     fn read_numbers<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],

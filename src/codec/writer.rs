@@ -1,7 +1,7 @@
 //! T.81 B.1.1 (T.87 C.1): writing markers, marker segments and entropy-coded bits
 //!
 //! This is the mirror image of `markers`, `headers` and `bits`, for both encoders. If the standards allow several
-//! representations, it always uses the same one: no fill bytes, component id 1, and the table indices of the encoder.
+//! representations, this module always uses the same one: no fill bytes, component id 1, and the table indices of the encoder.
 //!
 //! Worked example: eight ones and 1010 0001, then the end, in both standards.
 //!

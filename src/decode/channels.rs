@@ -1,4 +1,4 @@
-//! Some channels of every texel: the common representation of the parts of §2.7, §2.8 and §2.9.8
+//! Parts of a file (§2.7, §2.8, §2.9.8): each contains some channels of every texel
 //!
 //! A file stores its values in up to eighteen parts: blocks of a few channels (2.7), indices of table entries (2.8), or planes
 //! (2.9.8). Each part contains some channels of every texel, row by row, in the order in which the rows are stored.

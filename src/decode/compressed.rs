@@ -46,7 +46,7 @@ use crate::reading::Reading;
 pub(crate) struct Streams<'a> {
     pub(super) header: Header,
     coding: Coding,
-    /// Numbers of 2.9.1–2.9.7, unmodified.
+    /// Numbers in the lists (2.9.1–2.9.7), unmodified.
     #[cfg(feature = "harness")]
     pub(crate) lists: RawLists,
     pub(super) plan: Plan,
@@ -205,8 +205,8 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     Ok(Step {
         reference: checked_reference(lists, plane)?,
         // If a bit is not set, the reference is unchanged, even if there is a vector.
-        inverted: transform.value & 1 != 0, // clause 2.9.2/3
-        moved: transform.value & 2 != 0,    // clause 2.9.2/4
+        inverted: transform.value & 1 != 0,  // clause 2.9.2/3
+        displaced: transform.value & 2 != 0, // clause 2.9.2/4
         motion: (
             lists.motion[plane].value,
             lists.motion[planes + plane].value,

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Format notes
-//! - The number of entries determines the width of an index, not the largest index in the file.
+//! - The width of an index depends on the number of entries, not on the largest index in the file.
 //! - An index equal to the number of entries is already out of range (ruling `lut-range`).
 //! - 257 is the smallest count with two-byte indices, and the smallest whose last index reveals the byte order.
 //! - The colors of `PTM_LUT` follow the indices of *all* texels. They are not interleaved (clause 2.8.1/4).

@@ -55,7 +55,7 @@ mod threads;
 /// Fast displacement of a plane (2.9.3)
 mod displace;
 
-/// Some channels of every texel: the common representation of the parts of 2.7, 2.8 and 2.9.8
+/// Parts of a file (2.7, 2.8, 2.9.8): each contains some channels of every texel
 mod channels;
 
 /// Fast copying of channels

@@ -2,7 +2,7 @@
 //!
 //! The planes follow one another in the order of the format, regardless of the order in which they are decoded (clause 2.9.8/1).
 //! Each is a complete JPEG or JPEG-LS stream (clause 2.9.8/3), directly followed by its side information (clause 2.9.8/4):
-//! records of five bytes, which are a position (big-endian) and the value of that texel (clause 2.9.8/5).
+//! records of five bytes, each a big-endian position and the value of the texel at that position (clause 2.9.8/5).
 //!
 //! ```text
 //! stream 0 │ side information 0 │ stream 1 │ side information 1 │ …        sizes from §2.9.6 and §2.9.7
@@ -10,12 +10,12 @@
 //! 00 00 01 02 FF     a record: the texel with stored index 258 is 255
 //! ```
 //!
-//! Records are needed because lossy codecs change residuals. If a texel is 255 and its predictor 200, its residual is 255 − 200 +
-//! 128 = 183. If a lossy codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
+//! Records are needed because lossy codecs change residuals. A texel of 255 with a predictor of 200 has the residual 255 − 200 +
+//! 128 = 183. If a codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
-//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes,
-//!   before any other plane is predicted from this one (clause 2.9.8/7).
+//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes, before any
+//!   other plane is predicted from theirs (clause 2.9.8/7).
 //! - A position is the index of a texel in stored order. The first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
 //! - A stream defines its own tables, sampling factors and NEAR. The file only requires its size, one component and 8

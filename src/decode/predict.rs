@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Format notes
-//! - The text says only "modular arithmetic". The 128 and the inversion 255 − v were measured on HP's own file, and
-//!   all known decoders agree.
+//! - The text says only "modular arithmetic". The 128 and the inversion 255 − v were determined from HP's own file, and all known
+//!   decoders agree.
 //! - No public file displaces a reference. Displacement involves five choices (rulings `motion-…`). Here, the
 //!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom
 //!   row of the image. Halves are rounded up, and samples outside the plane replicate its edge.
@@ -53,7 +53,7 @@ pub(crate) fn invert_then_displace<'a>(
     if step.inverted {
         (reading.invert)(predictor.to_mut());
     }
-    if step.moved {
+    if step.displaced {
         predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     predictor
@@ -67,7 +67,7 @@ pub(crate) fn displace_then_invert<'a>(
     reading: &Reading,
 ) -> Cow<'a, [u8]> {
     let mut predictor = Cow::Borrowed(reference);
-    if step.moved {
+    if step.displaced {
         predictor = Cow::Owned(displace_plane(&predictor, size, step.motion, reading));
     }
     if step.inverted {
@@ -236,7 +236,7 @@ mod tests {
             let step = Step {
                 reference: Some(0),
                 inverted: true,
-                moved: true,
+                displaced: true,
                 motion: (1, 0),
             };
             let (mut plane, reading) = ([140, 140], reading(alternative));

@@ -28,7 +28,7 @@ const MAX_PIECE_TEXELS: u32 = 1 << 10;
 pub struct Stored<'a> {
     /// Header (2.1–2.4).
     pub header: Header,
-    /// Meaning of the channels.
+    /// Shape of each texel.
     pub shape: Shape,
     pub(super) parts: Vec<Channels<'a>>,
     /// Offset of the end of the values in the file.

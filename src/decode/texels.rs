@@ -1,7 +1,7 @@
 //! §2.7 Uncompressed Per Texel Data
 //!
-//! One byte per value, without separators (clauses 2.7/1–2), in one to three *blocks*. Within a block, values are
-//! stored texel by texel, and rows from bottom to top.
+//! One byte per value, without separators (clauses 2.7/1–2), in one to three *blocks*. Within a block, values are stored texel by
+//! texel, with rows from bottom to top.
 //!
 //! - `RGB` (§2.7.1): blocks for red, green and blue, each with a0…a5 of every texel.
 //! - `LUM` (§2.7.2): one block with a0…a5, Cr, Cb of every texel.

@@ -82,12 +82,12 @@ impl Witness<'_> {
         misreadings::render(&misreadings, &reading, ptm, &self.observation.view)
     }
 
-    /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The catalog
-    /// ignores these records, but many decoders refuse them.
+    /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The misreadings ignore
+    /// these records, but many decoders refuse them.
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
-            match misreading.at {
+            match misreading.step {
                 Hook::Records(read) if POSITION_CLAUSES.contains(&misreading.clause) => Some(read),
                 _ => None,
             }
@@ -122,19 +122,19 @@ impl Witness<'_> {
             View::Coef => Stage::Coefficients,
             View::Rgb(_) => Stage::Color,
         };
-        let is_used = match misreading.at {
+        let is_used = match misreading.step {
             Hook::Edits(edits) => edits
                 .iter()
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
             _ => can_affect_file(misreading, &self.built.file),
         };
-        is_used && misreading.at.stage() <= last && mistake.scope.contains(self)
+        is_used && misreading.step.stage() <= last && mistake.scope.contains(self)
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
     pub fn can_explain(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Image { .. });
-        self.can_affect(mistake) && (!refused || mistake.misreading.at.may_refuse())
+        self.can_affect(mistake) && (!refused || mistake.misreading.step.may_refuse())
     }
 }
 

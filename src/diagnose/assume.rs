@@ -1,4 +1,4 @@
-//! `--assume`: judges a decoder with mistakes that its user already knows.
+//! `--assume`: judges a decoder that is known to make certain mistakes.
 //!
 //! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other wrong image is compared
 //! with the output of such a decoder.
@@ -12,7 +12,7 @@ use crate::suite::cases::Suite;
 use crate::suite::choices::{CHOICES, relevant_axes};
 use crate::suite::compare::Expected;
 
-/// Marks failures that the `assumed` mistakes explain, and updates the reasons of the remaining failures.
+/// Marks failures that the `assumed` mistakes explain, and updates the reasons for the remaining failures.
 pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], threads: usize) {
     if assumed.is_empty() {
         return;
@@ -41,7 +41,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
     for (index, outcome, says) in changes {
         if let Some(judged) = &mut run.judgement.cases[index] {
             judged.outcome = outcome;
-            judged.says = says;
+            judged.message = says;
         }
     }
 }

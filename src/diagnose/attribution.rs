@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every image that the mistake
-/// explains: more than half the number of explained images. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained images of the same formats are wrong in views before those of all explained images: more than
+/// half as many as are explained. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -81,9 +81,9 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but these are less than a quarter of the
-/// wrong images of their formats and views that have no other cause. A larger mistake may explain them as well. Images in
-/// later views do not count, because a mistake in a later step may explain these.
+/// Returns true if most of the explained failures are images of legal files, but they are fewer than a quarter of the wrong
+/// images of their formats and views that have no other cause. A more general mistake may explain all of these. Images in later
+/// views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
@@ -143,7 +143,7 @@ fn diagnose_whole_formats(
 /// - more cases contradict it than support it,
 /// - only malformed files support it, and some case contradicts it,
 /// - it explains a crash by a signal, and no image supports it, or
-/// - it changes values, no image supports it, and more images are unexplained than it explains failures.
+/// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
 fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
     let Some(misreading) = search.mistakes[member.id].catalog_misreading() else {
         return false;
@@ -155,7 +155,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     let is_signal =
         |w| matches!(mode(w), Some(FailureMode::Crashes(status)) if status.starts_with("killed"));
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
-    let is_hidden = misreading.shows != Symptom::Refusals && images(explained) == 0;
+    let is_hidden = misreading.symptom != Symptom::Refusals && images(explained) == 0;
     images(explained) == 0 && explained.iter().any(is_signal)
         || is_hidden && images(left) > explained.len()
         || contradictions > explained.len()
@@ -201,7 +201,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
     let alike: Vec<&Misreading> = alike.collect();
     let observed = refusals::describe_observation(witnesses, &share.explains);
-    if let Some(observed) = observed.filter(|_| misreading.shows != Symptom::Refusals) {
+    if let Some(observed) = observed.filter(|_| misreading.symptom != Symptom::Refusals) {
         return observed.with_equivalents([&[misreading], &alike[..]].concat());
     }
     let in_suite = |indices: &[usize]| -> Vec<usize> {
@@ -209,14 +209,14 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     };
     let cause = Cause::Misreading {
         misreading,
-        alike,
-        with: listed(&share.with),
+        equivalents: alike,
+        accompanying: listed(&share.with),
     };
     Diagnosis {
-        except: in_suite(&search.contradictions(&[member.id])),
-        shows: refusals::describe_non_images(witnesses, &share.explains, misreading)
+        contradicted_by: in_suite(&search.contradictions(&[member.id])),
+        observed: refusals::describe_non_images(witnesses, &share.explains, misreading)
             .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading)),
-        certain: true,
+        is_certain: true,
         ..Diagnosis::new(cause, in_suite(&share.explains))
     }
 }
@@ -230,9 +230,9 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         FileScope::All => formats_phrase(witnesses, &share.explains),
         scope => format!(", only in files {}", scope.describe()),
     };
-    let (effect, fix) = match (mistake.catalog_misreading(), misreading.at) {
+    let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
         (None, Hook::Edits([edit])) => {
-            let (value, stated) = (edit.formula.stated().computes, edit.stated_text());
+            let (value, stated) = (edit.formula.stated().result, edit.stated_text());
             let computes = edit.edited_text();
             match edit.change {
                 EditedForm::Table(_) => (
@@ -264,13 +264,13 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     let described =
         Diagnosis::from_description(Category::Difference, witnesses, &share.explains, text);
     Diagnosis {
-        certain: true,
+        is_certain: true,
         ..described.with_clause(misreading.clause)
     }
 }
 
-/// Returns the indices of the mistakes in `set` that a failure needs: a single one if it explains the failure alone,
-/// or else all that are indispensable. Returns the first mistake if none is indispensable.
+/// Returns the indices of the mistakes in `set` that are needed to explain a failure: a single mistake if it is sufficient, or
+/// else all that are indispensable. Returns the first mistake if none is indispensable.
 fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     let explained = |set: &[MistakeId]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
@@ -288,7 +288,7 @@ fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
 fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
-        && mistake.misreading.at.stage() < Stage::Color
+        && mistake.misreading.step.stage() < Stage::Color
         && witness.is_rgb()
         && witness.can_affect(mistake)
         && FailureMode::new(witness).is_none()
@@ -328,7 +328,7 @@ pub(super) fn attribute_partially(
         let known = member.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
         let is_left = known.is_none();
         if let Some((_, diagnosis)) = known {
-            diagnosis.partly.push(search.witnesses[w].case_index);
+            diagnosis.partial.push(search.witnesses[w].case_index);
         }
         is_left
     });

@@ -1,6 +1,6 @@
 //! Removes mistakes that match some responses by chance.
 //!
-//! Chance matches are common because many mistakes end in a refusal, and because colors are rounded.
+//! Chance matches are common because many mistakes cause refusals and because colors are rounded.
 
 use std::collections::HashSet;
 
@@ -23,20 +23,20 @@ struct FailureEvidence {
     crashes: usize,
     /// Malformed files that both the mistake and the decoder accept.
     accepted: Vec<usize>,
-    /// Number of images of legal files that the mistake changes, but not to the decoder's image.
+    /// Number of images of legal files that the mistake changes to something other than the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
-    far: usize,
+    not_closer: usize,
     /// Number of images of legal files that the mistake changes.
     changed_images: usize,
-    /// Number of refusals and crashes of legal files that the mistake changes.
+    /// Number of legal files that the decoder refuses or crashes on and whose answer the mistake changes.
     changed_refusals: usize,
     /// Number of images of legal files that a decoder with the mistake would refuse.
     refused: usize,
 }
 
 impl FailureEvidence {
-    /// Compares the responses with the answers of a decoder that makes the mistake `id` of `set`.
+    /// Compares the responses with the answers of a decoder that makes the mistake `id` from `set`.
     fn new(search: &Search, set: &MistakeSet, failing: &[usize], id: MistakeId) -> FailureEvidence {
         let without = without_id(set, id);
         let mut evidence = FailureEvidence::default();
@@ -63,7 +63,7 @@ impl FailureEvidence {
                 evidence.crashes += usize::from(alone == Agreement::Crash);
             } else if is_changed && is_image {
                 evidence.other_images += 1;
-                evidence.far += usize::from(!reduces_wrong_samples(search, w, set, id));
+                evidence.not_closer += usize::from(!reduces_wrong_samples(search, w, set, id));
             }
         }
         evidence
@@ -121,7 +121,7 @@ enum Rule {
 /// Returns true if a misreading matches only stray failures:
 /// - it explains few failures, and none of them is about the misread clause,
 /// - it changes more than twice as many cases as it explains, or
-/// - it would refuse more images than it explains.
+/// - it would turn more images into refusals than it explains.
 fn is_stray(
     search: &Search,
     misreading: &Misreading,
@@ -141,20 +141,20 @@ fn is_stray(
         && (is_most(others, changed) || explains_few && !is_about || evidence.refused > explained)
 }
 
-/// Returns true if a misreading explains few of the images that it changes. If passing files contradict it, or if it
-/// changes only colors, which are rounded, it must explain nearly all of them.
+/// Returns true if a misreading explains too few of the images that it changes. It must explain nearly all of them if passing
+/// files contradict it, or if it changes only colors, which are rounded.
 fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureEvidence) -> bool {
-    let (images, far) = (evidence.images, evidence.far);
+    let (images, far) = (evidence.images, evidence.not_closer);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
-    let is_color_only = search.mistakes[id].misreading.at.stage() == Stage::Color;
+    let is_color_only = search.mistakes[id].misreading.step.stage() == Stage::Color;
     let is_refuted =
         || !search.refuting_files(&[id]).is_empty() && !search.refuting_files(set).is_empty();
     images > 0
         && (is_nearly_all(far, far + images) || !is_thorough && (is_color_only || is_refuted()))
 }
 
-/// Returns true if a mistake only refuses files, and either a shared property explains more of these refusals or
-/// other cases contradict the mistake. `shared` contains groups of failures, each explained by a property.
+/// Returns true if a mistake only causes refusals, and either a shared property explains more of these refusals or other cases
+/// contradict the mistake. `shared` contains groups of failures, each explained by a property.
 fn refuses_by_chance(
     search: &Search,
     set: &MistakeSet,
@@ -184,7 +184,7 @@ fn refuses_by_chance(
     let are_crashes = evidence.crashes == explained.len();
     let is_small = is_nearly_all(unexplained, refused) || are_crashes && unexplained > 0;
     let listed = search.mistakes[set[index]].catalog_misreading();
-    let refuses_only = listed.is_some_and(|listed| listed.shows == Symptom::Refusals);
+    let refuses_only = listed.is_some_and(|listed| listed.symptom == Symptom::Refusals);
     let alone = [set[index]];
     let is_refuted = |w| search.is_refuted(w, &alone) && search.is_refuted(w, set);
     (!refuses_only || is_few(explained.len(), refused)) && is_small

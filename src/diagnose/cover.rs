@@ -18,7 +18,7 @@ pub(crate) struct CoverCandidate<T> {
     /// Indices of the passing cases that a decoder with this cause would fail.
     pub contradicted: Vec<usize>,
     /// Causes that no case distinguishes from this one. Filled in by [`cover`].
-    pub alike: Vec<T>,
+    pub equivalents: Vec<T>,
 }
 
 impl<T> CoverCandidate<T> {
@@ -38,7 +38,7 @@ impl<T> CoverCandidate<T> {
             cause,
             explains,
             contradicted: select(passing, &contradicts),
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         })
     }
 
@@ -53,12 +53,12 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
     pub fn diagnosis(self) -> Diagnosis<A> {
         let cause = Cause::Misreading {
             misreading: self.cause,
-            alike: self.alike,
-            with: Vec::new(),
+            equivalents: self.equivalents,
+            accompanying: Vec::new(),
         };
         Diagnosis {
-            certain: self.contradicted.is_empty(),
-            except: self.contradicted,
+            is_certain: self.contradicted.is_empty(),
+            contradicted_by: self.contradicted,
             ..Diagnosis::new(cause, self.explains)
         }
     }
@@ -88,7 +88,7 @@ pub(crate) fn cover<T: Copy>(
         let others = candidates.iter().filter(|other| {
             other.explains == best.explains && other.contradicted == best.contradicted
         });
-        best.alike = others.map(|other| other.cause).collect();
+        best.equivalents = others.map(|other| other.cause).collect();
         failing.retain(|case| !best.explains.contains(case));
         chosen.push(best);
     }
@@ -103,7 +103,7 @@ mod tests {
             cause,
             explains: explains.to_vec(),
             contradicted: contradicted.to_vec(),
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         }
     }
 
@@ -129,7 +129,7 @@ mod tests {
             candidate('c', &[1], &[]),
         ];
         let chosen = cover(candidates, &mut failing);
-        let causes = chosen.into_iter().map(|c| (c.cause, c.alike));
+        let causes = chosen.into_iter().map(|c| (c.cause, c.equivalents));
         assert_eq!(
             causes.collect::<Vec<_>>(),
             [('b', vec!['c']), ('a', vec![])]

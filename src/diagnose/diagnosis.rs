@@ -14,23 +14,23 @@ pub struct Diagnosis<A: 'static = Hook> {
     /// Indices in the suite of the failing cases that the cause reproduces.
     pub explains: Vec<usize>,
     /// Failing cases that the cause partially explains.
-    pub partly: Vec<usize>,
+    pub partial: Vec<usize>,
     /// Passing cases that a decoder with this mistake would fail.
-    pub except: Vec<usize>,
-    /// Description of the observed behavior, which reports state instead of the cause if other causes would have the same effect.
-    pub shows: Option<Cause<A>>,
+    pub contradicted_by: Vec<usize>,
+    /// Observed behavior, which is reported instead of the cause if other causes would have the same effect.
+    pub observed: Option<Cause<A>>,
     /// True if a decoder with this mistake was compared with every case and reproduces the responses.
-    pub certain: bool,
+    pub is_certain: bool,
 }
 
 /// The result of a search for causes.
 pub struct Causes<A: 'static = Hook> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics during the search. Each is a bug in this program and costs one cause.
+    /// Messages of panics during the search. Each is due to a bug in this program, and one cause may be missing.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
-    pub answered: usize,
+    pub answer_count: usize,
     /// CPU time of the search, if the system reports it.
     pub cpu_time: Option<Duration>,
 }
@@ -40,7 +40,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
         Causes {
             diagnoses,
             faults: Vec::new(),
-            answered: 0,
+            answer_count: 0,
             cpu_time: None,
         }
     }
@@ -53,9 +53,9 @@ pub enum Cause<A: 'static = Hook> {
         /// The misreading that explains the cases.
         misreading: &'static Misreading<A>,
         /// Misreadings that explain the same cases equally well.
-        alike: Vec<&'static Misreading<A>>,
+        equivalents: Vec<&'static Misreading<A>>,
         /// Misreadings that affect the same cases as well.
-        with: Vec<&'static Misreading<A>>,
+        accompanying: Vec<&'static Misreading<A>>,
     },
     /// A difference that no misreading in the catalog produces.
     Described {
@@ -70,7 +70,7 @@ pub enum Cause<A: 'static = Hook> {
         /// One failing case in detail, down to the bytes of the file.
         example: String,
         /// Misreadings that would have the same effect.
-        alike: Vec<&'static Misreading<A>>,
+        equivalents: Vec<&'static Misreading<A>>,
     },
 }
 
@@ -86,12 +86,12 @@ pub enum Category {
     Violation,
     /// The decoder output wrong images.
     Difference,
-    /// The decoder gave different responses to the same request.
+    /// The decoder returned different responses to the same request.
     Nondeterminism,
 }
 
 impl Category {
-    /// Returns the name that reports use.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -117,16 +117,16 @@ impl<A> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
-            partly: Vec::new(),
-            except: Vec::new(),
-            shows: None,
-            certain: false,
+            partial: Vec::new(),
+            contradicted_by: Vec::new(),
+            observed: None,
+            is_certain: false,
         }
     }
 }
 
 impl Diagnosis {
-    /// Creates a diagnosis that describes the witnesses `indices`, with the clause that is most specific to them.
+    /// Creates a diagnosis that describes the witnesses at `indices`, with the clause that is most specific to them.
     pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
@@ -139,7 +139,7 @@ impl Diagnosis {
             effect: text.effect,
             fix: text.fix,
             example: text.example,
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         };
         Diagnosis::new(
             cause,
@@ -149,8 +149,8 @@ impl Diagnosis {
 
     /// Sets the misreadings that would have the same effect.
     pub(super) fn with_equivalents(mut self, others: Vec<&'static Misreading>) -> Diagnosis {
-        if let Cause::Described { alike, .. } = &mut self.cause {
-            *alike = others;
+        if let Cause::Described { equivalents, .. } = &mut self.cause {
+            *equivalents = others;
         }
         self
     }

@@ -32,7 +32,7 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Adds mistakes to the search that explain some of the failures in `left` together with `set`.
+/// Adds to the search mistakes that, together with `set`, explain some of the failures in `left`.
 pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let mut probes = select_probes(search, left);
     for group in &mut probes {
@@ -70,15 +70,14 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that reproduce a probe exactly, in all channels or in the wrong ones, sorted by the number of
-/// reproduced probes.
+/// Returns the edits that reproduce a probe exactly, in all or in the wrong channels, sorted by the number of reproduced probes.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()
-        .flat_map(|&id| search.mistakes[id].misreading.at.formulas())
+        .flat_map(|&id| search.mistakes[id].misreading.step.formulas())
         .collect();
     let is_unused = |misreading: &&Misreading| {
-        let formulas = misreading.at.formulas();
+        let formulas = misreading.step.formulas();
         !formulas.iter().any(|formula| used.contains(formula))
     };
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_unused).collect();
@@ -183,7 +182,7 @@ fn restrict(
 
 /// Returns the edit of a mistake that consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
-    match mistake.misreading.at {
+    match mistake.misreading.step {
         Hook::Edits([edit]) => Some(&edit.change),
         _ => None,
     }

@@ -69,7 +69,7 @@ fn generalize(error: &str) -> String {
 }
 
 impl fmt::Display for FailureMode {
-    /// Writes a verb phrase whose object is the files: "refuses", "crashes (exit status 1) on".
+    /// Writes a verb phrase that takes the files as its object: "refuses", "crashes (exit status 1) on".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),

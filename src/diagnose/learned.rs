@@ -12,18 +12,18 @@ use crate::misreadings::Misreading;
 use crate::protocol::frame::{Answer, Frame, Samples, View};
 use crate::ptm::{Coding, Ptm};
 
-/// Stored values that could produce an output value: one flag for each of 0 to 255.
+/// Stored values that could produce an output value: one flag for each value from 0 to 255.
 type Candidates = [bool; 256];
 
 /// Observed outputs for one correct value.
-struct ShownValues {
+struct ObservedOutputs {
     /// For each stored value, the number of texels that it could have produced.
     votes: [usize; 256],
     texels: usize,
     files: Vec<usize>,
 }
 
-/// Returns misreadings that explain wrong values in `left` by a table of all stored values or of stream samples.
+/// Returns misreadings that explain wrong values in `left` with a table of all stored values or of stream samples.
 pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);
@@ -41,15 +41,14 @@ pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'
     tables.into_iter().flatten().map(misreading).collect()
 }
 
-/// Learns the table that explains every value of these images. Returns `None` if the values are not a function of the
-/// correct value.
+/// Learns the table that explains every value of these images, if each value is a function of the correct value.
 fn learn_table(
     search: &Search,
     set: &MistakeSet,
     images: &[usize],
     only_plain_planes: bool,
 ) -> Option<[u8; 256]> {
-    let mut shown: BTreeMap<u8, ShownValues> = BTreeMap::new();
+    let mut shown: BTreeMap<u8, ObservedOutputs> = BTreeMap::new();
     for &w in images {
         let witness = &search.witnesses[w];
         let (Ok(ptm), Some(frame)) = (witness.decoded(), witness.wrong_image()) else {
@@ -63,7 +62,7 @@ fn learn_table(
             if !is_plain(i % channels) {
                 continue;
             }
-            let known = shown.entry(right).or_insert_with(|| ShownValues {
+            let known = shown.entry(right).or_insert_with(|| ObservedOutputs {
                 votes: [0; 256],
                 texels: 0,
                 files: Vec::new(),

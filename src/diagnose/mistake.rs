@@ -108,15 +108,15 @@ impl ChannelSubset {
     }
 }
 
-/// Returns a misreading without a slug that makes a single edit.
+/// Returns a misreading that consists of a single edit and has no slug.
 pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",
         clause: edit.formula.stated().clause,
         effect: "",
         fix: "",
-        shows: Symptom::Values,
-        seen: Vec::new(),
-        at: Hook::Edits(std::slice::from_ref(edit)),
+        symptom: Symptom::Values,
+        sightings: Vec::new(),
+        step: Hook::Edits(std::slice::from_ref(edit)),
     }
 }

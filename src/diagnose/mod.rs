@@ -127,13 +127,13 @@ fn diagnose_by(
     causes.append(&mut diagnoses);
     // Sort causes by the number of failures that they explain. A certain cause has more weight than a description.
     causes.sort_by_key(|diagnosis| {
-        let explained = diagnosis.explains.len() + diagnosis.partly.len();
-        std::cmp::Reverse(explained * if diagnosis.certain { 4 } else { 1 })
+        let explained = diagnosis.explains.len() + diagnosis.partial.len();
+        std::cmp::Reverse(explained * if diagnosis.is_certain { 4 } else { 1 })
     });
     Causes {
         diagnoses: causes,
         faults: search.faults(),
-        answered: search.answered(),
+        answer_count: search.answer_count(),
         cpu_time: None,
     }
 }

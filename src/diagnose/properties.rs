@@ -80,7 +80,7 @@ impl<'a> File<'a> {
 
     /// Returns the motion vectors of the predicted planes.
     fn vectors(&self) -> Vec<(i32, i32)> {
-        let Some(plan) = self.plan.filter(|plan| plan.moves()) else {
+        let Some(plan) = self.plan.filter(|plan| plan.displaces()) else {
             return Vec::new();
         };
         let get = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
@@ -90,7 +90,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// Number of properties of the requested view, which are the first ones.
+/// Number of properties that describe the requested view. They come first.
 pub(super) const VIEW_PROPERTIES: usize = 3;
 
 fn view_properties(f: &File) -> [Property; 6] {
@@ -227,6 +227,7 @@ fn prediction_properties(f: &File) -> [Property; 13] {
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
     let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
     let is_corrected = corrected().next().is_some();
+    let displaces = has(Compression::displaces);
     let corrects_intra = corrected().any(|plane| reference(plane).is_none());
     let corrects_predicted = corrected().any(|plane| reference(plane).is_some());
     [
@@ -236,7 +237,7 @@ fn prediction_properties(f: &File) -> [Property; 13] {
             "2.9.2/3 with inverted references",
             has(Compression::inverts),
         ),
-        ("2.9.2/4 with displaced references", has(Compression::moves)),
+        ("2.9.2/4 with displaced references", displaces),
         (
             "2.9.2/6 with references that are both inverted and displaced",
             is_both,

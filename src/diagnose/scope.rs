@@ -11,9 +11,9 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index, and its clause and text, separated by a space.
+    /// Files with the property at this index. The string contains its clause and text, separated by a space.
     Property(usize, &'static str),
-    /// Files whose quantity at this index is at least or at most `bound`. The other files extend to `other_bound`.
+    /// Files whose quantity at this index is at least or at most `bound`. The values of the other files extend to `other_bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and its text.

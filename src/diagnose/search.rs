@@ -49,7 +49,7 @@ pub(super) struct Search<'a> {
     /// Units of work done so far. An answer is one unit, or several if the map is large.
     work: &'a AtomicUsize,
     /// Number of answers computed so far.
-    answered: AtomicUsize,
+    answer_count: AtomicUsize,
     /// Cases that the decoder passes, the smallest first.
     pub passing: Vec<usize>,
     /// Messages of panics, without duplicates.
@@ -116,8 +116,8 @@ impl<'a> Search<'a> {
             threads,
             is_arbitrary: nondeterminism::is_prevalent(run) || uniform::is_prevalent(witnesses),
             stop: &run.stop,
-            work: &run.searched,
-            answered: AtomicUsize::new(0),
+            work: &run.work,
+            answer_count: AtomicUsize::new(0),
             probed: HashSet::new(),
             effects: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
@@ -366,7 +366,7 @@ impl<'a> Search<'a> {
     /// program, returns the correct answer.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
-        self.answered.fetch_add(1, Ordering::Relaxed);
+        self.answer_count.fetch_add(1, Ordering::Relaxed);
         let answer = catch_unwind(AssertUnwindSafe(|| {
             match witness.refuses_positions(mistakes) {
                 true => Cow::Owned(Answer::Rejected),
@@ -392,8 +392,8 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the number of answers computed so far.
-    pub fn answered(&self) -> usize {
-        self.answered.load(Ordering::Relaxed)
+    pub fn answer_count(&self) -> usize {
+        self.answer_count.load(Ordering::Relaxed)
     }
 
     /// Returns the messages of all recorded panics.
@@ -432,13 +432,13 @@ impl<'a> Search<'a> {
 
     /// Returns true if the two mistakes affect the same bytes or a common formula.
     fn depends_on_order(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.at.formulas());
+        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.step.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
             || one.iter().any(|formula| other.contains(formula))
     }
 
     fn edits_bytes(&self, id: MistakeId) -> bool {
-        matches!(self.mistakes[id].misreading.at, Hook::Bytes(_))
+        matches!(self.mistakes[id].misreading.step, Hook::Bytes(_))
     }
 
     /// Returns the mistakes with the ids in `set`.
@@ -448,7 +448,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
     fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.at);
+        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.step);
         !(a.is_decision() && a.changes_same_step(b))
     }
 
@@ -587,14 +587,14 @@ impl<'a> Search<'a> {
         self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
-    /// Returns one flag per case: whether to try mistakes on it. Skips large maps unless only large maps are left.
+    /// Returns one flag per case: true if mistakes should be tried on it. Skips large maps unless only large maps are left.
     fn trial_flags(&self, left: &[usize]) -> Vec<bool> {
         let with_large = left.iter().all(|&w| !self.is_small(w));
         let all = 0..self.witnesses.len();
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the best of `finalists` on all cases marked in `tried`, together with the equally good ones.
+    /// Returns the best of `finalists` on all cases marked in `tried`, together with those that are equally good.
     fn pick_finalist(
         &self,
         set: &MistakeSet,
@@ -767,7 +767,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: those without which the set explains as much, for small and for large maps.
+    /// Removes redundant mistakes: the set explains as many failures without them, both on small and on large maps.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

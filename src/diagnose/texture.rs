@@ -1,7 +1,7 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage with this misreading gives the same answer. A passing case contradicts a misreading
-//! if a stage with this misreading would fail it. A misreading is reported only if it explains more cases than contradict it.
+//! A misreading explains a failure if a stage with it returns the same answer. A passing case contradicts a misreading if a stage
+//! with the misreading would fail the case. A misreading is reported only if it explains more cases than contradict it.
 
 use serde_json::Value;
 
@@ -33,15 +33,14 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagn
     causes.map(CoverCandidate::diagnosis).collect()
 }
 
-/// Returns true if a stage with these rules gives the received answer.
+/// Returns true if a stage with these rules returns the received answer.
 fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules) -> bool {
     let Some(observation) = &run.observations[i] else {
         return false;
     };
     match (&observation.response, case.answer(rules)) {
         (Response::Image { frame, .. }, Answer::Decoded(answer)) => {
-            // An answer that equals the reference's is not stored. A field that only one of the answers has counts as
-            // a difference.
+            // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
             let received = frame.as_ref().unwrap_or(&case.expect);
             let differs = difference(&expected_fields(case, &answer), received, case.tol);
             case.expect() == Expect::Reject || differs.is_none()

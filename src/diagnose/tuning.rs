@@ -3,7 +3,7 @@
 // Worth of a response that a mistake reproduces
 /// Worth of an explained image. Equal bytes are not a coincidence.
 pub(super) const IMAGE_WORTH: i64 = 16;
-/// Worth of an explained refusal. Many mistakes end in a refusal, so it counts half as much as an image.
+/// Worth of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
 pub(super) const REFUSAL_WORTH: i64 = 8;
 /// Worth of a crash where the mistake implies a refusal. This is also the minimum worth of a reported mistake.
 pub(super) const CRASH_WORTH: i64 = 3;
@@ -11,7 +11,7 @@ pub(super) const CRASH_WORTH: i64 = 3;
 pub(super) const PARTIAL_IMAGE_WORTH: usize = 6;
 /// Worth of an image where the mistake implies a refusal. The decoder evidently does not make this mistake.
 pub(super) const REFUSED_IMAGE_WORTH: i64 = -8;
-/// Worth of a passing case that the mistake would fail. It has the same weight as an image, with the opposite sign.
+/// Worth of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
 pub(super) const CONTRADICTION_WORTH: i64 = -16;
 /// Worth of a response to a lenient file that differs from the mistake's answer. Both are correct.
 pub(super) const OTHER_LENIENT_ANSWER_WORTH: i64 = -1;
@@ -51,8 +51,8 @@ pub(super) const MAX_EDITS: usize = 24;
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 
 // Evidence
-/// Minimum number of failures that support an edit, a scope, a statement about a format or a different choice, and of
-/// samples or texels that support a statement about an image.
+/// Minimum number of failures needed to support an edit, a scope, a different choice or a statement about a format, and minimum
+/// number of samples or texels needed to support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Minimum number of files that must share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;

@@ -47,7 +47,7 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// The clause about a property and text that completes "files …", separated by a space; true if the file has the property.
+/// A property: its clause and text that completes "files …", separated by a space, and true if the file has the property.
 pub(super) type Property = (&'static str, bool);
 
 /// A numeric property of a file: the clause about it, text in which {} stands for "at least 17", and the value.
@@ -136,7 +136,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 on a file of a format that its capabilities declare but that it never reads.
+/// Returns true if the decoder exited with 69 for a file in a format that its capabilities declare but that it never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
@@ -159,7 +159,7 @@ impl Witness<'_> {
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
         }
-        let Hook::Bytes(edit) = first.at else {
+        let Hook::Bytes(edit) = first.step else {
             return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         let anatomy = Anatomy {
@@ -319,8 +319,8 @@ impl Witness<'_> {
         matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
-    /// Returns true if `answer` would fail a passing case. The answer of a decoder without mistakes contradicts
-    /// nothing, even if its dialect differs.
+    /// Returns true if a passing case would fail with `answer`. The answer of a decoder without mistakes contradicts nothing,
+    /// even if its dialect differs.
     pub fn contradicts(&self, answer: &Answer) -> bool {
         if std::ptr::eq(answer, &raw const self.right)
             || self.correct_answer.as_ref() == Some(answer)
@@ -366,14 +366,14 @@ impl Witness<'_> {
 
 /// Returns true if the misreading only affects the steps after decoding.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
-    misreading.at.stage() >= Stage::Planes
+    misreading.step.stage() >= Stage::Planes
 }
 
 /// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps a line feed after
 /// tables unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
-    let mut choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let mut choices = judgement.dialect.0.iter().zip(&judgement.certainties);
     let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
     let reading = match run.table.newline {
         true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
@@ -389,7 +389,7 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 /// Returns the choices that were inferred for the decoder.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
     let judgement = &run.judgement;
-    let choices = judgement.dialect.0.iter().zip(&judgement.certain);
+    let choices = judgement.dialect.0.iter().zip(&judgement.certainties);
     let settled = choices.map(|(&reading, certain)| match certain {
         Certainty::Open => 0,
         _ => reading,
@@ -405,14 +405,14 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file, because the file has the table, matrix or compressed planes
-/// that the clause is about.
+/// Returns true if the misreading can affect the file, because the file contains the table, matrix or compressed planes that the
+/// clause is about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
     let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
     let section = |name: &str| misreading.clause.starts_with(name);
-    if !has(b"PTM_FORMAT_") || matches!(misreading.at, Hook::Bytes(_)) {
+    if !has(b"PTM_FORMAT_") || matches!(misreading.step, Hook::Bytes(_)) {
         true
     } else if section("2.9") {
         has(b"RMAT_JPEG")
@@ -428,7 +428,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
 /// Returns true if a decoder can make both mistakes, because they affect different steps or different decisions.
 #[must_use]
 pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
-    !a.at.changes_same_step(&b.at)
+    !a.step.changes_same_step(&b.step)
 }
 
 /// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).

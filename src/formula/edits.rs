@@ -10,7 +10,7 @@ use super::edit::{Edit, EditedForm};
 use super::expression::{Expression, Function, Scope, single_or_node};
 use super::formulas::Formula;
 
-/// Constants that are commonly confused. The first constant in each row is replaced with the others.
+/// Constants that are commonly confused. The first constant in each row is replaced with each of the others.
 const CONFUSED_CONSTANTS: [&[f64]; 5] = [
     &[255.0, 256.0, 254.0, 128.0, 127.0],
     &[128.0, 127.0, 129.0, 256.0, 255.0, 0.0, 64.0],

@@ -59,15 +59,15 @@ pub enum Function {
     Min,
     /// `max(a, b)`.
     Max,
-    /// `mod(a, b)`, the remainder, at least 0 and less than `b`.
+    /// `mod(a, b)`: the remainder, at least 0 and less than `b`.
     Mod,
     /// `power(a, b)`.
     Power,
     /// `sin(a)`, with `a` in radians.
     Sin,
-    /// `at_most(a, b)`, 1 if `a <= b`, or else 0.
+    /// `at_most(a, b)`: 1 if `a <= b`, or else 0.
     AtMost,
-    /// `select(condition, a, b)`, `b` if the condition is 0, or else `a`.
+    /// `select(condition, a, b)`: `b` if the condition is 0, or else `a`.
     Select,
     /// `invert(plane)`, applied to a whole plane.
     Invert,

@@ -8,7 +8,7 @@ use super::expression::{Expression, Scope, parse};
 use crate::kit::yaml;
 use crate::ptm::Format;
 
-/// A step of decoding that the specification states, or implies, as arithmetic.
+/// A step of decoding that the specification states or implies as arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // see `formulas.yaml`
 pub enum Formula {
@@ -120,7 +120,7 @@ impl Formula {
         (Formula::Corrected, "corrected value"),
     ];
 
-    /// Returns the name that `formulas.yaml` and reports use.
+    /// Returns the name used in `formulas.yaml` and in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         Formula::ALL[self as usize].1
@@ -193,8 +193,8 @@ impl Formula {
 pub struct StatedFormula {
     /// Clause that states or implies the formula.
     pub clause: &'static str,
-    /// Noun phrase for the computed value.
-    pub computes: &'static str,
+    /// Description of the result, as a noun phrase.
+    pub result: &'static str,
     /// Names that the formula and its edits may use.
     pub scope: Scope,
     /// Expression in this scope.
@@ -238,7 +238,7 @@ fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
         let expression = parse(&record.formula, scope);
         Ok(StatedFormula {
             clause: record.clause.leak(),
-            computes: record.computes.leak(),
+            result: record.computes.leak(),
             scope,
             expression: expression.map_err(|error| format!("line {line}: {error}"))?,
         })

@@ -15,4 +15,4 @@ pub use edit::{Edit, EditedForm};
 pub use expression::{Expression, Function, Scope, parse};
 pub use formulas::{Formula, Stage, StatedFormula};
 pub use stages::Edits;
-pub(crate) use stages::{decode, finals, image, stored};
+pub(crate) use stages::{decode, final_values, image, stored_values};

@@ -77,7 +77,7 @@ pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm
 }
 
 /// Computes the stored values of a decoded map with edited formulas.
-pub(crate) fn stored<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
+pub(crate) fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     if edits.has_stage(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
@@ -380,7 +380,7 @@ impl CompressedPlanes<'_> {
         Ok(Step {
             reference: usize::try_from(reference).ok(),
             inverted: has(Formula::Inverted),
-            moved: has(Formula::Displaced),
+            displaced: has(Formula::Displaced),
             motion: (
                 edited_or(Formula::VectorX, default.motion.0),
                 edited_or(Formula::VectorY, default.motion.1),
@@ -422,7 +422,7 @@ impl CompressedPlanes<'_> {
             }
             Expression::Call(Function::Displace, arguments) => {
                 let plane = inner(&arguments[0])?;
-                if step.moved {
+                if step.displaced {
                     self.displace(&plane, step)
                 } else {
                     Ok(plane)
@@ -515,7 +515,8 @@ impl CompressedPlanes<'_> {
                 Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
             };
         }
-        let [inverted, moved] = [step.inverted, step.moved].map(|flag| f64::from(u8::from(flag)));
+        let [inverted, moved] =
+            [step.inverted, step.displaced].map(|flag| f64::from(u8::from(flag)));
         for (value, &predictor) in plane.iter_mut().zip(predictor) {
             let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
             *value = to_byte(self.edits.value(Formula::Plane, &variables, &[]));
@@ -565,7 +566,7 @@ impl CompressedPlanes<'_> {
 }
 
 /// Computes the final values with edited formulas (2.4).
-pub(crate) fn finals(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
+pub(crate) fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
     let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
     let mut coefficients = evaluate::compute_coefficients(set, planes, reading);
     if edits.has_stage(Stage::Coefficients) {

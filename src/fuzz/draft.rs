@@ -25,11 +25,11 @@ pub struct Draft {
     pub words: BTreeMap<DraftKey, String>,
     /// Views, in order of preference.
     pub views: Vec<String>,
-    /// The damage of the file, if any.
+    /// Damage to the file, if any.
     pub damage: Option<DraftDamage>,
 }
 
-/// A damage of a file.
+/// Damage to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DraftDamage {
     /// Name of the damage in `spec-cases/`.
@@ -364,8 +364,8 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Generates a size: usually small, sometimes long, around 256, or with over 65,535 texels. No width exceeds 65,500, the limit of
-/// libjpeg, because decoders based on it are correct.
+/// Generates a size: usually small, sometimes elongated, around 256, or with over 65,535 texels. No width exceeds 65,500, the
+/// limit of libjpeg, because a decoder may have the same limit.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,

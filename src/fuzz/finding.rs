@@ -20,13 +20,13 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Maximum numbers of files that are generated, and requested, to distinguish suspects.
+/// Maximum numbers of files that are generated and requested to distinguish suspects.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
 /// A decoder with known properties.
 pub struct KnownDecoder<'a> {
-    /// Sends a request to the decoder.
+    /// Function that sends a request to the decoder.
     pub ask: &'a Ask<'a>,
     /// Views and features that the decoder offers.
     pub offer: Offer,
@@ -75,7 +75,7 @@ impl KnownDecoder<'_> {
     }
 
     /// Returns true if the answer is correct in the dialect of this decoder.
-    fn is_right(&self, request: &DraftRequest, answer: &Answer) -> bool {
+    fn is_correct(&self, request: &DraftRequest, answer: &Answer) -> bool {
         match answer {
             Answer::Decoded(_) if request.case.damage().is_some() => false,
             Answer::Decoded(frame) => {
@@ -91,7 +91,7 @@ impl KnownDecoder<'_> {
     }
 }
 
-/// Reason why a file fails.
+/// Reason why the decoder fails on a file.
 pub enum Explanation {
     /// One of these misreadings, the most likely first.
     Misreading(Vec<&'static Misreading>),
@@ -124,7 +124,7 @@ impl Explanation {
                 break;
             }
             let predicted = |suspect: &_| decoder.answer_with(&[suspect], &request);
-            suspects.retain(|suspect| decoder.is_right(&request, &predicted(suspect)));
+            suspects.retain(|suspect| decoder.is_correct(&request, &predicted(suspect)));
         }
         match suspects.is_empty() {
             true => other,
@@ -210,7 +210,7 @@ pub struct Finding {
     /// The cause from the diagnosis, if no misreading or damage explains the failure.
     pub diagnosis: Option<LikelyCause>,
     /// The original file.
-    pub drawn: Draft,
+    pub original: Draft,
     /// The minimized file.
     pub small: Draft,
     /// The view in which the minimized file was requested.
@@ -239,7 +239,7 @@ impl Finding {
         Finding {
             cause,
             diagnosis: None,
-            drawn: draft.clone(),
+            original: draft.clone(),
             view: request.map(|request| request.view),
             answer: answer.as_ref().map_or("", Answer::name).to_owned(),
             received: answer.and_then(|answer| answer.decoded::<()>().ok()),
@@ -302,7 +302,7 @@ pub(super) fn fails_for_same_reason(
         Explanation::Misreading(suspects) => {
             // Most smaller files no longer fail. The suspect predicts this without a request.
             let wrong = decoder.answer_with(&suspects[..1], &request);
-            !decoder.is_right(&request, &wrong) && are_equal(&wrong, &decoder.answer(&request))
+            !decoder.is_correct(&request, &wrong) && are_equal(&wrong, &decoder.answer(&request))
         }
         Explanation::Accepts(_) => {
             let mut legal = draft.clone();
@@ -313,7 +313,7 @@ pub(super) fn fails_for_same_reason(
         Explanation::Other(known) => {
             let answer = decoder.answer(&request);
             let is_known = *known == symptom(answer.name(), answer.violation());
-            is_known && !decoder.is_right(&request, &answer)
+            is_known && !decoder.is_correct(&request, &answer)
         }
     }
 }

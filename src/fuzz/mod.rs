@@ -1,8 +1,8 @@
 //! Differential fuzzing of a decoder: random files of all formats are judged like cases, grouped by cause, and minimized.
 //!
-//! Files are generated in batches, and a batch runs like the suite, with the same verdicts, dialect and tolerances.
-//! Failures are grouped by the misreadings that explain them. The first file of each group is minimized while it still
-//! fails in the same way. Equal seeds give equal files.
+//! Files are generated in batches, and a batch is run like the suite, with the same verdicts, dialect and tolerances. Failures
+//! are grouped by the misreadings that explain them. The first file of each group is minimized while it still fails in the same
+//! way. Equal seeds produce equal files.
 
 pub mod draft;
 pub mod finding;
@@ -60,7 +60,7 @@ pub struct FuzzResult {
     pub files: usize,
     /// Mistakes, in the order in which they were found.
     pub findings: Vec<Finding>,
-    /// The reason why the program is not a decoder, if it is not.
+    /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// The reason why the run ended before its limit, if it did.
     pub ended_early: Option<&'static str>,
@@ -169,11 +169,11 @@ impl Batch {
         report: &impl Fn(FuzzProgress),
         plan: &FuzzPlan,
     ) {
-        let passing = self.with_outcome(run, Outcome::Pass);
+        let passing = self.drafts_with_outcome(run, Outcome::Pass);
         let passing: Vec<&Draft> = passing.map(|(draft, _)| draft).collect();
         // Legal files come first: the causes of their failures often explain wrong acceptances, too.
         let (accepted, others): (Vec<_>, Vec<_>) = self
-            .with_outcome(run, Outcome::Fail)
+            .drafts_with_outcome(run, Outcome::Fail)
             .partition(|(draft, _)| draft.damage.is_some());
         for (draft, index) in others.into_iter().chain(accepted) {
             let Some(observation) = &run.observations[index] else {
@@ -194,7 +194,7 @@ impl Batch {
         }
     }
 
-    /// Returns the cause that the diagnosis finds for a failing file, from its answer and from files that pass.
+    /// Returns the cause that the diagnosis finds for a failing file, based on its answer and on passing files.
     fn diagnosis(
         &self,
         run: &Run,
@@ -203,7 +203,7 @@ impl Batch {
         plan: &FuzzPlan,
     ) -> Option<LikelyCause> {
         let mut cases = opening_cases(&self.suite);
-        let passing = self.with_outcome(run, Outcome::Pass);
+        let passing = self.drafts_with_outcome(run, Outcome::Pass);
         let legal = passing.filter(|(draft, _)| draft.damage.is_none());
         let legal = legal.take(MAX_WITNESSES);
         cases.extend(legal.map(|(_, index)| self.suite.cases[index].clone()));
@@ -217,7 +217,7 @@ impl Batch {
     }
 
     /// Returns the drafts with this outcome, and the indices of their cases.
-    fn with_outcome<'a>(
+    fn drafts_with_outcome<'a>(
         &'a self,
         run: &'a Run,
         outcome: Outcome,

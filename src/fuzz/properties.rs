@@ -1,7 +1,7 @@
 //! Properties that hold for every input, one function each, called by fuzz targets and proptest.
 //!
-//! Each function takes untrusted bytes and panics if its property does not hold. Functions that need structured input derive
-//! it from the bytes. If there are too few bytes, they return without a test.
+//! Each function takes untrusted bytes and panics if its property does not hold. Functions that need structured input derive it
+//! from the bytes. If there are too few bytes, they return without testing.
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
@@ -166,10 +166,9 @@ pub fn jpeg_round_trip(bytes: &[u8]) -> Option<(Vec<u8>, u32, u32, Vec<u8>)> {
     Some((encoded.stream, width, height, decoded))
 }
 
-/// Returns true if our samples of a JPEG stream differ from another decoder's by at most 18, the effect of a different DCT.
+/// Returns true if our samples of a JPEG stream are within 18 of those of another decoder, which may use a different DCT.
 ///
-/// Blocks that contain a 0 or a 255 are skipped. Their values before clamping may be far out of range, where a 16-bit DCT
-/// overflows.
+/// Skips blocks that contain a 0 or a 255, because their unclamped values may be far out of range, where a 16-bit DCT overflows.
 #[must_use]
 pub fn nearly_equal(ours: &[u8], theirs: &[u8], width: u32) -> bool {
     let block = |i: usize| (i % width as usize / 8, i / width as usize / 8);
@@ -319,13 +318,13 @@ pub fn diagnosis(bytes: &[u8]) {
     let causes = diagnose(&SUITE, &run, &[], 1);
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);
     for diagnosis in causes.diagnoses {
-        for index in diagnosis.explains.into_iter().chain(diagnosis.partly) {
+        for index in diagnosis.explains.into_iter().chain(diagnosis.partial) {
             assert!(explained.insert(index), "{} twice", SUITE.cases[index].id);
         }
     }
 }
 
-/// Interval between cases that are used if their files are small, in addition to the first cases.
+/// One case in this many is used if its file is small, in addition to the first cases.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

@@ -7,7 +7,7 @@ use crate::ptm::Size;
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;
 
-/// Replaces `best` by a lighter candidate that still `fails` until there is none, and returns it.
+/// Repeatedly replaces `best` with a lighter candidate that still `fails`, and returns the last one.
 ///
 /// The lightest candidate is tried first, so a step that halves the image precedes a step that simplifies a number. A
 /// candidate without a weight cannot be written and is skipped.

@@ -28,7 +28,8 @@ pub fn write(finding: &Finding, table: TableSpelling, directory: &Path) -> io::R
     let case = case.ok_or_else(|| io::Error::other("the case is empty"))?;
     let built = case.build(table);
     fs::write(path("ptm"), &built.file)?;
-    fs::write(path("yaml"), finding.small.to_yaml(&id, &because(finding)))?;
+    let yaml = finding.small.to_yaml(&id, &cause_text(finding));
+    fs::write(path("yaml"), yaml)?;
     let view = finding.view.as_ref();
     let expected = view.and_then(|view| Expected::new(&built.values, view));
     if let Some(expected) = &expected {
@@ -43,7 +44,7 @@ pub fn write(finding: &Finding, table: TableSpelling, directory: &Path) -> io::R
 
 /// Describes the cause in a sentence.
 #[must_use]
-pub fn because(finding: &Finding) -> String {
+pub fn cause_text(finding: &Finding) -> String {
     let sentence = |effect: &str, clause: &str| format!("A decoder {effect} (clause {clause}).");
     match &finding.cause {
         Explanation::Misreading(suspects) => sentence(suspects[0].effect, suspects[0].clause),
@@ -58,7 +59,7 @@ pub fn because(finding: &Finding) -> String {
 }
 
 fn explanation(finding: &Finding, built: &Built, expected: Option<&Expected>) -> String {
-    let mut out = format!("{}\n", because(finding));
+    let mut out = format!("{}\n", cause_text(finding));
     if let Explanation::Misreading(suspects) = &finding.cause {
         let _ = writeln!(out, "Fix: {}.", suspects[0].fix);
         let others: Vec<&str> = suspects[1..].iter().map(|other| other.slug).collect();
@@ -71,10 +72,10 @@ fn explanation(finding: &Finding, built: &Built, expected: Option<&Expected>) ->
         let _ = writeln!(out, "Fix: {}.", cause.fix);
     }
     let view = finding.view.as_ref().map_or(String::new(), View::to_string);
-    let (drawn, small) = (&finding.drawn, &finding.small);
+    let (original, small) = (&finding.original, &finding.small);
     let not_reduced =
         "; not reduced: the time limit was reached, or no smaller file failed in the same way";
-    let reduced = if drawn == small {
+    let reduced = if original == small {
         not_reduced
     } else {
         ", reduced here"
@@ -82,7 +83,7 @@ fn explanation(finding: &Finding, built: &Built, expected: Option<&Expected>) ->
     let _ = writeln!(
         out,
         "\nRequested view: {view}. First seen in a random file of {}x{}{reduced}.",
-        drawn.width, drawn.height
+        original.width, original.height
     );
     let images = expected.zip(finding.received.as_ref());
     let _ = match images.and_then(|(expected, received)| expected.compare(received)) {

@@ -1,7 +1,7 @@
 //! §2.9 Compressed Data
 //!
-//! The parameter, six lists with one number per plane (two for motion vectors), and the planes (clause 2.9/1). Each list has
-//! its own line, and motion vectors have two lines (ruling `list-layout`). Ruling `list-lines` allows other line breaks.
+//! The parameter, six lists with one number per plane (two for motion vectors), and the planes (clause 2.9/1). Each list is on
+//! its own line, and motion vectors are on two lines (ruling `list-layout`). Ruling `list-lines` allows other line breaks.
 
 use super::spelling::{Line, Lists};
 use super::{model::Model, output::Output, planes::Compressed};
@@ -13,7 +13,7 @@ pub(super) fn write(model: &Model, out: &mut Output) {
     write_planes(compressed, out);
 }
 
-/// Writes 2.9.1–2.9.7.
+/// Writes the lists of a compressed format (2.9.1–2.9.7).
 fn write_lists(compressed: &Compressed, out: &mut Output) {
     let Compressed { plan, planes } = compressed;
     let sizes: Vec<usize> = planes.iter().map(|plane| plane.stream.len()).collect();
@@ -50,7 +50,7 @@ fn write_list(line: Line, name: &'static str, numbers: &[impl ToString], out: &m
     out.line_end_or_gap(ends, line);
 }
 
-/// Writes 2.9.8 in plane order, regardless of the decoding order (ruling `planes-stored`).
+/// Writes the planes (2.9.8) in plane order, regardless of the decoding order (ruling `planes-stored`).
 fn write_planes(compressed: &Compressed, out: &mut Output) {
     for plane in &compressed.planes {
         out.put("2.9.8/1", "plane", &plane.stream);

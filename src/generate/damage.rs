@@ -20,7 +20,7 @@ use crate::ptm::{Coding, Format, Size};
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Damage {
-    /// Slug that cases use.
+    /// Slug used in cases.
     #[serde(rename = "slug")]
     pub name: String,
     /// Clause that the damage violates or exceeds.
@@ -60,7 +60,7 @@ struct Needs {
     coding: Option<Coding>,
 }
 
-/// A texel whose index is set, in stored order.
+/// A texel whose index is set. Texels are counted in stored order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum TexelPlace {

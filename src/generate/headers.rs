@@ -1,4 +1,4 @@
-//! Rewriting the headers of a stream with a different order or component id.
+//! Rewrites the headers of a stream in a different order or with a different component id.
 
 use super::plan::Stream;
 use crate::codec::segments::{MarkerSegment, join_segments, split_segments};

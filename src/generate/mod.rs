@@ -1,8 +1,8 @@
 //! Values → bytes: the mirror image of [`mod@crate::decode`], with the same sections under the same names.
 //!
-//! This module never uses `decode`: two independent implementations of one text can disagree, but one implementation used
-//! twice cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe
-//! gives the same bytes everywhere.
+//! This module never uses `decode`: two independent implementations of one text can disagree, but one implementation used twice
+//! cannot. It writes every legal spelling of a file and, with `damage`, files that must be refused. The same recipe produces the
+//! same bytes on every machine.
 
 mod output;
 
@@ -39,7 +39,7 @@ mod predict;
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
 
-/// Rewriting the headers of a stream with a different order or component id.
+/// Rewrites the headers of a stream in a different order or with a different component id.
 mod headers;
 
 /// Recipes for files: format, size, scene, numbers, spelling.
@@ -93,7 +93,7 @@ pub fn write(recipe: &Recipe, model: &Model) -> Written {
     out.into_written()
 }
 
-/// Writes 2.1–2.4.
+/// Writes the header (2.1–2.4).
 fn write_header(recipe: &Recipe, out: &mut Output) {
     header_string::write(out);
     format_string::write(recipe.format, out);
@@ -101,7 +101,7 @@ fn write_header(recipe: &Recipe, out: &mut Output) {
     scale_bias::write(&recipe.scale, &recipe.bias, out);
 }
 
-/// Writes 2.5–2.9.
+/// Writes the values (2.5–2.9).
 fn write_planes(recipe: &Recipe, model: &Model, out: &mut Output) {
     if let Shape::Lum(()) = recipe.format.shape() {
         color_matrix::write(&recipe.matrix, out);

@@ -30,7 +30,7 @@ pub struct Model {
     pub matrix: [f64; 16],
     /// The streams of a compressed format.
     pub compressed: Option<Compressed>,
-    /// Maximum deviation of each sample between inverse DCTs, modulo 256; empty if all inverse DCTs agree.
+    /// Maximum difference of each sample between the results of inverse DCTs, modulo 256; empty if they all agree.
     pub slack: Vec<u8>,
 }
 
@@ -53,10 +53,10 @@ impl Model {
         model
     }
 
-    /// Creates the values of a file with the header and format of `recipe` and with existing `samples`, as in [`Model::samples`].
+    /// Creates the values of a file with the header and format of `recipe` and with the existing `samples`, laid out as in
+    /// [`Model::samples`].
     ///
-    /// The table contains the distinct texels in stored order. After lossy compression, the samples of the model are the decoded
-    /// samples.
+    /// The table contains the distinct texels in stored order. After lossy compression, the model contains the decoded samples.
     ///
     /// # Errors
     /// Returns an error if the map has more distinct texels than a table can have entries.
@@ -182,13 +182,13 @@ impl Model {
         colors.map(|value| value.clamp(0.0, 255.0)).collect()
     }
 
-    /// Returns the maximum deviation of each final value between inverse DCTs; empty if all agree.
+    /// Returns the maximum difference of each final value between inverse DCTs, or an empty list if they all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
         self.final_values(&self.slack, |slack, i| slack * self.scale[i].abs())
     }
 
-    /// Returns the maximum deviation of each color between inverse DCTs; empty if all agree.
+    /// Returns the maximum difference of each color between inverse DCTs, or an empty list if they all agree.
     #[must_use]
     pub fn color_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];

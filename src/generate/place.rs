@@ -38,7 +38,7 @@ enum StreamPart {
     Marker(u8),
     /// The frame header: marker code c0 or f7.
     Frame,
-    /// The rest of the stream, from the scan header.
+    /// The rest of the stream, starting at the scan header.
     Scan,
     /// The data after the scan header, without EOI.
     Data,
@@ -49,7 +49,7 @@ enum StreamPart {
 enum Offset {
     Forward(usize),
     Back(usize),
-    /// Backward from the end, by texels of the last block (`Texels`) or by rows of them (`Rows`).
+    /// Backward from the end, by texels of the last block (`Texels`) or by rows of texels (`Rows`).
     Texels(usize),
     Rows(usize),
     Half,
@@ -178,7 +178,7 @@ impl Selector {
     }
 }
 
-/// A range of a file, and the number of its field among all fields.
+/// A range of a file, and the index of its field among all fields.
 #[derive(Clone, Debug)]
 pub(super) struct Spot {
     pub field: usize,

@@ -156,7 +156,7 @@ pub enum Structure {
     Upward,
     /// All planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its inverse.
     Rotated,
-    /// The structure of the only real file, a clay tablet.
+    /// The structure of the only real file, which shows a clay tablet.
     Tablet,
     /// Like `Star`, but all dependent planes have the same rank (ruling `ranks`).
     EqualRanks,
@@ -242,7 +242,7 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Assigns the numbers in a cycle to the predicted planes, or to all planes. Other planes have 0.
+    /// Assigns the numbers cyclically to the predicted planes, or to all planes. Other planes get 0.
     #[must_use]
     pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {
@@ -335,7 +335,7 @@ impl Compression {
 
     /// Returns true if a reference is displaced.
     #[must_use]
-    pub fn moves(&self) -> bool {
+    pub fn displaces(&self) -> bool {
         self.predicted()
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
@@ -415,7 +415,7 @@ impl Compression {
                 Err("a table number must be at most 3".to_owned())
             }
             // The mean of 255 and 0 is far from both, so a different inverse DCT could cause a large deviation.
-            Coding::Jpeg if self.residuals == Residuals::Natural && self.moves() => Err(
+            Coding::Jpeg if self.residuals == Residuals::Natural && self.displaces() => Err(
                 "motion requires residuals that every inverse DCT reconstructs exactly".to_owned(),
             ),
             Coding::JpegLs if self.parameter > 127 => {

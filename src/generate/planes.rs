@@ -7,7 +7,7 @@
 //! Format notes
 //! - The encoder is a closed loop: it predicts from decoded planes, including corrections (clause 2.9.8/7).
 //! - The encoders return the samples of an exact decoder, so no stream is decoded here.
-//! - An inverse DCT may be off by one. All of them agree on constant blocks whose DC coefficient is a multiple of 8. The
+//! - An inverse DCT may be off by one. All inverse DCTs agree on constant blocks whose DC coefficient is a multiple of 8. The
 //!   default JPEG file is therefore painted as *residuals* in constant blocks, and its planes are computed from them.
 
 use std::collections::HashSet;
@@ -23,7 +23,7 @@ use crate::ptm::{Coding, Size};
 pub struct Compressed {
     /// The lists.
     pub plan: Compression,
-    /// The planes, in their own order.
+    /// The planes, in plane order.
     pub planes: Vec<StoredPlane>,
 }
 
@@ -51,7 +51,7 @@ impl StoredPlane {
 #[derive(Clone)]
 struct EncodedPlane {
     samples: Vec<u8>,
-    /// Maximum deviation between inverse DCTs, except for corrected texels.
+    /// Maximum difference between the results of inverse DCTs, except for corrected texels.
     slack: u8,
     stored: StoredPlane,
 }
@@ -59,8 +59,8 @@ struct EncodedPlane {
 /// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` contains the values to encode, texel by
 /// texel, top row first.
 ///
-/// Returns the streams, the values that an exact decoder returns, and the maximum deviation of each value between inverse DCTs
-/// (empty if all agree).
+/// Returns the streams, the values that an exact decoder returns, and the maximum difference of each value between inverse DCTs
+/// (empty if they all agree).
 pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec<u8>) {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
@@ -267,7 +267,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
     }
 }
 
-/// Returns the side information of a plane: requested records, and one for every texel that wraps to the other end.
+/// Returns the side information of a plane: the requested records, and a record for every texel that wraps around.
 fn records(
     plan: &Compression,
     plane: usize,

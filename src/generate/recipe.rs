@@ -71,7 +71,7 @@ pub struct Recipe {
     pub matrix: Numbers<16>,
     /// Number of entries of the lookup table (2.5).
     pub entries: u32,
-    /// The used entries.
+    /// The table entries that texels use.
     pub indices: Indices,
     /// The compression of the planes (2.9), which uncompressed formats ignore.
     pub compression: Compression,

@@ -11,11 +11,11 @@ pub enum Line {
     Version,
     /// 2.2
     Format,
-    /// 2.3, if width has its own line
+    /// 2.3, if the width is on its own line
     Width,
     /// 2.3
     Height,
-    /// 2.4, if the scales have their own line
+    /// 2.4, if the scales are on their own line
     Scale,
     /// 2.4
     Bias,

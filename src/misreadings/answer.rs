@@ -19,7 +19,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
     }
 }
 
-/// Returns the answer for a refused file. `None` means that a mistake refused it.
+/// Returns the answer for a refused file. `None` means that a mistake caused the refusal.
 pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
     match error {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
@@ -30,7 +30,7 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
 /// Decodes a file with these mistakes, except those that change decoded planes. Returns the map and the modified reading.
 ///
 /// # Errors
-/// Returns the error for which the decoder refuses the file, or `None` if a mistake refuses it.
+/// Returns the error for which the decoder refuses the file, or `None` if a mistake causes the refusal.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,
@@ -39,7 +39,7 @@ pub(crate) fn read(
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
-        if let Hook::Bytes(edit) = misreading.at {
+        if let Hook::Bytes(edit) = misreading.step {
             match edit(&Anatomy::new(&bytes, &reading)) {
                 EditedFile::Refused => return Err(None),
                 EditedFile::File(edited) => bytes = Cow::Owned(edited),
@@ -53,12 +53,12 @@ pub(crate) fn read(
 
 /// Applies these mistakes to `reading`.
 pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
-    misreadings
-        .iter()
-        .fold(reading, |reading, misreading| misreading.at.change(reading))
+    misreadings.iter().fold(reading, |reading, misreading| {
+        misreading.step.change(reading)
+    })
 }
 
-/// Renders a decoded map as a decoder with these mistakes does. `reading` must already include them.
+/// Renders a decoded map as a decoder with these mistakes would. `reading` must already include them.
 pub(crate) fn render(
     misreadings: &[&Misreading],
     reading: &Reading,
@@ -86,8 +86,8 @@ pub(crate) fn unrounded_colors(
         edit(ptm.to_mut());
     }
     let edits = formula_edits(misreadings);
-    let ptm = formula::stored(&ptm, Edits(&edits));
-    let finals = formula::finals(&ptm, reading, Edits(&edits));
+    let ptm = formula::stored_values(&ptm, Edits(&edits));
+    let finals = formula::final_values(&ptm, reading, Edits(&edits));
     formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
 }
 
@@ -96,7 +96,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
-        .filter_map(|misreading| match misreading.at {
+        .filter_map(|misreading| match misreading.step {
             Hook::Edits(edits) => Some(edits),
             _ => None,
         });
@@ -107,7 +107,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
 pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
-        .filter_map(|misreading| match misreading.at {
+        .filter_map(|misreading| match misreading.step {
             Hook::Planes(edit) => Some(edit),
             _ => None,
         })

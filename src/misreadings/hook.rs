@@ -117,7 +117,7 @@ impl Hook {
         }
     }
 
-    /// Returns true if the mistake may refuse a file. Other mistakes only change values.
+    /// Returns true if the mistake may cause a refusal. Other mistakes only change values.
     #[must_use]
     pub fn may_refuse(&self) -> bool {
         if let Hook::Edits(edits) = self {

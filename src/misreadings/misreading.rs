@@ -22,20 +22,20 @@ pub struct Misreading<A = Hook> {
     /// Fix, as a sentence without a period.
     pub fix: &'static str,
     /// Symptom of the mistake.
-    pub shows: Symptom,
+    pub symptom: Symptom,
     /// Public decoders that make the mistake.
-    pub seen: Vec<Sighting>,
+    pub sightings: Vec<Sighting>,
     /// Step that the mistake changes.
-    pub at: A,
+    pub step: A,
 }
 
 /// The symptom of a mistake in the answers of a decoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Symptom {
-    /// The mistake only refuses legal files.
+    /// The mistake only causes refusals of legal files.
     Refusals,
-    /// The mistake only accepts malformed files.
+    /// The mistake only causes malformed files to be accepted.
     Acceptances,
     /// The mistake changes values, or its symptoms depend on the file.
     #[default]
@@ -97,7 +97,7 @@ pub(crate) fn load_catalog<A>(
         let edits: Vec<Edit> = edits
             .collect::<Result<_, _>>()
             .map_err(|error| format!("line {line}: {error}"))?;
-        let at = match edits.is_empty() {
+        let step = match edits.is_empty() {
             true => step_of(slug),
             false => step_of_edits(edits.leak()),
         };
@@ -106,9 +106,9 @@ pub(crate) fn load_catalog<A>(
             clause: record.clause.leak(),
             effect: record.effect.leak(),
             fix: record.fix.leak(),
-            shows: record.shows,
-            seen: record.seen,
-            at: at.ok_or_else(|| format!("line {line}: {slug} has no step"))?,
+            symptom: record.shows,
+            sightings: record.seen,
+            step: step.ok_or_else(|| format!("line {line}: {slug} has no step"))?,
         });
     }
     Ok(all)
@@ -139,14 +139,14 @@ mod tests {
             + "- slug: two\n  clause: 2.2/1\n  effect: errs\n  fix: do not\n  shows: refusals\n  seen: [{ reader: someone }]\n";
         let all = load(&yaml).unwrap();
         assert_eq!(
-            (all[0].slug, all[0].at, all[0].shows),
+            (all[0].slug, all[0].step, all[0].symptom),
             ("one", 0, Symptom::Values)
         );
         assert_eq!(
-            (all[1].clause, all[1].at, all[1].shows),
+            (all[1].clause, all[1].step, all[1].symptom),
             ("2.2/1", 1, Symptom::Refusals)
         );
-        assert_eq!(all[1].seen[0].reader, "someone");
+        assert_eq!(all[1].sightings[0].reader, "someone");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! This catalog identifies the mistakes of failing decoders, measures the suite (every misreading must be caught,
 //! and every pair distinguished), and proves that each clause is tested.
 //!
-//! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains slug, clause, effect and fix. The
+//! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains its slug, clause, effect and fix. The
 //! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`Hook`]) and the function.
 //! Every function is *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
 

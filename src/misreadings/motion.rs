@@ -101,9 +101,9 @@ fn displace_with_taps<'a>(
     reading: &Reading,
     taps: Taps,
 ) -> Cow<'a, [u8]> {
-    let moved = false;
-    let plane = rule::invert_then_displace(reference, &Step { moved, ..*step }, size, reading);
-    if !step.moved || step.motion == (0, 0) {
+    let displaced = false;
+    let plane = rule::invert_then_displace(reference, &Step { displaced, ..*step }, size, reading);
+    if !step.displaced || step.motion == (0, 0) {
         return plane;
     }
     let (width, height) = (i64::from(size.width), i64::from(size.height));

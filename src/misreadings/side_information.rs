@@ -42,7 +42,7 @@ pub(super) const STEPS: Steps = |slug| {
             Hook::Reconstruct(|coded, residuals, reading| {
                 reconstruct_partly_corrected(coded, residuals, reading, |coded, i| {
                     let step = &coded.plan.steps[i];
-                    step.reference.is_none() || !(step.inverted || step.moved)
+                    step.reference.is_none() || !(step.inverted || step.displaced)
                 })
             })
         }

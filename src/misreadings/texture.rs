@@ -1,8 +1,8 @@
 //! Executable misreadings of the texture chapter.
 //!
-//! This catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be
-//! caught, and every pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules),
-//! usually by modifying the result of the correct one.
+//! This catalog identifies the mistakes of a failing stage and measures the suite: every misreading must be caught, and every
+//! pair distinguished. A misreading replaces one decision of [`Rules`](crate::texture::Rules), usually by modifying the result of
+//! the correct decision.
 
 use std::sync::LazyLock;
 
@@ -23,7 +23,7 @@ impl Misreading<Change> {
     /// Applies this mistake to `rules`.
     #[must_use]
     pub fn change(&self, rules: Rules) -> Rules {
-        with_change(rules, self.at)
+        with_change(rules, self.step)
     }
 }
 
@@ -716,7 +716,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
     })
 };
 
-/// Applies `change` to `value` and returns it.
+/// Applies `change` to `value` and returns the result.
 fn with_change<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     change(&mut value);
     value

@@ -26,7 +26,7 @@ pub(super) const STEPS: Steps = |slug| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, _| {
                 let step = &coded.plan.steps[i];
                 match step.reference {
-                    Some(reference) if step.inverted && !step.moved => {
+                    Some(reference) if step.inverted && !step.displaced => {
                         for (value, &reference) in plane.iter_mut().zip(&done[reference]) {
                             let sum = i16::from(*value) - i16::from(reference) - 129;
                             let sum = if sum < 0 { sum + 256 } else { sum };
@@ -55,7 +55,7 @@ pub(super) const STEPS: Steps = |slug| {
         }),
         "motion-of-the-residual" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
-                if steps[i].reference.is_some() && steps[i].moved {
+                if steps[i].reference.is_some() && steps[i].displaced {
                     let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
@@ -65,7 +65,7 @@ pub(super) const STEPS: Steps = |slug| {
         "motion-of-the-result" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 predict(coded, reading, plane, done, without_motion(steps[i]));
-                if steps[i].reference.is_some() && steps[i].moved {
+                if steps[i].reference.is_some() && steps[i].displaced {
                     let moved = rule::displace_plane(plane, coded.size, steps[i].motion, reading);
                     plane.copy_from_slice(&moved);
                 }
@@ -95,7 +95,7 @@ pub(super) const STEPS: Steps = |slug| {
         "motion-leaves-planes-empty" => Hook::Reconstruct(|coded, residuals, reading| {
             reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
                 coded.predict(i, plane, done, reading);
-                if steps[i].reference.is_some() && steps[i].moved {
+                if steps[i].reference.is_some() && steps[i].displaced {
                     plane.fill(0);
                 }
             })
@@ -146,8 +146,8 @@ fn without_inversion(step: Step) -> Step {
 }
 
 fn without_motion(step: Step) -> Step {
-    let moved = false;
-    Step { moved, ..step }
+    let displaced = false;
+    Step { displaced, ..step }
 }
 
 /// Predicts a plane with the given step instead of the one in the plan.

@@ -1,6 +1,6 @@
 //! Mistakes of writers that correspond to misreadings in the catalog.
 //!
-//! `spec-cases/writers/mistakes.yaml` contains the texts. Slug and clause are the same as those of the misreading.
+//! `spec-cases/writers/mistakes.yaml` contains the texts. The slug and the clause are the same as those of the misreading.
 
 use std::sync::LazyLock;
 
@@ -37,9 +37,9 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
             clause: misreading.clause,
             effect: record.effect.leak(),
             fix: record.fix.leak(),
-            shows: misreading.shows,
-            seen: Vec::new(),
-            at: misreading,
+            symptom: misreading.symptom,
+            sightings: Vec::new(),
+            step: misreading,
         })
     };
     records.map(join).collect()

@@ -1,12 +1,12 @@
 //! PTM-CP 1: requests to a decoder and its responses.
 //!
-//! `DECODER [ARG…] VIEW FILE` writes one line and the samples to standard output,
+//! `DECODER [ARG…] VIEW FILE` writes one line and the samples to standard output:
 //!
 //! ```text
 //! PTM1 <raw|coef|rgb> <width> <height> <channels> <u8|f32>\n
 //! ```
 //!
-//! texel after texel, top row first, `f32` little-endian; and exits with 0, 65 (malformed) or 69 (unsupported).
+//! The samples follow texel by texel, top row first; `f32` is little-endian. Exit status: 0, 65 (malformed), 69 (unsupported).
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -38,7 +38,7 @@ pub enum View {
     Rgb(Light),
 }
 
-/// A view without its light, as the PTM1 line names it.
+/// A view without its light, as named in the PTM1 line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ViewKind {
     /// Stored values; `u8`.
@@ -114,9 +114,9 @@ impl fmt::Display for ViewKind {
 /// A light direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    /// Component to the right.
+    /// Horizontal component, positive to the right.
     pub lu: f64,
-    /// Component upward.
+    /// Vertical component, positive upward.
     pub lv: f64,
     text: String,
 }
@@ -150,11 +150,10 @@ impl View {
         self.kind().name()
     }
 
-    /// Returns the values of all samples of `ptm` in this view under a reading, with some formulas edited. Colors are not
-    /// rounded.
+    /// Returns the values of all samples of `ptm` in this view under a reading with edited formulas. Colors are not rounded.
     pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
-        let ptm = &*formula::stored(ptm, edits);
-        let finals = || formula::finals(ptm, reading, edits);
+        let ptm = &*formula::stored_values(ptm, edits);
+        let finals = || formula::final_values(ptm, reading, edits);
         match self {
             View::Raw => ptm.planes.samples.iter().copied().map(f64::from).collect(),
             View::Coef => finals().values,
@@ -225,7 +224,7 @@ pub struct Frame {
     pub lossy: bool,
 }
 
-/// The samples of a frame, texel after texel, top row first.
+/// The samples of a frame, texel by texel, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
     /// Bytes.
@@ -341,7 +340,7 @@ impl Frame {
             channels: kind.channels(ptm.planes.shape.channels()) as u32,
             samples: match view {
                 // Bytes are copied without a conversion to real numbers.
-                View::Raw => Samples::U8(formula::stored(ptm, edits).planes.samples.clone()),
+                View::Raw => Samples::U8(formula::stored_values(ptm, edits).planes.samples.clone()),
                 _ => kind.samples(&view.values(ptm, reading, edits)),
             },
             lossy: false,
@@ -367,7 +366,7 @@ impl Frame {
         bytes
     }
 
-    /// Writes the PTM1 line of a frame of the given size. This frame may be a piece of it.
+    /// Writes the PTM1 line of a frame of the given size. `self` may be only a piece of that frame.
     fn write_line(&self, size: Size, out: &mut impl Write) -> io::Result<()> {
         let (view, channels, Size { width, height }) = (self.view, self.channels, size);
         let kind = self.samples.sample_type();
@@ -503,7 +502,7 @@ pub enum Answer<T = Frame> {
     Crashed(String),
     /// Timeout.
     Hung(String),
-    /// More output than the largest frame of the file.
+    /// More output than the largest possible frame for the file.
     Flooded(String),
     /// More memory than the limit.
     OutOfMemory(String),
@@ -511,7 +510,7 @@ pub enum Answer<T = Frame> {
     Tampered(String),
     /// The operating system could not start the decoder.
     NotStarted(String),
-    /// This program failed to make the request, so nothing is known about the decoder.
+    /// This program could not send the request, so nothing is known about the decoder.
     NotAsked(String),
 }
 
@@ -579,8 +578,8 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns true if both answers are of the same kind. All limits are one kind, because the machine decides which one is
-    /// reached first.
+    /// Returns true if both answers are of the same kind. All limits are one kind, because which is reached first depends on the
+    /// machine.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {

@@ -1,4 +1,4 @@
-//! NumPy arrays: `\x93NUMPY`, a version, the length of a header, and the header: a Python dictionary of `descr`,
+//! NumPy arrays: `\x93NUMPY`, a version, the length of the header, and the header, which is a Python dictionary with `descr`,
 //! `fortran_order` and `shape`. The shape is (height, width, channels), the type is `u1` or `<f4`, and the order is C order.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};

@@ -1,11 +1,11 @@
 //! Images: PNG, Netpbm, TIFF, BMP, WebP and JPEG, 8-bit gray or color; their samples are used unchanged.
 //!
-//! The `image` crate reads them. There is no color management: gamma, profiles and chromaticities are ignored, because the
+//! The `image` crate decodes the files. There is no color management: gamma, profiles and chromaticities are ignored, because the
 //! samples are the output of the decoder. Gray is expanded to three equal channels. Alpha is dropped if it is opaque.
 //!
 //! JPEG compression is lossy, so the frame is marked as lossy. A JPEG must have small quantization steps and no chroma
 //! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
-//! single texels.
+//! individual texels.
 
 use std::io::Cursor;
 use std::panic::catch_unwind;

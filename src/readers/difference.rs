@@ -17,7 +17,7 @@ pub(super) struct ReaderImages {
     sizes: [Size; 2],
     /// For each light, the correct image and the reader's image.
     lit: Vec<[Vec<u8>; 2]>,
-    /// True for each light under which a color differs by more than rounding.
+    /// True for each light under which a color differs by more than rounding explains.
     differ: [bool; LIGHTS.len()],
     /// True if final coefficients differ.
     coefficients_differ: bool,
@@ -40,7 +40,7 @@ impl ReaderImages {
                     planes: extract_row(ptm, row)?,
                     header: ptm.header,
                 };
-                Some((formula::finals(&row, reading, edits), reading, edits))
+                Some((formula::final_values(&row, reading, edits), reading, edits))
             });
             if let [Some((ours, ..)), Some((theirs, ..))] = &rows {
                 let mut pairs = ours.values.iter().zip(&theirs.values);

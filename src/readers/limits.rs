@@ -13,7 +13,7 @@ pub struct Limit {
     /// Name of the limit in `readers.yaml`.
     pub slug: &'static str,
     /// Behavior of a reader with this limit.
-    pub words: &'static str,
+    pub behavior: &'static str,
     /// Effect on a file that exceeds the limit.
     effect: Effect,
     is_exceeded: fn(&FileTraits) -> bool,
@@ -22,9 +22,9 @@ pub struct Limit {
 /// Effect of a limit on a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Effect {
-    /// The file is refused, with the reason.
+    /// The file is refused for this reason.
     Refused(&'static str),
-    /// The file is displayed incorrectly, with a description.
+    /// The file is displayed incorrectly in this way.
     Wrong(&'static str),
 }
 
@@ -32,57 +32,57 @@ const LIMITS: [Limit; 9] = [
     // These readers do not check the lists of motion vectors.
     Limit {
         slug: "blanks-of-compressed-refused",
-        words: "refuses a compressed file in which a list ends in a space or has two adjacent spaces",
+        behavior: "refuses a compressed file in which a list ends in a space or has two adjacent spaces",
         effect: Effect::Refused("a list ends in a space or has two adjacent spaces"),
         is_exceeded: |file| file.is_compressed() && file.has_empty_list_items(),
     },
     // Motion vectors are two lists.
     Limit {
         slug: "lists-on-other-lines-refused",
-        words: "refuses a compressed file unless each list has its own line",
+        behavior: "refuses a compressed file unless each list has its own line",
         effect: Effect::Refused("a list is not on a separate line"),
         is_exceeded: |file| file.is_compressed() && !file.has_one_list_per_line(),
     },
     Limit {
         slug: "bytes-after-the-end-refused",
-        words: "refuses bytes after the last value",
+        behavior: "refuses bytes after the last value",
         effect: Effect::Refused("bytes follow the last value"),
         is_exceeded: |file| file.has_trailing_bytes(),
     },
     Limit {
         slug: "space-after-twelve-numbers-refused",
-        words: "refuses a space after twelve scales and biases on one line",
+        behavior: "refuses a space after twelve scales and biases on one line",
         effect: Effect::Refused("a space follows twelve numbers on one line"),
         is_exceeded: |file| file.has_space_after_twelve_numbers(),
     },
     // These readers accept a space after the version.
     Limit {
         slug: "space-after-format-refused",
-        words: "refuses a space after the name of the format",
+        behavior: "refuses a space after the name of the format",
         effect: Effect::Refused("a space follows the name of the format"),
         is_exceeded: |file| file.is_followed_by("2.2/1", b" \n"),
     },
     Limit {
         slug: "underflow-refused",
-        words: "refuses a scale that is too small for its floating-point type",
+        behavior: "refuses a scale that is too small for its floating-point type",
         effect: Effect::Refused("a scale is close to zero"),
         is_exceeded: |file| file.has_underflow(),
     },
     Limit {
         slug: "motion-refused",
-        words: "refuses planes with motion vectors",
+        behavior: "refuses planes with motion vectors",
         effect: Effect::Refused("a plane has a motion vector"),
         is_exceeded: |file| file.moves(),
     },
     Limit {
         slug: "motion-not-applied",
-        words: "does not displace planes that have motion vectors",
+        behavior: "does not displace planes that have motion vectors",
         effect: Effect::Wrong("planes with motion vectors are not displaced"),
         is_exceeded: |file| file.moves() && file.numbers("2.9.3/1").any(|vector| vector != 0),
     },
     Limit {
         slug: "colors-lost-after-a-space",
-        words: "reads no colors from an LRGB file whose version is followed by a space",
+        behavior: "reads no colors from an LRGB file whose version is followed by a space",
         effect: Effect::Wrong("the colors are missing"),
         is_exceeded: |file| {
             file.format == Some(Format::Lrgb) && file.file.starts_with(b"PTM_1.2 \n")

@@ -41,14 +41,15 @@ impl Shown {
 pub struct ReaderPrediction {
     /// Short name of the reader.
     pub reader: String,
-    /// The result.
-    pub shows: Shown,
+    /// The result of opening the file.
+    #[serde(rename = "shows")]
+    pub result: Shown,
     /// The visible fault of the image, or the reason why there is no image; empty if the image is correct.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub how: String,
+    #[serde(rename = "how", skip_serializing_if = "String::is_empty")]
+    pub fault: String,
     /// Slugs of the responsible misreadings.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub because: Vec<&'static str>,
+    #[serde(rename = "because", skip_serializing_if = "Vec::is_empty")]
+    pub misreadings: Vec<&'static str>,
     /// The suggested fix for the owner of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fix: Option<String>,
@@ -75,12 +76,12 @@ impl<'a> OpenedFile<'a> {
     /// Predicts the result of a reader for this file.
     #[must_use]
     pub fn predict(&self, profile: &ReaderProfile) -> ReaderPrediction {
-        let ((shows, how), because) = self.result(profile);
+        let ((result, fault), misreadings) = self.result(profile);
         ReaderPrediction {
             reader: profile.name.clone(),
-            shows,
-            how,
-            because,
+            result,
+            fault,
+            misreadings,
             fix: None,
         }
     }

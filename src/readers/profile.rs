@@ -41,7 +41,7 @@ pub enum Evidence {
     Code,
 }
 
-/// A misreading of a reader.
+/// A known misreading of a reader.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownMisreading {
@@ -51,7 +51,7 @@ pub struct KnownMisreading {
     pub evidence: Evidence,
 }
 
-/// A limit of a reader.
+/// A known limit of a reader.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownLimit {
@@ -113,12 +113,12 @@ impl ReaderProfile {
         // If two misreadings changed the same decision, the second would replace the first.
         let mut seen: Vec<&Misreading> = Vec::new();
         for misreading in self.active_misreadings() {
-            if !misreading.at.is_decision() {
+            if !misreading.step.is_decision() {
                 continue;
             }
             if let Some(other) = seen
                 .iter()
-                .find(|other| other.at.changes_same_step(&misreading.at))
+                .find(|other| other.step.changes_same_step(&misreading.step))
             {
                 let (first, second) = (other.slug, misreading.slug);
                 return fail(format!("{first} and {second} change the same decision"));

@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(report.verdict, verdicts.verdict);
         assert_eq!(report.diagnoses, []);
         let last = report.remarks.last().expect("a remark");
-        assert!(!last.failure && last.says.contains("a bug in ptm-conform"));
-        assert!(last.says.contains("index 3 of 2"), "{}", last.says);
+        assert!(!last.failure && last.message.contains("a bug in ptm-conform"));
+        assert!(last.message.contains("index 3 of 2"), "{}", last.message);
     }
 }

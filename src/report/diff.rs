@@ -1,4 +1,4 @@
-//! Exact differences between two reports. Every change is counted, and equal reports give an empty result.
+//! Exact differences between two reports. Every change is counted, and equal reports produce an empty result.
 //!
 //! A few changed cases are described in full. A larger number is grouped by kind of change, cause and clause, unless the
 //! caller requests every case.
@@ -199,7 +199,7 @@ fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
         ("view", old.view != new.view),
         ("expect", old.expect != new.expect),
         ("clauses", old.clauses != new.clauses),
-        ("says", old.says != new.says),
+        ("says", old.message != new.message),
         ("weak", old.weak != new.weak),
         ("stderr", old.stderr != new.stderr),
     ];

@@ -26,7 +26,7 @@ pub struct Report {
     pub decoder: DecoderInfo,
     /// Overall verdict: `pass`, `fail`, `not a decoder` or `not a writer`.
     pub verdict: String,
-    /// Reason why the program is not a decoder, if it is not.
+    /// Reason why the program is not a decoder, if it is not one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// Scores for correctness, breadth and robustness.
@@ -92,7 +92,7 @@ pub struct FollowedReading {
     pub ruling: String,
     /// Name of the reading.
     pub reading: String,
-    /// First few cases that demonstrate the reading.
+    /// The first few cases that demonstrate the reading.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shown_by: Vec<String>,
 }
@@ -113,19 +113,19 @@ pub struct LikelyCause {
     /// Suggested fix.
     pub fix: String,
     /// Slugs of misreadings with the same effect on these cases.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub or: Vec<String>,
+    #[serde(rename = "or", default, skip_serializing_if = "Vec::is_empty")]
+    pub equivalents: Vec<String>,
     /// Slugs of other misreadings that affect the same cases.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub with: Vec<String>,
+    #[serde(rename = "with", default, skip_serializing_if = "Vec::is_empty")]
+    pub accompanying: Vec<String>,
     /// Failing cases that this cause reproduces exactly.
     pub explains: Vec<String>,
     /// Failing cases that this cause explains in part.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub partly: Vec<String>,
+    #[serde(rename = "partly", default, skip_serializing_if = "Vec::is_empty")]
+    pub partial: Vec<String>,
     /// Passing cases that a decoder with this mistake would fail.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub except: Vec<String>,
+    #[serde(rename = "except", default, skip_serializing_if = "Vec::is_empty")]
+    pub contradicted_by: Vec<String>,
     /// Detailed description of one failure, down to the bytes of the file, if no misreading is named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
@@ -146,8 +146,8 @@ pub struct CaseResult {
     /// Clauses that the case tests.
     pub clauses: Vec<String>,
     /// Explanation of the outcome; empty if none is needed.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub says: String,
+    #[serde(rename = "says", default, skip_serializing_if = "String::is_empty")]
+    pub message: String,
     /// True if the file was refused with the exit status of `--reject-exit`, which may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,
@@ -211,6 +211,6 @@ impl Report {
             let mut causes = self.diagnoses.iter();
             causes.find(|cause| of(cause).contains(&case.id))
         };
-        with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partly))
+        with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partial))
     }
 }

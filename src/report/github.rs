@@ -25,7 +25,7 @@ pub fn annotations(report: &Report) -> String {
         let _ = writeln!(text, "::error title={title}::{message}");
     }
     if left_out > 0 {
-        let suite = escape_property(report.suite.short());
+        let suite = escape_property(report.suite.short_title());
         let says = format!("see the report for {left_out} more errors");
         let _ = writeln!(text, "::notice title={suite} conformance::{says}");
     }
@@ -34,13 +34,13 @@ pub fn annotations(report: &Report) -> String {
 
 /// Returns the title and message of each error.
 fn errors(report: &Report) -> Vec<(String, String)> {
-    let name = report.suite.short();
+    let name = report.suite.short_title();
     let mut errors: Vec<(String, String)> = Vec::new();
     if let Some(reason) = &report.reason {
         errors.push((report.verdict.clone(), reason.clone()));
     }
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
-    errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.says.clone())));
+    errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.message.clone())));
     // Known failures are not reported again.
     let failures = report.with_outcome(Outcome::Fail);
     let new: Vec<&CaseResult> = failures.filter(|case| !report.is_known(case)).collect();
@@ -56,7 +56,8 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         }
     }
     let unexplained = new.iter().filter(|case| report.cause_of(case).is_none());
-    errors.extend(unexplained.map(|case| (format!("{name}, case {}", case.id), case.says.clone())));
+    let title = |case: &CaseResult| format!("{name}, case {}", case.id);
+    errors.extend(unexplained.map(|case| (title(case), case.message.clone())));
     errors
 }
 
@@ -78,7 +79,8 @@ pub fn summary(report: &Report, all: usize) -> String {
 
 /// Writes the verdict, the scores and the remarks.
 fn write_head(report: &Report, out: &mut String) -> fmt::Result {
-    let (suite, command) = (report.suite.short(), inline_code(&report.decoder.command));
+    let suite = report.suite.short_title();
+    let command = inline_code(&report.decoder.command);
     let sign = ["❌", "✅"][usize::from(report.verdict == "pass")];
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {
@@ -92,7 +94,7 @@ fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     writeln!(out, "| correctness | breadth | robustness |\n|--:|--:|--:|")?;
     writeln!(out, "| {} | {} | {} |\n", parts[0], parts[1], parts[2])?;
     for remark in &report.remarks {
-        writeln!(out, "> {}\n", escape_markdown(&remark.says))?;
+        writeln!(out, "> {}\n", escape_markdown(&remark.message))?;
     }
     Ok(())
 }
@@ -156,7 +158,7 @@ fn write_failures(failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     writeln!(out, "\n<details><summary>{count} failing cases</summary>\n")?;
     writeln!(out, "| case | clauses | result |\n|---|---|---|")?;
     for case in failures.iter().take(MAX_LISTED_FAILURES) {
-        let says: String = case.says.chars().take(300).collect();
+        let says: String = case.message.chars().take(300).collect();
         let [clauses, says] = [&case.clauses.join(", "), &says].map(escape_markdown);
         writeln!(out, "| {} | {clauses} | {says} |", inline_code(&case.id))?;
     }
@@ -201,7 +203,7 @@ fn inline_code(text: &str) -> String {
     format!("<code>{escaped}</code>")
 }
 
-/// Escapes HTML and replaces line breaks by spaces. Markdown characters are escaped with `markdown`.
+/// Escapes HTML and replaces line breaks with spaces. Markdown characters are escaped with `markdown`.
 fn escape_with(text: &str, markdown: impl Fn(char) -> String) -> String {
     let escape = |c: char| match c {
         '<' => "&lt;".to_owned(),

@@ -1,6 +1,6 @@
 //! Reports as `JUnit` XML, for tools that read test results.
 //!
-//! A failed case is a failure, and a case that was not run is an error. A problem of the whole run is also a failure. Known
+//! A failed case is a failure, and a case that was not run is an error. A problem with the whole run is also a failure. Known
 //! failures and cases without evidence (unsupported, inconclusive, other dialect, not judged, assumed) are skipped.
 
 use maud::{Markup, PreEscaped, html};
@@ -12,7 +12,7 @@ use crate::suite::clauses::section_of;
 /// Test: its class, its name, the name and markup of its result element (`None` if it passed), and its standard error.
 type Test<'a> = (String, String, Option<(&'static str, Markup)>, &'a str);
 
-/// Returns the problems of the whole run and all cases as tests. The class of a case is the section of its first clause.
+/// Returns all problems with the whole run, and all cases, as tests. The class of a case is the section of its first clause.
 fn tests(report: &Report) -> Vec<Test<'_>> {
     let mut tests = Vec::new();
     let mut add = |name, element| tests.push(("ptm-conform".to_owned(), name, Some(element), ""));
@@ -22,7 +22,7 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
     }
     let failures = report.remarks.iter().filter(|remark| remark.failure);
     for (number, remark) in (1..).zip(failures) {
-        let element = html! { failure message=(remark.says) {} };
+        let element = html! { failure message=(remark.message) {} };
         add(format!("whole-run-{number}"), ("failure", element));
     }
     tests.extend(report.cases.iter().map(|case| {
@@ -73,7 +73,7 @@ pub fn junit(report: &Report) -> String {
 
 /// Returns the name and the markup of the element for a case, or `None` if the case passed.
 fn element(report: &Report, case: &CaseResult) -> Option<(&'static str, Markup)> {
-    let says = match case.says.as_str() {
+    let says = match case.message.as_str() {
         "" => case.outcome.name(),
         says => says,
     };

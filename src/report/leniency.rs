@@ -11,19 +11,18 @@ use crate::suite::test_case::TestCase;
 /// Maximum number of cases that are listed as evidence.
 const MAX_EVIDENCE_CASES: usize = 3;
 
-/// Results of a decoder for the files of one lenient ruling. A decoder may either refuse these files or return the image of
-/// the reference.
+/// Results of a decoder for the files of one lenient ruling. A decoder may refuse them or return the image of the reference.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Leniency {
     /// Id of the ruling.
     pub ruling: String,
-    /// Number of files that gave the same image as the reference.
+    /// Number of files for which the decoder returned the image of the reference.
     pub decoded: usize,
     /// Number of refused files.
     pub refused: usize,
     /// Number of files for which the decoder exited with status 69.
     pub unsupported: usize,
-    /// Number of files that gave a different image or no image.
+    /// Number of files for which the decoder returned a different image or none.
     pub other: usize,
 }
 
@@ -46,7 +45,7 @@ impl Leniency {
     }
 }
 
-/// Counts the results of the decoder outside the specification, one entry per ruling.
+/// Counts the decoder's results for files outside the specification, one entry per ruling.
 pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
@@ -70,13 +69,14 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
     rulings.into_values().collect()
 }
 
-/// Returns the ids of the first passing cases whose indices satisfy `is`.
+/// Returns the ids of the first passing cases whose indices satisfy `is_included`.
 pub(super) fn passing_case_ids<C: TestCase>(
     suite: &Suite<C>,
     run: &Run<C>,
-    is: impl Fn(usize) -> bool,
+    is_included: impl Fn(usize) -> bool,
 ) -> Vec<String> {
-    let passed = run.judgement.with_outcome(Outcome::Pass).filter(|&i| is(i));
+    let passed = run.judgement.with_outcome(Outcome::Pass);
+    let passed = passed.filter(|&i| is_included(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
     ids.take(MAX_EVIDENCE_CASES).collect()
 }

@@ -92,7 +92,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
             view: seen.map_or_else(String::new, |seen| seen.view.to_string()),
             expect: case.expectation().to_owned(),
             clauses: case.clauses().to_vec(),
-            says: judged.says.clone(),
+            message: judged.message.clone(),
             weak: seen.is_some_and(|seen| seen.weak),
             stderr: failed.map_or_else(String::new, |seen| seen.stderr.clone()),
         });
@@ -104,7 +104,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
 fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let mut readings = C::readings_of_files(suite, run);
     for (axis, choice) in C::CHOICES.iter().enumerate() {
-        if run.judgement.certain[axis] != Certainty::Settled {
+        if run.judgement.certainties[axis] != Certainty::Settled {
             continue;
         }
         let shows = |i: usize| {
@@ -166,18 +166,19 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
     let ids = |places: &[usize]| -> Vec<String> {
         (places.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
     };
-    let shown = diagnosis.shows.as_ref();
+    let shown = diagnosis.observed.as_ref();
     let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
     if shown.is_none() {
-        cause.except = ids(&diagnosis.except);
-    } else if diagnosis.except.is_empty() {
+        cause.contradicted_by = ids(&diagnosis.contradicted_by);
+    } else if diagnosis.contradicted_by.is_empty() {
         // The misreading is one of several mistakes with the same effect, unless passing cases contradict it.
         let named = named_cause(&diagnosis.cause);
-        cause.or = named.misreading.into_iter().chain(named.or).collect();
-        cause.with = named.with;
+        let first = named.misreading.into_iter();
+        cause.equivalents = first.chain(named.equivalents).collect();
+        cause.accompanying = named.accompanying;
     }
     cause.explains = ids(&diagnosis.explains);
-    cause.partly = ids(&diagnosis.partly);
+    cause.partial = ids(&diagnosis.partial);
     cause
 }
 
@@ -186,15 +187,15 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
     match cause {
         Cause::Misreading {
             misreading,
-            alike,
-            with,
+            equivalents,
+            accompanying,
         } => LikelyCause {
             misreading: Some(misreading.slug.to_owned()),
             clause: misreading.clause.to_owned(),
             effect: misreading.effect.to_owned(),
             fix: misreading.fix.to_owned(),
-            or: slugs(alike),
-            with: slugs(with),
+            equivalents: slugs(equivalents),
+            accompanying: slugs(accompanying),
             ..LikelyCause::default()
         },
         Cause::Described {
@@ -203,14 +204,14 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
             effect,
             fix,
             example,
-            alike,
+            equivalents,
         } => LikelyCause {
             kind: Some(*category),
             clause: clause.clone(),
             effect: effect.clone(),
             fix: fix.clone(),
             example: Some(example.clone()),
-            or: slugs(alike),
+            equivalents: slugs(equivalents),
             ..LikelyCause::default()
         },
     }

@@ -32,7 +32,7 @@ impl<C: Reported> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from a different run, suite or version, or if a part is missing, duplicate or
+    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, duplicate or
     /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
@@ -65,7 +65,7 @@ impl<C: Reported> RecordedAnswers<C> {
     /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
     ///
     /// # Errors
-    /// Returns a message if the whole run needs a request that no part made.
+    /// Returns a message if the whole run needs a request that no part sent.
     pub fn merge(
         &self,
         suite: &Suite<C>,
@@ -172,9 +172,9 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
             return fault(&format!("{says}. Run this part again"));
         }
     }
-    for number in 1..=first.part.of {
-        let of = first.part.of;
-        let part = Shard { number, of };
+    for number in 1..=first.part.total {
+        let total = first.part.total;
+        let part = Shard { number, total };
         match ends.iter().filter(|(_, end)| end.part == part).count() {
             1 => {}
             0 => return Err(format!("part {part} is missing")),

@@ -33,7 +33,8 @@ pub struct Shard {
     /// Number of the part, starting at 1.
     pub number: u32,
     /// Total number of parts.
-    pub of: u32,
+    #[serde(rename = "of")]
+    pub total: u32,
 }
 
 impl Shard {
@@ -43,7 +44,7 @@ impl Shard {
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
         let first = u64::from_be_bytes(digest[..8].try_into().expect("eight bytes"));
-        first % u64::from(self.of) == u64::from(self.number - 1)
+        first % u64::from(self.total) == u64::from(self.number - 1)
     }
 }
 
@@ -54,7 +55,7 @@ impl FromStr for Shard {
         let wrong = || format!("expected a part such as 3/8, found {text:?}");
         let (number, of) = text.split_once('/').ok_or_else(wrong)?;
         match (number.parse(), of.parse()) {
-            (Ok(number), Ok(of)) if (1..=of).contains(&number) => Ok(Shard { number, of }),
+            (Ok(number), Ok(total)) if (1..=total).contains(&number) => Ok(Shard { number, total }),
             _ => Err(wrong()),
         }
     }
@@ -62,7 +63,7 @@ impl FromStr for Shard {
 
 impl fmt::Display for Shard {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.number, self.of)
+        write!(f, "{}/{}", self.number, self.total)
     }
 }
 
@@ -261,7 +262,8 @@ mod tests {
 
     #[test]
     fn shard_is_parsed_as_number_and_count() {
-        assert_eq!("3/8".parse(), Ok(Shard { number: 3, of: 8 }));
+        let part: Shard = "3/8".parse().expect("a part");
+        assert_eq!((part.number, part.total), (3, 8));
         for wrong in ["", "3", "0/8", "9/8", "1/0", "3/8/1", "a/8", "-1/8"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
         }
@@ -271,13 +273,13 @@ mod tests {
     #[test]
     fn every_case_has_one_permanent_shard() {
         let part_of = |id: &str| {
-            let parts = (1..=8).filter(|&number| Shard { number, of: 8 }.contains_case(id));
+            let parts = (1..=8).filter(|&number| Shard { number, total: 8 }.contains_case(id));
             parts.collect::<Vec<_>>()
         };
         assert_eq!(part_of("one-texel-rgb"), [7]);
         assert_eq!(part_of("hand-rgb-blocks"), [7]);
         let counts = (1..=8).map(|number| {
-            let part = Shard { number, of: 8 };
+            let part = Shard { number, total: 8 };
             (0..8000)
                 .filter(|i| part.contains_case(&format!("case-{i}")))
                 .count()

@@ -28,12 +28,16 @@ impl Report {
         text
     }
 
-    /// Formats the results of the cases whose ids satisfy `is`.
+    /// Formats the results of the cases whose ids satisfy `is_selected`.
     #[must_use]
-    pub fn cases_to_text<C: TestCase>(&self, of: &Suite<C>, is: impl Fn(&str) -> bool) -> String {
+    pub fn cases_to_text<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        is_selected: impl Fn(&str) -> bool,
+    ) -> String {
         let mut text = String::new();
-        for case in self.cases.iter().filter(|case| is(&case.id)) {
-            write_case(case, of, &mut text).expect("writing to memory does not fail");
+        for case in self.cases.iter().filter(|case| is_selected(&case.id)) {
+            write_case(case, suite, &mut text).expect("writing to memory does not fail");
         }
         text
     }
@@ -114,7 +118,7 @@ impl<C: TestCase> Page<'_, C> {
         }
         for remark in &self.report.remarks {
             let kind = if remark.failure { "FAIL" } else { "note" };
-            writeln!(out, "{kind}: {}", remark.says.replace('\n', "\n  "))?;
+            writeln!(out, "{kind}: {}", remark.message.replace('\n', "\n  "))?;
         }
         if !self.report.remarks.is_empty() {
             writeln!(out)?;
@@ -177,7 +181,7 @@ impl<C: TestCase> Page<'_, C> {
 
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
-        writeln!(out, "    {}: {}", case.view, case.says)?;
+        writeln!(out, "    {}: {}", case.view, case.message)?;
         if let Some(case) = self.suite.case(&case.id) {
             for line in case.because().lines() {
                 writeln!(out, "    {line}")?;
@@ -227,7 +231,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes the number of open questions that the decoder reads like the reference, and its readings of the others.
+    /// Writes the number of open questions that the decoder reads as the reference does, and its readings of the others.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();
@@ -256,7 +260,7 @@ impl<C: TestCase> Page<'_, C> {
             reasons.insert((Outcome::Inconclusive, twins), count);
         }
         for case in self.report.with_outcome(Outcome::NotJudged) {
-            let key = (Outcome::NotJudged, &*case.says);
+            let key = (Outcome::NotJudged, &*case.message);
             *reasons.entry(key).or_default() += 1;
         }
         reasons
@@ -290,8 +294,8 @@ fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String
         "" => writeln!(out, "  expected: {}", case.expect)?,
         view => writeln!(out, "  expected: {}, requested in {view}", case.expect)?,
     }
-    if !case.says.is_empty() {
-        writeln!(out, "  {}", case.says)?;
+    if !case.message.is_empty() {
+        writeln!(out, "  {}", case.message)?;
     }
     if !case.stderr.is_empty() {
         writeln!(out, "  its standard error:")?;
@@ -300,14 +304,14 @@ fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String
 }
 
 /// Failures with the same message.
-type AlikeFailures<'a> = (&'a str, Vec<&'a CaseResult>);
+type SimilarFailures<'a> = (&'a str, Vec<&'a CaseResult>);
 
 /// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.
-fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<AlikeFailures<'a>>, Vec<&'a CaseResult>) {
-    let mut kinds: Vec<AlikeFailures> = Vec::new();
+fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Vec<&'a CaseResult>) {
+    let mut kinds: Vec<SimilarFailures> = Vec::new();
     let mut single = Vec::new();
     for &case in all {
-        let says = case.says.as_str();
+        let says = case.message.as_str();
         let is_start = |prefix| says.starts_with(prefix);
         match kinds.iter_mut().find(|(kind, _)| *kind == says) {
             Some((_, cases)) => cases.push(case),

@@ -1,10 +1,10 @@
-//! Sentences that the text and HTML reports share, and descriptions of misreadings from the catalogs.
+//! Sentences used in both text and HTML reports, and descriptions of misreadings from the catalogs.
 
 use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
-/// Looks up slugs in the catalogs of the suite and returns slug, clause and effect of each. Unknown slugs are skipped.
+/// Looks up slugs in the catalogs of the suite and returns the slug, clause and effect of each. Unknown slugs are skipped.
 fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
@@ -15,7 +15,7 @@ fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = 
     })
 }
 
-/// Maximum number of misreadings with the same effect that are described. Further ones are only counted.
+/// Maximum number of misreadings with the same effect that are described. The rest are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
 /// Additional sentence about a cause, without the final period: the text before a name, the name of a misreading or case (may be
@@ -27,7 +27,7 @@ type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let subject = suite.subject();
     let mut details: Vec<Detail> = Vec::new();
-    let mut equivalent = find_misreadings(suite, &cause.or);
+    let mut equivalent = find_misreadings(suite, &cause.equivalents);
     for [slug, clause, effect] in equivalent.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
         let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
         details.push((before, slug, ")", Some(suite.misreading_page(slug))));
@@ -38,19 +38,19 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         let before = format!("{more} other misreading{plural} would look the same; see the report");
         details.push((before, "", "", None));
     }
-    for [slug, _, effect] in find_misreadings(suite, &cause.with) {
+    for [slug, _, effect] in find_misreadings(suite, &cause.accompanying) {
         let before = format!("In some of these cases, the {subject} also {effect} (");
         details.push((before, slug, ")", None));
     }
-    let partly = match cause.partly.len() {
+    let partly = match cause.partial.len() {
         1 => "1 other failure is explained in part".to_owned(),
         count => format!("{count} other failures are explained in part"),
     };
-    if !cause.partly.is_empty() {
+    if !cause.partial.is_empty() {
         details.push((partly, "", "", None));
     }
-    if let Some(passing) = cause.except.first() {
-        let count = cause.except.len();
+    if let Some(passing) = cause.contradicted_by.first() {
+        let count = cause.contradicted_by.len();
         let passing_cases = match count {
             1 => "1 case that passes".to_owned(),
             _ => format!("{count} cases that pass"),

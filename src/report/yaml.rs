@@ -27,8 +27,7 @@ impl Report {
     /// Reads a report that `check` wrote to `path`.
     ///
     /// # Errors
-    /// Returns a message that names the file and, if known, the line. Short reports and reports with a different schema version
-    /// are rejected.
+    /// Returns a message that names the file and, if known, the line. Short reports and other schema versions are rejected.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
         let in_file = |error: String| format!("{}: {error}", path.display());

@@ -48,7 +48,7 @@ pub(crate) struct Call {
 
 /// The way in which a call ended.
 pub(crate) enum CallEnd {
-    /// The process exited by itself.
+    /// The process exited on its own.
     Exited(ExitStatus),
     /// The process was killed because of the timeout.
     OutOfTime,
@@ -139,8 +139,7 @@ impl Call {
         }
     }
 
-    /// Returns true if the process has ended. Its id stays reserved until the process is reaped, so no other process
-    /// can reuse it.
+    /// Returns true if the process has ended. Until the process is reaped, no other process can reuse its id.
     pub(crate) fn has_ended(&self) -> bool {
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let pid = Pid::from_child(&self.child);

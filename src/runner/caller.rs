@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply to a request for the stored values of one texel, given the bytes of the answer, and true if the run was
+    /// Returns the reply to a request for the stored values of one texel if the answer is `answer`, and true if the run was
     /// stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");

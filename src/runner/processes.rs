@@ -31,7 +31,7 @@ pub fn can_inspect_processes() -> bool {
     Path::new(&format!("/proc/self/task/{this}/children")).exists()
 }
 
-/// Prepares this process: it inherits orphans, and its children have no core dumps and limited file sizes.
+/// Prepares this process to inherit orphans, and disables core dumps and limits file sizes for its children.
 pub fn prepare() {
     prepare_for(MAX_FILE_BYTES);
 }
@@ -82,7 +82,7 @@ fn lock_started_processes() -> std::sync::MutexGuard<'static, Vec<u32>> {
         .unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns the memory in bytes of a process, its descendants and the orphans of its call.
+/// Returns the memory, in bytes, used by a process, its descendants and the orphans of its call.
 #[must_use]
 pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
     let page = rustix::param::page_size() as u64;

@@ -28,7 +28,7 @@ use crate::runner::start;
 use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// Maximum time to repeat a call because of trouble in this program, before the run stops.
+/// Maximum time for which a call is repeated because of trouble in this program, before the run stops.
 const MAX_TROUBLE_TIME: Duration = Duration::from_secs(5);
 
 /// A decoder and the limits of its calls.
@@ -61,7 +61,7 @@ pub struct Request<'a, V = View> {
     pub file: &'a [u8],
     /// Maximum size of a frame of the file, in bytes.
     pub max_frame_bytes: usize,
-    /// Factor for the timeout. The first call may have to warm up.
+    /// Factor for the timeout. The first call may need time to warm up.
     pub timeout_factor: u32,
     /// True to use a new process, even in serve mode.
     pub needs_new_process: bool,
@@ -137,7 +137,7 @@ pub struct CallResult {
     pub stderr: String,
     /// Exit status, if the process exited.
     pub exit: Option<i32>,
-    /// Standard output, if the output is a file instead.
+    /// Standard output, if the output is written to a file instead.
     pub stdout: Vec<u8>,
 }
 

@@ -131,7 +131,7 @@ impl Drop for Scratch {
     }
 }
 
-/// Private directories of one process, so that remaining files do not affect other processes.
+/// Private directories of one process, so that leftover files do not affect other processes.
 pub(crate) struct Workspace<'a> {
     scratch: &'a Scratch,
     name: String,
@@ -236,7 +236,7 @@ pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
             .is_ok_and(|_| read == bytes))
 }
 
-/// Returns true if the directory is still empty, with our owner and mode.
+/// Returns true if the directory is still empty, with its original owner and mode.
 fn is_unchanged_directory(directory: &Path) -> bool {
     let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
     fs::symlink_metadata(directory).is_ok_and(ours)

@@ -12,8 +12,8 @@ use std::path::Path;
 pub(crate) type Obstacle = (String, String);
 
 /// Returns an obstacle as an error.
-fn obstacle(says: String, next: impl Into<String>) -> Result<(), Obstacle> {
-    Err((says, next.into()))
+fn obstacle(message: String, next: impl Into<String>) -> Result<(), Obstacle> {
+    Err((message, next.into()))
 }
 
 /// Returns the message for `program`, which did not start because of `error`.
@@ -100,8 +100,8 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     check_beginning(text, &beginning)
 }
 
-/// Returns the message for a command that was not found. The command may be several words in one.
-fn missing_command(text: &str, says: &str) -> Obstacle {
+/// Returns the message for a command that was not found. The command may consist of several words that were passed as one.
+fn missing_command(text: &str, message: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(
             "the command consists of several words; write them without quotation marks: -- {text}"
@@ -109,7 +109,7 @@ fn missing_command(text: &str, says: &str) -> Obstacle {
     } else {
         "name the decoder by a path such as ./my-decoder, after --".to_owned()
     };
-    (says.to_owned(), next)
+    (message.to_owned(), next)
 }
 
 /// Returns the first bytes of a file, or nothing if the file cannot be read. An unreadable file may still be executable.

@@ -1,6 +1,6 @@
 //! Command lines for programs that do not implement the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
 //!
-//! The text is split into words as in a shell, but no shell runs. A placeholder may be anywhere in a word, so paths with spaces
+//! The text is split into words as in a shell, but no shell is run. A placeholder may be anywhere in a word, so paths with spaces
 //! remain one word. `{{` and `}}` are literal braces.
 
 use std::ffi::{OsStr, OsString};

@@ -14,7 +14,7 @@ use crate::runner::template::Template;
 /// A file that a request refers to.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Name in a template and in the text of the request, where it is in braces.
+    /// Name in a template and in the text of the request, where it appears in braces.
     pub name: String,
     /// Name of the file.
     pub file_name: String,

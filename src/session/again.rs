@@ -20,8 +20,8 @@ const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {
     /// Repeats failures and a sample of the other cases. Returns true if a response differed. Similar failures are likely to
-    /// recur, so only a few of each kind are repeated, and at most a tenth of the run. If one of the responses differs, all are
-    /// repeated, because a varying response proves nothing about the format.
+    /// recur, so only a few of each kind are repeated, and at most a tenth of the run. If any response differs, the rest are
+    /// repeated as well, because a varying response proves nothing about the format.
     pub(super) fn ask_again(
         &self,
         table: TableSpelling,
@@ -109,8 +109,8 @@ impl<C: TestCase> Session<'_, C> {
             }
             let differs = !alone.response.is_equivalent(&first.response);
             if differs {
-                let says = difference(served, &first, &alone, once_more.as_ref());
-                first.nondeterminism = Some(Nondeterminism { served, says });
+                let message = difference(served, &first, &alone, once_more.as_ref());
+                first.nondeterminism = Some(Nondeterminism { served, message });
             }
             // A serving process may not have printed anything about this file yet.
             if first.stderr.is_empty() {

@@ -23,7 +23,7 @@ pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 pub type Ask<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
-/// A progress callback. It receives the number of finished items and the number of all items.
+/// A progress callback. It receives the number of finished items and the total.
 pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
 /// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
@@ -98,7 +98,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         };
         let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
         if reply.answer.violation().is_some() || reply.served.is_some() {
-            self.tally.violation.fetch_add(1, Ordering::Relaxed);
+            self.tally.violations.fetch_add(1, Ordering::Relaxed);
         }
         (observation, reply)
     }
@@ -153,8 +153,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Calls `work` with each number below `count`, in as many threads as there are jobs. A worker stops when `work` returns
-    /// false.
+    /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
     pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
         let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
@@ -186,7 +185,10 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     let after = previous_request_text(reply.previous_request.as_ref());
     let (trouble, alone) = (served.describe(), reply.answer.name());
     let says = format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})");
-    Some(Nondeterminism { served: true, says })
+    Some(Nondeterminism {
+        served: true,
+        message: says,
+    })
 }
 
 /// Describes the request that the process answered previously.

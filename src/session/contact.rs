@@ -84,29 +84,29 @@ pub struct Contact<C: TestCase = Case> {
     pub table: TableSpelling,
     /// Remarks on the decoder.
     pub remarks: Vec<Remark>,
-    /// The reason why the program is not a decoder, if it is not.
+    /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// Reason why no case is requested, if something must be fixed first.
-    pub ends: Option<&'static str>,
+    pub end_reason: Option<&'static str>,
 }
 
 impl<C: TestCase> Contact<C> {
     /// Returns true if cases can be requested.
     #[must_use]
     pub fn is_ready(&self) -> bool {
-        self.not_a_decoder.is_none() && self.ends.is_none()
+        self.not_a_decoder.is_none() && self.end_reason.is_none()
     }
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Requests the first files to determine whether the program is a decoder, what it offers, and how it spells tables.
+    /// Requests the first files to determine whether the program is a decoder, what it offers, and which table spelling it reads.
     #[must_use]
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
         // Report the first file that was not answered in serve mode.
         let trouble = first.iter().find_map(|First { case, view, reply }| {
             let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
-            let says = format!("{} in {view}, {}", case.id(), failure.says);
+            let says = format!("{} in {view}, {}", case.id(), failure.message);
             Some(Remark::failure(says))
         });
         let mut remarks: Vec<Remark> = trouble.into_iter().collect();
@@ -116,7 +116,7 @@ impl<C: TestCase> Session<'_, C> {
             table: TableSpelling::default(),
             remarks,
             not_a_decoder: None,
-            ends: None,
+            end_reason: None,
         };
         // If no first file could be requested, use the views that the user names.
         if contact.first.is_empty() {
@@ -142,8 +142,8 @@ impl<C: TestCase> Session<'_, C> {
         contact
     }
 
-    /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel.
-    /// A serving process gets them all in order. If a file times out in one view, its other views are requested last.
+    /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel. A
+    /// serving process receives all of them in order. After a timeout, the other views of the same file are requested last.
     fn first_files(&self) -> Vec<First<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();
@@ -190,7 +190,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every offered view except
-    /// those in which every first file of that kind exited with 69.
+    /// those in which it exited with 69 for every first file of that kind.
     fn derive_offer(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
@@ -285,7 +285,7 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the table spelling that a decoder reads best if it shows no `spelling` case correctly, judged by small tables.
+    /// Returns the table spelling that a decoder reads best if it reads no `spelling` case correctly, judging by small tables.
     /// Returns `None` if the evidence is weak.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
@@ -328,7 +328,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Returns the reason why the program that sent these replies is not a decoder, if it is not.
+/// Returns the reason why the program that sent these replies is not a decoder, if it is not one.
 fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
     let decoded = first.iter().any(First::is_decoded);
     let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);

@@ -101,7 +101,7 @@ impl Curve {
         }
     }
 
-    /// Returns true if the curve maps the correct value, or one within its tolerance, to the received one.
+    /// Returns true if the curve maps the correct value to the received value, within the tolerance.
     fn explains(&self, right: u8, received: u8) -> bool {
         let near = right.saturating_sub(self.slack)..=right.saturating_add(self.slack);
         let values = near.map(|v| self.table[usize::from(v)].clamp(0.0, 255.0));

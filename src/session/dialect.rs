@@ -15,8 +15,8 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum number of answers that are right only in a reading other than the reference's, per answer that is wrong in it. A few
-/// answers of a faulty decoder are right in another reading by chance.
+/// Minimum number of answers that are right only in a reading other than the reference's, per answer that is wrong in that
+/// reading. A few answers of a faulty decoder are right in another reading by chance.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
 /// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.
@@ -52,8 +52,8 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
     (dialect, certain)
 }
 
-/// Returns, for each of these axes, the reading in which most of the answers that show any of them are right, and how well they
-/// distinguish it from the others.
+/// Returns, for each of these axes, the reading in which most of the answers that depend on any axis are right, and how well
+/// these answers distinguish it from other readings.
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();

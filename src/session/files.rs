@@ -1,7 +1,7 @@
 //! Checks on the user's files, which have no expected output.
 //!
 //! The decoder is compared with the reference, in the best-matching reading of the open questions, and with itself: other
-//! encodings of the same values must give the same image.
+//! encodings of the same values must produce the same image.
 
 use std::fmt::Write;
 
@@ -37,10 +37,10 @@ pub struct FileResult {
     pub view: Option<String>,
     /// Result of the comparison with the reference.
     pub outcome: Outcome,
-    /// The reason.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub says: Option<String>,
-    /// Descriptions of other encodings of the same values for which the decoder gives a different image or no image.
+    /// The reason for the outcome.
+    #[serde(rename = "says", skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// Descriptions of other encodings of the same values for which the decoder returns a different image or none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
     /// Number of other encodings that were tried.
@@ -48,14 +48,14 @@ pub struct FileResult {
 }
 
 impl FileResult {
-    /// Creates the result for a file that was not requested, for the reason `says`.
+    /// Creates the result for a file that was not requested, for the reason `message`.
     #[must_use]
-    pub fn not_run(file: &str, says: Option<String>) -> FileResult {
+    pub fn not_run(file: &str, message: Option<String>) -> FileResult {
         FileResult {
             file: file.to_owned(),
             view: None,
             outcome: Outcome::NotRun,
-            says,
+            message,
             relations: Vec::new(),
             encodings: 0,
         }
@@ -104,7 +104,7 @@ pub fn check_file(
         true => Outcome::Pass,
         false => Outcome::Fail,
     };
-    result.says = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
+    result.message = Some(compared.unwrap_or_else(|fault| fault)).filter(|says| !says.is_empty());
     result
 }
 
@@ -163,7 +163,7 @@ fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     texts.join(" ").parse().ok()
 }
 
-/// Returns the expected image of a file. Lossy JPEG planes have the tolerance of inverse DCTs (ruling `jpeg-samples`).
+/// Returns the expected image of a file. Lossy JPEG planes get a tolerance for inverse DCTs (ruling `jpeg-samples`).
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
@@ -241,7 +241,7 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
 }
 
 impl FilesReport {
-    /// Creates the report on some files.
+    /// Creates a report on these files.
     #[must_use]
     pub fn new(files: Vec<FileResult>) -> FilesReport {
         let is_one = |outcome: &Outcome| files.iter().any(|file| file.outcome == *outcome);
@@ -270,7 +270,7 @@ impl FilesReport {
                 let view = result.view.as_deref().unwrap_or("in no view");
                 let _ = write!(text, " {view}: {} other encodings", result.encodings);
             }
-            text.extend(result.says.iter().map(|says| format!("; {says}")));
+            text.extend(result.message.iter().map(|says| format!("; {says}")));
             text.push('\n');
             for relation in &result.relations {
                 let _ = writeln!(text, "  {relation}");

@@ -17,10 +17,10 @@ use crate::suite::test_case::TestCase;
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Judged>>,
-    /// Reading of each open question; the reference's if no case shows the decoder's.
+    /// Reading of each open question: that of the reference, if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
-    pub certain: Vec<Certainty>,
+    pub certainties: Vec<Certainty>,
     /// Features that the decoder does not support.
     pub unsupported: BTreeSet<C::Feature>,
     /// Features with at least one decoded file.
@@ -71,7 +71,7 @@ pub fn judge<C: TestCase>(
     Judgement {
         cases: cases.collect(),
         dialect,
-        certain,
+        certainties: certain,
         unsupported,
         decoded,
     }
@@ -89,9 +89,9 @@ struct CaseFacts<'a, C: TestCase> {
     spelling_known: bool,
 }
 
-fn verdict(outcome: Outcome, says: impl Into<String>) -> Judged {
-    let says = says.into();
-    Judged { outcome, says }
+fn verdict(outcome: Outcome, message: impl Into<String>) -> Judged {
+    let message = message.into();
+    Judged { outcome, message }
 }
 
 fn fail(says: impl Into<String>) -> Judged {
@@ -104,7 +104,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
-            return fail(&*how.says);
+            return fail(&*how.message);
         }
         if offer.is_broken_by(case, observation, self.unsupported) {
             let kind = case.kind();
@@ -240,8 +240,8 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Returns the features of which no must-accept file was decoded and most were answered with 69, and the features of which a file
-/// was decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
+/// Returns the features for which no must-accept file was decoded and most were answered with 69, and those for which a file was
+/// decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
 /// before the feature matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,

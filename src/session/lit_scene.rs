@@ -40,8 +40,7 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or the decoder returns no
-/// image.
+/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or no image is returned.
 #[must_use]
 pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();

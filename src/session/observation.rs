@@ -42,7 +42,7 @@ pub struct Nondeterminism {
     /// True if one of the answers is from a serving process.
     pub served: bool,
     /// Description of the difference.
-    pub says: String,
+    pub message: String,
 }
 
 /// An answer, compared with the expected one.

@@ -13,7 +13,7 @@ pub struct Offer<C: TestCase = Case> {
     pub views: Vec<&'static str>,
     /// Views that are missing for a kind of case that the decoder decodes in other views.
     pub lacking: Vec<(&'static str, C::Feature)>,
-    /// Kinds of cases whose first files all gave exit status 69 in every view.
+    /// Kinds of cases for which every first file resulted in exit status 69 in every view.
     pub unsupported: Vec<C::Feature>,
     /// Names of the kinds of cases that the decoder declares.
     pub declared: Vec<String>,
@@ -47,8 +47,7 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the decoder declares this kind of case but supports no case of it and always answered this legal one with
-    /// 69.
+    /// Returns true if the decoder declares this kind of case, but supports no case of it and always answered this one with 69.
     #[must_use]
     pub fn is_broken_by(
         &self,

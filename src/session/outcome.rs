@@ -12,7 +12,7 @@ pub struct Judged {
     /// The verdict.
     pub outcome: Outcome,
     /// The reason, in a sentence; empty if there is none.
-    pub says: String,
+    pub message: String,
 }
 
 /// The verdict on a case.
@@ -63,7 +63,7 @@ impl Outcome {
         Outcome::NotRun,
     ];
 
-    /// Returns the name in reports.
+    /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

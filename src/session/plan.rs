@@ -27,8 +27,8 @@ pub struct RunPlan {
     pub repeat: Repeat,
     /// True for cases that are requested before the others, one slot per case of the suite; empty if there are none.
     #[serde(skip)]
-    pub soonest: Vec<bool>,
-    /// The reasons why cases are not requested, one slot per case; None for requested cases. Empty if all are requested.
+    pub prioritized: Vec<bool>,
+    /// The reasons why cases are not requested, one slot per case; `None` for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
@@ -37,7 +37,7 @@ pub struct RunPlan {
     pub stop: Arc<AtomicBool>,
 }
 
-/// Selection of cases that are repeated with a new process to find nondeterminism.
+/// Selection of cases that are repeated in a new process to find nondeterminism.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Repeat {
     /// No cases, because the decoder is a function.

@@ -7,26 +7,27 @@ use serde::{Deserialize, Serialize};
 pub struct Remark {
     /// True if the remark makes the decoder fail.
     pub failure: bool,
-    /// The text, a sentence.
-    pub says: String,
+    /// The text of the remark, as a sentence.
+    #[serde(rename = "says")]
+    pub message: String,
 }
 
 impl Remark {
     /// Creates a remark that makes the decoder fail.
     #[must_use]
-    pub fn failure(says: String) -> Remark {
+    pub fn failure(message: String) -> Remark {
         Remark {
             failure: true,
-            says,
+            message,
         }
     }
 
     /// Creates an informational remark.
     #[must_use]
-    pub fn note(says: String) -> Remark {
+    pub fn note(message: String) -> Remark {
         Remark {
             failure: false,
-            says,
+            message,
         }
     }
 }

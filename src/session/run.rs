@@ -27,30 +27,30 @@ pub struct Run<C: TestCase = Case> {
     pub first: Vec<First<C>>,
     /// The offer of the decoder.
     pub offer: Offer<C>,
-    /// The spelling of tables for the decoder.
+    /// The spelling of tables that are sent to the decoder.
     pub table: TableSpelling,
     /// Remarks on the run as a whole.
     pub remarks: Vec<Remark>,
     /// Number of requests, not counting repeated ones.
-    pub asked: usize,
+    pub request_count: usize,
     /// Number of requests that ended in neither a frame nor a refusal.
-    pub violation: usize,
+    pub violations: usize,
     /// The reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<&'static str>,
-    /// The reason why the program is not a decoder, if it is not.
+    /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// A scene for the HTML report, if requested.
     pub scene: Option<LitScene>,
     /// Set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
-    pub searched: Arc<AtomicUsize>,
+    pub work: Arc<AtomicUsize>,
 }
 
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
 pub type Observations<C> = Vec<Option<Observation<C>>>;
 
-/// A callback for each finished case. It receives the case, its observation, and the numbers of finished cases and of all cases.
+/// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
 
 /// Runs `suite` against a decoder.
@@ -73,7 +73,7 @@ impl<C: TestCase> Session<'_, C> {
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
-        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.soonest.clone());
+        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.prioritized.clone());
         soonest.resize(suite.cases.len(), false);
         for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
             if let (true, Some(&twin)) = (plan.selected[i], twins.first()) {
@@ -93,8 +93,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests some cases once, each in the first of its views that is offered.
     ///
-    /// If the run ends because of timeouts, parallel results after the last of them are dropped, so that the number of jobs has
-    /// no effect.
+    /// If the run ends because of timeouts, later parallel results are dropped, so that the number of jobs has no effect.
     pub fn ask_some(
         &self,
         contact: &Contact<C>,
@@ -136,7 +135,7 @@ impl<C: TestCase> Session<'_, C> {
                 let is_violation = matches!(observation.response, Response::Violation(_))
                     || observation.nondeterminism.is_some();
                 self.tally.calls.fetch_sub(1, Ordering::Relaxed);
-                (self.tally.violation).fetch_sub(is_violation.into(), Ordering::Relaxed);
+                (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
             }
         }
     }
@@ -167,7 +166,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Judges the observations, repeats failures, and judges again if a response differed. `progress` is called after each
-    /// repetition with the numbers of finished and of all repetitions.
+    /// repetition with the number of finished repetitions and the total.
     #[must_use]
     pub fn verdicts(
         self,
@@ -180,7 +179,7 @@ impl<C: TestCase> Session<'_, C> {
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
-            None => (&self.plan.selected, contact.ends.or(end_reason)),
+            None => (&self.plan.selected, contact.end_reason.or(end_reason)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, progress) {
@@ -213,13 +212,13 @@ impl<C: TestCase> Session<'_, C> {
             offer: contact.offer,
             table: contact.table,
             remarks: contact.remarks,
-            asked: self.tally.calls.load(Ordering::Relaxed),
-            violation: self.tally.violation.load(Ordering::Relaxed),
+            request_count: self.tally.calls.load(Ordering::Relaxed),
+            violations: self.tally.violations.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
             scene: None,
             stop: Arc::clone(&self.plan.stop),
-            searched: Arc::default(),
+            work: Arc::default(),
         }
     }
 }
@@ -245,15 +244,15 @@ impl<C: TestCase> Run<C> {
             let Some(judged) = judged else { continue };
             if let Some(why) = why {
                 judged.outcome = Outcome::NotJudged;
-                judged.says.clone_from(why);
+                judged.message.clone_from(why);
             } else if observation.is_none() && self.offer.chosen_view(case).is_some() {
                 judged.outcome = Outcome::NotRun;
-                judged.says = self.ended_early.map(str::to_owned).unwrap_or_default();
+                judged.message = self.ended_early.map(str::to_owned).unwrap_or_default();
             }
         }
     }
 
-    /// Reports why the run ended early, in a place that every format of the report shows: the reason why the program is not a
+    /// Reports why the run ended early, in a place that appears in every report format: the reason why the program is not a
     /// decoder or, if it is one, a remark.
     fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };
@@ -261,7 +260,8 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let (not_run, asked) = (self.judgement.with_outcome(Outcome::NotRun), self.asked);
+        let not_run = self.judgement.with_outcome(Outcome::NotRun);
+        let asked = self.request_count;
         let not_run = format!("{} cases were not run", not_run.count());
         let says = format!("{why}; {not_run}; {asked} requests were sent");
         self.remarks.push(Remark::failure(says));
@@ -282,7 +282,7 @@ impl<C: TestCase> Run<C> {
         Scores {
             correctness: fraction(passed, passed + count(Outcome::Fail)),
             breadth: fraction(decoded, features.len()),
-            robustness: fraction(self.asked - self.violation, self.asked),
+            robustness: fraction(self.request_count - self.violations, self.request_count),
         }
     }
 

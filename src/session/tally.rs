@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
-/// Number of consecutive legal files that time out before a run ends.
+/// Number of consecutive legal files with timeouts after which a run ends.
 const HANGS_THAT_END_A_RUN: usize = 3;
 
 /// Counts of calls so far.
@@ -11,16 +11,16 @@ const HANGS_THAT_END_A_RUN: usize = 3;
 pub(super) struct Tally {
     pub calls: AtomicUsize,
     /// Number of calls that ended in neither a frame nor a refusal.
-    pub violation: AtomicUsize,
-    /// True if too many consecutive legal files timed out.
+    pub violations: AtomicUsize,
+    /// True if the decoder timed out on too many consecutive legal files.
     pub hung: AtomicBool,
 }
 
-/// Tracks timeouts of files that are requested in sequence or in parallel, to end the run.
+/// Tracks timeouts on files that are requested in sequence or in parallel, to decide when to end the run.
 pub(super) struct HangWatch {
     /// The indices of the legal files, in order.
     legal: Vec<usize>,
-    /// True if all requests for a legal file timed out so far; None if it has not been answered.
+    /// True if all requests for a legal file have timed out so far; `None` if none has been answered.
     hung: Mutex<Vec<Option<bool>>>,
     /// The index of the last file that is requested.
     last: AtomicUsize,
@@ -36,8 +36,8 @@ impl HangWatch {
         }
     }
 
-    /// Records an answer, and ends the run if three consecutive legal files timed out. Files are consecutive by index, regardless
-    /// of the order of their answers.
+    /// Records an answer, and ends the run if the decoder timed out on three consecutive legal files. Files are consecutive by
+    /// index, regardless of the order of their answers.
     pub fn note(&self, place: usize, is_hang: bool, tally: &Tally) {
         let Ok(rank) = self.legal.binary_search(&place) else {
             return;
@@ -54,7 +54,7 @@ impl HangWatch {
         }
     }
 
-    /// Returns the index of the last file that is requested; None if the run continues.
+    /// Returns the index of the last file that is requested, or `None` if the run continues.
     pub fn last(&self) -> Option<usize> {
         Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
     }

@@ -1,8 +1,8 @@
 //! Transforms that make all first files wrong in the same way: flipped images, exchanged channels, a factor or a tone curve.
 //!
-//! A common transform fails hundreds of cases but is a single mistake. It is reported once, and undone in every image before
-//! comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
-//! default tolerances, and none of them may be right without it.
+//! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
+//! before comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
+//! default tolerances, and none of them may already be right.
 
 use std::sync::Arc;
 
@@ -16,10 +16,10 @@ use crate::suite::cases::{Case, Suite};
 
 /// A change that affects all images of a view.
 pub struct CommonTransform {
-    /// The function that undoes it in every image of the view before comparison.
+    /// The function that undoes the change in every image of the view before comparison.
     pub undo: Undo<Case>,
-    /// Its effect, and the number of affected first files.
-    says: String,
+    /// The effect of the change, and the number of affected first files.
+    effect: String,
     /// The suggested fix.
     next: String,
 }
@@ -32,8 +32,8 @@ fn is_explained_by(undo: &Undo<Case>, (reply, frame): &FirstImage) -> bool {
     reply.expected.compare(&undone).is_none()
 }
 
-/// Returns the changes that the images of all first files have in common, view by view, if none of them is right and one change
-/// explains them.
+/// Returns the changes that the images of all first files have in common, view by view, if no image is right and one change
+/// explains all.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);
@@ -52,14 +52,14 @@ pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransfor
 pub fn remarks(transforms: &[CommonTransform]) -> Vec<Remark> {
     let mut groups: Vec<(Vec<&str>, &CommonTransform)> = Vec::new();
     for transform in transforms {
-        let same = |(_, of): &&mut (Vec<&str>, &CommonTransform)| of.says == transform.says;
+        let same = |(_, of): &&mut (Vec<&str>, &CommonTransform)| of.effect == transform.effect;
         match groups.iter_mut().find(same) {
             Some((views, _)) => views.push(transform.undo.view),
             None => groups.push((vec![transform.undo.view], transform)),
         }
     }
     let remark = |(views, transform): (Vec<&str>, &CommonTransform)| {
-        let CommonTransform { says, next, .. } = transform;
+        let (says, next) = (&transform.effect, &transform.next);
         Remark::failure(format!(
             "{}: {says}; all cases are judged after undoing this\n→ {next}",
             views.join(", ")
@@ -98,12 +98,12 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     };
     let mut changes = candidates(view, images).into_iter();
     let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
-    let (says, all) = (change.says, images.len());
-    let says = match count == all {
+    let (says, all) = (change.effect, images.len());
+    let effect = match count == all {
         true => format!("{says}, in all first files"),
         false => format!("{says}, in {count} of {all} first files"),
     };
-    Some(CommonTransform { says, ..change })
+    Some(CommonTransform { effect, ..change })
 }
 
 /// Returns all candidate changes, those with the fewest mistakes first.
@@ -112,7 +112,7 @@ fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
         let view = view.name();
         CommonTransform {
             undo: Undo { view, undo },
-            says,
+            effect: says,
             next,
         }
     };

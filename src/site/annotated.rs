@@ -57,15 +57,16 @@ pub struct AnnotatedClause {
 #[serde(deny_unknown_fields)]
 pub struct WorkedExample {
     /// Description of the example.
-    pub says: Option<String>,
+    #[serde(rename = "says")]
+    pub description: Option<String>,
     /// Name of the base file in `files.yaml`.
     pub file: String,
     /// Parts that replace the parts of the base file with the same names.
-    #[serde(default)]
-    pub with: Vec<Part>,
+    #[serde(rename = "with", default)]
+    pub replacements: Vec<Part>,
     /// Names of the parts to highlight.
-    #[serde(default)]
-    pub look: Vec<String>,
+    #[serde(rename = "look", default)]
+    pub highlighted: Vec<String>,
     /// View: `raw` (the default), `coef` or `rgb:LU,LV`.
     pub view: Option<String>,
     /// Column and row, counted from the top left, or `all`. The default is `0 0`.
@@ -84,8 +85,9 @@ pub struct WorkedExample {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Description, which also serves as the name of the part.
-    pub is: String,
+    /// Name of the part, which describes it.
+    #[serde(rename = "is")]
+    pub name: String,
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
@@ -144,21 +146,26 @@ impl Annotated {
 }
 
 impl Files {
-    /// Returns the description and the bytes of each part of a base file, with the parts in `with` replaced.
+    /// Returns the description and the bytes of each part of a base file, with some parts replaced.
     ///
     /// # Errors
     /// Returns a message that names the missing part or file.
-    pub fn parts(&self, file: &str, with: &[Part]) -> Result<Vec<(String, Vec<u8>)>, String> {
+    pub fn parts(
+        &self,
+        file: &str,
+        replacements: &[Part],
+    ) -> Result<Vec<(String, Vec<u8>)>, String> {
         let parts = self.files.get(file);
         let parts = parts.ok_or_else(|| format!("unknown file {file}"))?;
-        for part in with {
-            if parts.iter().all(|old| old.is != part.is) {
-                return Err(format!("{file} has no part {:?}", part.is));
+        for part in replacements {
+            if parts.iter().all(|old| old.name != part.name) {
+                return Err(format!("{file} has no part {:?}", part.name));
             }
         }
         let replaced = parts.iter().map(|old| {
-            let part = with.iter().find(|part| part.is == old.is).unwrap_or(old);
-            Ok((part.is.clone(), self.bytes(part)?))
+            let part = replacements.iter().find(|part| part.name == old.name);
+            let part = part.unwrap_or(old);
+            Ok((part.name.clone(), self.bytes(part)?))
         });
         replaced.collect()
     }
@@ -169,11 +176,11 @@ impl Files {
             (None, Some(hex), None) => parse_hex(hex),
             (None, None, Some(stream)) => {
                 let stream = self.streams.get(stream);
-                parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.is))?)
+                parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.name))?)
             }
             _ => Err("expected one of text, hex and stream".to_owned()),
         };
-        let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.is))?;
+        let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.name))?;
         Ok(bytes.repeat(part.times.unwrap_or(1)))
     }
 }

@@ -171,7 +171,7 @@ fn findings(paper: PageContext, built: &Built) -> Markup {
     html! {
         @if !findings.is_empty() {
             h2 { "Lint findings" }
-            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.says) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
+            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.message) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
         }
     }
 }

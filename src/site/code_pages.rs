@@ -17,7 +17,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
         p.lead { code { "ptm-conform lint" } " reports these codes. E (error): the file breaks a rule, or the reference cannot read it. W (warning): some readers refuse the file or display a different image. I: information." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "code" } th scope="col" { "clause" } th scope="col" { "message" } } }
-            tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.says) } } } }
+            tbody { @for code in codes::ALL.iter() { tr { td { (paper.link(code.id)) } td { (paper.link_as(code.clause, &html! { (code.clause) })) } td { (code.message) } } } }
         } }
     };
     let mut pages = vec![paper.list("Lint codes", &list)];
@@ -33,7 +33,7 @@ fn page(paper: PageContext, code: &Code) -> SiteFile {
     let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(triggers).collect();
     let body = html! {
         h1 { code { (code.id) } " " span.chip data-severity=(code.severity.name()) { (code.severity.name()) } }
-        p.lead { "Message: " (code.says) "." }
+        p.lead { "Message: " (code.message) "." }
         h2 { "Severity" }
         p { (paper.library.texts.severities[code.severity.name()]) }
         @if let Some(clause) = paper.library.clause(code.clause) { p { "Clause " (paper.link(&clause.id)) ": " (clause.rule) } }
@@ -63,7 +63,7 @@ fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
         h2 { "Example" }
         p { (paper.link(&case.id)) ", " (file.file.len()) " bytes: " (case.because) }
         @for finding in findings.iter().filter(|finding| finding.code == code.id) {
-            pre.command tabindex="0" { (case.id) ".ptm: byte " (finding.offset) ": " (finding.code) ": " (finding.says) @if !finding.found.is_empty() { "\n  found: " (finding.found) } }
+            pre.command tabindex="0" { (case.id) ".ptm: byte " (finding.offset) ": " (finding.code) ": " (finding.message) @if !finding.found.is_empty() { "\n  found: " (finding.found) } }
         }
     }
 }

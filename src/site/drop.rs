@@ -25,7 +25,7 @@ ptm-conform site --out site --module packages/wasm/target/wasm32-unknown-unknown
 
 const SCRIPT: &str = include_str!("drop.js");
 const CONTENTS: &str = include_str!("drop.html");
-/// Script that all pages of the site share.
+/// Script shared by all pages of the site.
 const SITE_SCRIPT: &str = include_str!("site.js");
 
 /// Exported functions of the module that the page calls.

@@ -14,11 +14,11 @@ pub struct Executed {
     /// Description and bytes of each part.
     pub parts: Vec<(String, Vec<u8>)>,
     /// Requested view.
-    pub asks: String,
+    pub view: String,
     /// Result of decoding.
     pub found: Found,
     /// Results that differ under the other readings of the clause's choice.
-    pub otherwise: Vec<(&'static str, Found)>,
+    pub alternatives: Vec<(&'static str, Found)>,
 }
 
 /// Result of a decoder for a file.
@@ -44,7 +44,7 @@ impl WorkedExample {
             Ok(ptm) => ptm,
             Err(error) => return Ok(Found::Refused(error.clause(), error.to_string())),
         };
-        let view: View = self.asks().parse()?;
+        let view: View = self.requested_view().parse()?;
         let count = view.kind().channels(ptm.planes.shape.channels());
         let values = view.values(&ptm, reading, Edits(&[]));
         let channels = match numbers(self.channels.as_deref().unwrap_or_default())? {
@@ -76,7 +76,7 @@ impl WorkedExample {
     }
 
     /// Returns the requested view.
-    fn asks(&self) -> &str {
+    fn requested_view(&self) -> &str {
         self.view.as_deref().unwrap_or("raw")
     }
 }
@@ -123,9 +123,9 @@ pub fn execute(
 }
 
 fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
-    let parts = files.parts(&example.file, &example.with)?;
+    let parts = files.parts(&example.file, &example.replacements)?;
     let is_missing = |name: &&String| parts.iter().all(|(part, _)| part != *name);
-    if let Some(name) = example.look.iter().find(is_missing) {
+    if let Some(name) = example.highlighted.iter().find(is_missing) {
         return Err(format!("{} has no part {name:?}", example.file));
     }
     let file: Vec<u8> = parts.iter().flat_map(|(_, bytes)| bytes).copied().collect();
@@ -144,9 +144,9 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     }
     Ok(Executed {
         parts,
-        asks: example.asks().to_owned(),
+        view: example.requested_view().to_owned(),
         found,
-        otherwise,
+        alternatives: otherwise,
     })
 }
 

@@ -134,19 +134,19 @@ fn render_example(
     let placed = placed.filter(|(.., bytes)| !bytes.is_empty());
     html! {
         figure.example {
-            figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.says { " " (paper.prose(says)) } }
+            figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.description { " " (paper.prose(says)) } }
             div.scroll tabindex="0" { table.hex {
                 thead { tr { th.number scope="col" { "byte" } th scope="col" { "part" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
                 tbody {
                     @for (offset, name, bytes) in placed {
-                        tr data-look[example.look.contains(name)] {
+                        tr data-look[example.highlighted.contains(name)] {
                             td.number { (offset) } td { (name) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
                         }
                     }
                 }
             } }
-            (result(&executed.asks, &executed.found, example.because.as_deref()))
-            @for (reading, found) in &executed.otherwise {
+            (result(&executed.view, &executed.found, example.because.as_deref()))
+            @for (reading, found) in &executed.alternatives {
                 p.otherwise { "Under the reading " em { (reading) } ": " (inline_result(found)) "." }
             }
         }

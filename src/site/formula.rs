@@ -1,6 +1,6 @@
 //! Conversion of formulas from plain text to `MathML`.
 //!
-//! Letters form names, and digits form numbers. `_` and `^` create subscripts and superscripts, braces group, and `√(…)` is
+//! Letters form names, and digits form numbers. `_` and `^` create subscripts and superscripts, braces form groups, and `√(…)` is
 //! a square root. All other characters are operators.
 
 use std::iter::Peekable;
@@ -36,7 +36,7 @@ fn parse_row(chars: &mut Peekable<Chars>, end: Option<char>) -> String {
     format!("<mrow>{parts}</mrow>")
 }
 
-/// Parses an atom with optional subscript and superscript.
+/// Parses an atom with an optional subscript and superscript.
 fn parse_scripted_atom(chars: &mut Peekable<Chars>) -> String {
     let base = parse_atom(chars);
     let mut script = |sign| {

@@ -90,7 +90,7 @@ impl Library {
         }
         for code in codes::ALL.iter() {
             let page = address::code(code.id);
-            put(code.id, "lint code", Some(page), code.says);
+            put(code.id, "lint code", Some(page), code.message);
         }
         for reader in self.readers() {
             put(reader, "reader", Some(address::reader(reader)), "");
@@ -125,7 +125,7 @@ impl Library {
 
     /// Returns all public readers that are known from a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
-        let seen = misreadings::all().flat_map(|misreading| &misreading.seen);
+        let seen = misreadings::all().flat_map(|misreading| &misreading.sightings);
         let seen = seen.map(|sighting| sighting.reader.as_str());
         seen.chain(self.runs.iter().map(|run| run.reader.as_str()))
             .chain(profiles().iter().map(|profile| profile.reader.as_str()))

@@ -27,14 +27,13 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
-/// Returns the mistakes of a reader: first those in its profile, in the order in which they take effect, then other
-/// sightings.
+/// Returns the mistakes of a reader: first those in its profile, in order of effect, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));
     let mut mistakes: Vec<&Misreading> = profiled.flatten().collect();
     for misreading in misreadings::all() {
-        let mut seen = misreading.seen.iter();
+        let mut seen = misreading.sightings.iter();
         let is_seen = seen.any(|sighting| sighting.reader == reader);
         if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
             mistakes.push(misreading);
@@ -48,7 +47,7 @@ fn find_run<'a>(paper: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
     paper.library.runs.iter().find(|run| run.reader == reader)
 }
 
-/// Returns the profile of a reader that `lint --for` uses.
+/// Returns the profile that `lint --for` uses for a reader.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }
@@ -103,7 +102,7 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
             @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
             dt { "Formats" } dd { (profile.reads.join(", ")) " (" (basis(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
-                dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.words) " (" (basis(known.evidence)) ")." } } } }
+                dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.behavior) " (" (basis(known.evidence)) ")." } } } }
             }
             dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the output of the reader for a file." }
         }
@@ -121,7 +120,7 @@ fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
         dl.facts {
             dt { "Source" } dd { a href=(run.source) { (run.source) } " (" (run.language) ")" }
             dt { "Version" } dd { (run.dated_version()) }
-            dt { "Run" } dd { (run.run_date) ", " (run.called) "; judged by suite " (run.suite) " (" (run.cases) " cases)" }
+            dt { "Run" } dd { (run.run_date) ", " (run.command) "; judged by suite " (run.suite) " (" (run.cases) " cases)" }
             dt { "Views" } dd { (run.views.join(", ")) }
             dt { "Outcomes" } dd { (run.counts()) }
         }

@@ -27,7 +27,8 @@ pub struct ReaderRun {
     /// Date of the run.
     pub run_date: String,
     /// Command line of the reader.
-    pub called: String,
+    #[serde(rename = "called")]
+    pub command: String,
     /// Remarks on the run.
     #[serde(default)]
     pub remarks: Vec<String>,
@@ -99,7 +100,7 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
 
 /// Returns the public readers that make a mistake, with the examined versions, based on profiles and sightings.
 pub(super) fn readers_with_mistake(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
-    let seen = misreading.seen.iter();
+    let seen = misreading.sightings.iter();
     let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));
     let has_mistake = |profile: &&ReaderProfile| {
         let mut known = profile.misreadings.iter();

@@ -11,7 +11,7 @@ use crate::suite::texture::{cases::TextureCase, verify::verify};
 /// Renders all pages about texture mapping.
 ///
 /// # Errors
-/// Returns a message if the reference does not give the expected answer of a case.
+/// Returns a message if the reference does not return the expected answer to a case.
 pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
     let chapter = chapter(paper)?;
     Ok(vec![chapter, rulings(paper), cases(paper), mistakes(paper)])
@@ -63,7 +63,7 @@ fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Marku
     let case = case.ok_or_else(|| format!("no case has the operation {op}"))?;
     let mut answers = verify(case).into_iter();
     if let Some(wrong) = answers.find(|answer| answer.holds == Some(false)) {
-        return Err(format!("texture case {}: {}", wrong.id, wrong.says));
+        return Err(format!("texture case {}: {}", wrong.id, wrong.message));
     }
     Ok(html! {
         figure.example id={ "step-" (op) } {

@@ -40,7 +40,7 @@ pub struct ClauseCoverage {
     pub status: String,
     /// Number of cases that test the clause.
     pub cases: usize,
-    /// Slugs of the misreadings of the clause that are killed.
+    /// Slugs of the killed misreadings of the clause.
     pub killed: Vec<String>,
 }
 
@@ -197,7 +197,7 @@ fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCovera
     Ok(clauses::clauses()?.into_iter().map(coverage).collect())
 }
 
-/// Returns the separation of misreadings, and the cases that are the only cases to separate some pair.
+/// Returns the separation of misreadings, and the cases without which some pair would not be separated.
 fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSet<usize>) {
     let mut unique_separators = BTreeSet::new();
     let mut alike: BTreeMap<&[u64], Vec<String>> = BTreeMap::new();
@@ -251,7 +251,7 @@ fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)
         parameters.push(("entries", entries));
     }
     if let Some(plan) = case.compression() {
-        let prediction = match (plan.predicts(), plan.inverts(), plan.moves()) {
+        let prediction = match (plan.predicts(), plan.inverts(), plan.displaces()) {
             (false, ..) => "none",
             (_, false, false) => "plain",
             (_, true, false) => "inverted",
@@ -289,7 +289,7 @@ fn size_kind(size: Size) -> &'static str {
     }
 }
 
-/// Returns true if no file can have the first parameter with this value, and the second parameter with any value.
+/// Returns true if no file in which the first parameter has this value can have the second parameter.
 fn rules_out((name, value): (&str, &str), other: &str) -> bool {
     let is_of_planes = matches!(other, "prediction" | "side information");
     match (name, value.parse::<Format>()) {

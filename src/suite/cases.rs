@@ -152,14 +152,14 @@ impl Case {
     /// Returns the parts of a hand-assembled file, each with a description and its bytes.
     ///
     /// # Panics
-    /// Never for a case that [`Suite::load`] returned.
+    /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn pieces(&self) -> Vec<(&str, Vec<u8>)> {
         let Source::Hand(_, pieces, _) = &self.source else {
             return Vec::new();
         };
         let part = |piece| checked(piece, TableSpelling::default());
-        (pieces.iter().map(|piece| (&*piece.is, part(piece)))).collect()
+        (pieces.iter().map(|piece| (&*piece.name, part(piece)))).collect()
     }
 
     /// Returns the compression of a generated compressed file.
@@ -182,7 +182,7 @@ impl Case {
     /// Generates the file and its values.
     ///
     /// # Panics
-    /// Never for a case that [`Suite::load`] returned.
+    /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
         match &self.prepared {
@@ -200,7 +200,7 @@ impl Case {
     /// Returns the digest of the file in the default spelling.
     ///
     /// # Panics
-    /// Never for a case that [`Suite::load`] returned.
+    /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn digest(&self) -> String {
         // Reuse the digest of an earlier request.

@@ -1,6 +1,6 @@
 //! Open questions of kind *choice* about PTM files, and the dialect of a decoder. Each listed reading of a choice is correct, and
 //! a decoder must use one of them throughout a run. A file may therefore have several correct images; the image that a decoder
-//! shows is evidence of its dialect.
+//! outputs is evidence of its dialect.
 
 use std::sync::Arc;
 
@@ -85,7 +85,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
 
 /// Returns the choices that affect a case in a view. Most cases have none.
 ///
-/// A choice that is not returned must have no effect on the case: all of its readings give the same image.
+/// A choice that is not returned must have no effect on the case: all of its readings produce the same image.
 #[must_use]
 pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     match case.format() {

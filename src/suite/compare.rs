@@ -1,9 +1,9 @@
 //! Comparison of expected and received samples.
 //!
-//! - raw: equal; in lossy JPEG planes on which inverse DCTs may differ, within the slack of the model, modulo 256.
-//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`; plus that slack.
-//! - rgb: the byte within 1 + 1/64 of the exact color, which allows any rounding and arithmetic in `f32`; in a JPEG image
-//!   within [`LOSSY_TOLERANCE`] more.
+//! - raw: equal or, in lossy JPEG planes for which inverse DCTs may differ, within the slack of the model, modulo 256.
+//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`, plus the slack.
+//! - rgb: within 1 + 1/64 of the exact color, which allows any rounding and arithmetic in `f32`, plus [`LOSSY_TOLERANCE`] for a
+//!   JPEG image.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ pub struct Expected {
     pub channels: usize,
     /// `height * width * channels` values; colors are not rounded.
     pub values: Vec<f64>,
-    /// Maximum deviation of each value between correct inverse DCTs; empty if there is none.
+    /// Maximum difference of each value between the results of correct inverse DCTs; empty if there is none.
     pub slack: Vec<f64>,
 }
 
@@ -33,7 +33,7 @@ pub struct Expected {
 const COLOR_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 
 /// Additional tolerance for a byte of a JPEG image. At quality 95, no sample of the images of the suite deviates by more than 29;
-/// the rest allows for other encoders and their tables.
+/// the remainder allows for other encoders and their tables.
 pub const LOSSY_TOLERANCE: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {
@@ -89,7 +89,7 @@ impl Expected {
         Expected::exact(frame.view, Size { width, height }, frame.samples.to_reals())
     }
 
-    /// Returns expected values without a deviation between inverse DCTs.
+    /// Returns expected values that do not depend on the inverse DCT.
     fn exact(view: ViewKind, size: Size, values: Vec<f64>) -> Expected {
         Expected {
             view,

@@ -41,7 +41,7 @@ pub struct ExpectedFile {
     pub view: String,
     /// Path of the frame, relative to the corpus.
     pub file: String,
-    /// Its digest.
+    /// Digest of the frame.
     pub sha256: String,
 }
 

@@ -15,7 +15,7 @@ pub struct Choice<R: 'static> {
     pub readings: Readings<R>,
 }
 
-/// Readings of a choice, the reference's first, each with a description and a change of the decisions.
+/// Readings of a choice, the reference's first, each with a description and a function that changes the decisions.
 pub(crate) type Readings<R> = &'static [(&'static str, fn(&mut R))];
 
 impl<R> Choice<R> {

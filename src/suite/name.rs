@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum SuiteName {
     /// PTM files.
     Ptm,
-    /// Questions to a texture stage.
+    /// Questions for a texture stage.
     Texture,
     /// Requests to write PTM files.
     Writers,
@@ -19,7 +19,7 @@ pub enum SuiteName {
 impl SuiteName {
     /// Returns a short title of the suite.
     #[must_use]
-    pub const fn short(self) -> &'static str {
+    pub const fn short_title(self) -> &'static str {
         match self {
             SuiteName::Ptm => "PTM 1.2",
             SuiteName::Texture => "PEX texture mapping",

@@ -76,7 +76,7 @@ impl TestCase for Case {
             (Feature::LumColor, is_lum_color),
             (Feature::Prediction, plan(Compression::predicts)),
             (Feature::Inversion, plan(Compression::inverts)),
-            (Feature::Motion, plan(Compression::moves)),
+            (Feature::Motion, plan(Compression::displaces)),
             (Feature::SideInformation, plan(|of| !of.records.is_empty())),
         ] {
             if is_needed {

@@ -14,7 +14,7 @@ use crate::suite::dialect::{Choices, Dialect, Right};
 
 /// A case of any suite.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
-    /// A view, in which a case is requested.
+    /// A view in which a case is requested.
     type View: Clone + Debug + Display + PartialEq + Send + Sync;
     /// Output of the program under test: a frame, or a JSON object.
     type Output: Clone + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned;
@@ -49,7 +49,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     }
     /// Returns the expected result.
     fn expect(&self) -> Expect;
-    /// Returns the name of the expected result in a report.
+    /// Returns the name of the expected result for reports.
     fn expectation(&self) -> &'static str;
     /// Returns true if the case is requested in every view before all other cases.
     fn is_first(&self) -> bool;

@@ -24,8 +24,9 @@ pub enum Values {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Piece {
-    /// Description of the part.
-    pub is: String,
+    /// Name of the part, which describes it.
+    #[serde(rename = "is")]
+    pub name: String,
     text: Option<String>,
     hex: Option<String>,
 }
@@ -60,16 +61,16 @@ impl Piece {
         let mut bytes = match (&self.text, &self.hex) {
             (Some(text), None) => text.as_bytes().to_vec(),
             (None, Some(hex)) => parse_hex(hex)?,
-            _ => return Err(format!("piece {:?} needs either text or hex", self.is)),
+            _ => return Err(format!("piece {:?} needs either text or hex", self.name)),
         };
-        if self.is == "count" {
+        if self.name == "count" {
             let text = String::from_utf8_lossy(&bytes);
             let mut words = text.split_whitespace();
             let number = words.find(|word| word.parse::<u32>().is_ok());
             let number = number.ok_or("a piece with `is: count` needs a number")?;
             bytes = format!("{}\n", count.name().replace("256", number)).into_bytes();
         }
-        if self.is == "table" && newline {
+        if self.name == "table" && newline {
             bytes.push(b'\n');
         }
         Ok(bytes)
@@ -78,7 +79,7 @@ impl Piece {
 
 /// Returns the format that the piece `format` names.
 pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
-    let format = pieces.iter().find(|piece| piece.is == "format");
+    let format = pieces.iter().find(|piece| piece.name == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
     text.ok_or("a hand-assembled file needs a piece with `is: format`")?
         .trim()

@@ -122,7 +122,7 @@ enumerants! {
     Composition ["PEXTMComp" "PEXTMCM"] {
         /// The color of the map replaces the color of the primitive.
         Replace,
-        /// The colors of map and primitive are multiplied.
+        /// The colors of the map and the primitive are multiplied.
         Modulate,
         /// The primitive and the environment color are blended by the map.
         BlendEnvColor,

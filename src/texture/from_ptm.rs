@@ -1,4 +1,4 @@
-//! Conversion of a PTM under a light to a texture map.
+//! Converts a PTM, lit from one direction, to a texture map.
 //!
 //! The image of the PTM under the light (u, v) is clamped to 0 … 255 and converted to RGB texels from 0 to 1. The texture
 //! map has only a base level.
@@ -55,7 +55,7 @@ pub(crate) fn rows_bottom_up(image: &RelitImage) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Rounds to the nearest integer, halves up (ruling `ptm-texels`).
+/// Rounds to the nearest integer, with halves rounded up (ruling `ptm-texels`).
 pub(crate) fn round_half_up(value: f64) -> f64 {
     (value + 0.5).floor()
 }

@@ -137,8 +137,8 @@ impl TextureMap {
     /// Creates a map with one to three dimensions.
     ///
     /// # Errors
-    /// Returns a message if there are no levels, a level is empty or has a wrong number of texels or more dimensions than
-    /// the map, or texels are of different kinds.
+    /// Returns a message if there are no levels, a level is empty or has the wrong number of texels or more dimensions than the
+    /// map, or texels are of different kinds.
     pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
         if !(1..=3).contains(&dimensions) {
             return Err(format!("expected 1, 2 or 3 dimensions, found {dimensions}"));

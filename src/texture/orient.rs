@@ -67,8 +67,7 @@ pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -
     (rules.site)(interpolation, frequency)
 }
 
-/// Returns the sampling site: every pixel for frequency Pixel, or the site of the reflectance calculation for `InterpDep`
-/// (R-CMP-22).
+/// Returns the sampling site: every pixel for Pixel, or the site of the reflectance calculation for `InterpDep` (R-CMP-22).
 #[expect(
     clippy::match_same_arms,
     reason = "one line per row of the table is easier to read"

@@ -161,7 +161,7 @@ pub(crate) fn azimuth(s: Vector) -> f64 {
     if angle < 0.0 { angle + 2.0 * PI } else { angle }
 }
 
-/// Maps each half turn of the azimuth to 0 … 1. The seams are at +x and −x, and ½ is toward the viewer, increasing to the
+/// Maps each half turn of the azimuth to 0 … 1. The seams are at +x and −x, ½ is toward the viewer, and values increase to the
 /// right (R-PAR-27, ruling `vrc-azimuth`).
 pub(crate) fn half_turn_fraction(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()

@@ -1,7 +1,7 @@
 //! Preview of the effect of an entry: a plane or a sphere with one map, under a nearby light.
 //!
-//! Rendering is not part of the chapter. The preview is an aid for its readers. It runs the whole pipeline for each pixel:
-//! coordinates, orientation, depth from the footprint of the pixel, sampling, and composition with light that is computed
+//! Rendering is not part of the chapter. The preview is an aid for readers of the chapter. It runs the whole pipeline for each
+//! pixel: coordinates, orientation, depth from the footprint of the pixel, sampling, and composition with light that is computed
 //! from normals. An outline marks the edge of the map, at coordinates 0 and 1.
 
 use std::f64::consts::PI;

@@ -8,7 +8,7 @@
 //! Format notes
 //! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A stage
 //!   needs no other properties of the light. CW and CS are inputs.
-//! - Both forms give the same color because of the position of CW in the equations (ruling `split-form`).
+//! - Both forms produce the same color because of the position of CW in the equations (ruling `split-form`).
 //! - If a list contains maps of both kinds, there are two stages, each in the order of the list (ruling `two-stages`).
 
 use super::compose::{compose, multiply};

@@ -4,9 +4,8 @@
 //! depends on the quality, and near-lossless JPEG-LS, on request.
 //!
 //! Format notes
-//! - A color of LRGB is polynomial · color / 255. An RGB texel converts to LRGB if its three polynomials are multiples of a
-//!   common one. An LRGB texel converts to RGB if each product divided by 255 is an integer that, plus its bias, fits a
-//!   byte.
+//! - A color of LRGB is polynomial · color / 255. RGB converts to LRGB if the three polynomials of each texel are multiples of a
+//!   common polynomial. LRGB converts to RGB if each product divided by 255 is an integer that, plus its bias, fits in a byte.
 //! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::decode::decode;
@@ -117,7 +116,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Reasons why a texel of RGB or LRGB does not fit.
+/// Reasons why a texel of RGB or LRGB cannot be converted.
 const NOT_ONE_POLYNOMIAL: &str =
     "its three polynomials are not multiples of one representable polynomial";
 const NOT_A_BYTE: &str =

@@ -72,8 +72,8 @@ fn try_format(
     let subject = OpenedFile::new(&converted.bytes);
     for reader in readers {
         let prediction = subject.predict(reader);
-        if prediction.shows != Shown::Right {
-            let (shows, how) = (prediction.shows.name(), prediction.how);
+        if prediction.result != Shown::Right {
+            let (shows, how) = (prediction.result.name(), prediction.fault);
             let reader = prediction.reader;
             return Err(format!("as {format}, {reader} would show {shows} ({how})"));
         }

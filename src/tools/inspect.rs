@@ -137,7 +137,7 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
                 let (name, clause) = segment.kind.label();
                 let element = part.element(segment.range, clause, name.into_owned());
                 FilePart {
-                    value: segment.says,
+                    value: segment.description,
                     ..element
                 }
             });
@@ -360,7 +360,7 @@ impl FilePart {
     }
 }
 
-/// Replaces spaces and line feeds by visible symbols.
+/// Replaces spaces and line feeds with visible symbols.
 fn visible_symbols(bytes: &[u8]) -> String {
     let symbol = |byte: &u8| match byte {
         b' ' => '␠',

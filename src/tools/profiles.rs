@@ -1,5 +1,4 @@
-//! Export of the suite as a corpus for other projects: files, expected answers as arrays and images, a manifest, and
-//! instructions.
+//! Export of the suite as a corpus for other projects: files, expected arrays and images, a manifest, and instructions.
 //!
 //! Unlike `corpus/`, which is for the tests of this repository, an exported corpus needs no protocol: a test loads a file,
 //! decodes it, and compares the result with an array. The same version and profile always produce the same bytes.
@@ -170,8 +169,8 @@ pub struct ProfiledAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
     /// Rulings that affect the answer. Decoders that follow other readings of these rulings have different correct answers.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub shows: Vec<&'static str>,
+    #[serde(rename = "shows", skip_serializing_if = "Vec::is_empty")]
+    pub rulings: Vec<&'static str>,
 }
 
 type ProfileFile = (String, Vec<u8>);
@@ -249,8 +248,8 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
     Ok((entry, outputs))
 }
 
-/// Adds the files of an expected answer to `outputs`: an array, and depending on profile and view an image or an EXR file.
-/// Returns their manifest entries.
+/// Adds the files of an expected answer to `outputs`: an array and, depending on the profile and the view, an image or an EXR
+/// file. Returns their manifest entries.
 fn answers(
     case: &Case,
     view: &View,
@@ -279,7 +278,7 @@ fn answers(
             shape: [size.height as usize, size.width as usize, channels],
             sha256: sha256(&bytes),
             slack: slack.clone(),
-            shows: shows.clone(),
+            rulings: shows.clone(),
         });
         outputs.push((path, bytes));
     }

@@ -13,7 +13,7 @@ use crate::ptm::{Ptm, Shape, Size};
 const JPEG_QUALITY: u8 = 95;
 /// Number of pixels between the images of a contact sheet.
 const MARGIN: u32 = 4;
-/// Background gray, which is distinguishable from black and white images.
+/// Gray background, which is distinguishable from black and white images.
 const BACKGROUND: Rgb<u8> = Rgb([48; 3]);
 /// Maximum size in bytes of a contact sheet or an enlarged image.
 const MAX_IMAGE_BYTES: u64 = 1 << 30;

@@ -1,4 +1,4 @@
-//! Repair of faults that have only one correction:
+//! Repair of faults that have only one possible correction:
 //!
 //! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones

@@ -17,7 +17,7 @@ pub struct Segment<'a> {
     /// Bytes of the part.
     pub bytes: &'a [u8],
     /// Description; may be empty.
-    pub says: String,
+    pub description: String,
 }
 
 /// Kind of a part of a stream.
@@ -93,7 +93,7 @@ pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
             kind,
             range: end - bytes.len()..end,
             bytes,
-            says: describe(kind, bytes, is_jpeg_ls),
+            description: describe(kind, bytes, is_jpeg_ls),
         });
     }
     parts

@@ -1,7 +1,7 @@
 //! Search for mistakes of a writer that explain its wrong files.
 //!
-//! A mistake explains a file if only a reader with this misreading gets the right values from the file, or if the file contains
-//! the values that this reader gets from the reference's file. A correct file contradicts the mistake if this reader misreads
+//! A mistake explains a file if only a reader with this misreading sees the right values in the file, or if the file contains
+//! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads
 //! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
@@ -24,7 +24,7 @@ use crate::writers::{reference::write_requested_file, request::WriteRequest};
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format for screening, smallest first. Mistakes that explain none of these files are skipped.
+/// Number of wrong files per format used for screening, smallest first. Mistakes that explain none of them are skipped.
 const SCREENED_FILES: usize = 3;
 
 /// Number of unexplained files for which pairs of mistakes are tried, smallest first.
@@ -70,8 +70,8 @@ pub fn diagnose(
         let (misreading, second) = pair.cause;
         let cause = Cause::Misreading {
             misreading,
-            alike: Vec::new(),
-            with: vec![second],
+            equivalents: Vec::new(),
+            accompanying: vec![second],
         };
         Diagnosis::new(cause, pair.explains)
     }));
@@ -121,10 +121,10 @@ fn single_mistakes(
     let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.at);
+        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.step);
         // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
         let contradicts = |Attempt { request, right, .. }: &Attempt| {
-            !MisreadFile::new(right, &[mistake.at]).is_some_and(|seen| seen.is_right(request))
+            !MisreadFile::new(right, &[mistake.step]).is_some_and(|seen| seen.is_right(request))
         };
         if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
@@ -145,14 +145,14 @@ fn mistake_pairs(
 ) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
     let mistakes: Vec<&'static Miswriting> = writing::all().collect();
     let explains = |Attempt { request, file, .. }: &Attempt, pair: [&Miswriting; 2]| {
-        is_right_only_with(request, file, &pair.map(|mistake| mistake.at))
+        is_right_only_with(request, file, &pair.map(|mistake| mistake.step))
     };
     let pair = |attempt: &Attempt| {
         let with_first = |i: usize| {
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                can_combine(first.at, second.at) && explains(attempt, [first, second])
+                can_combine(first.step, second.step) && explains(attempt, [first, second])
             });
             second.map(|second| (first, second))
         };
@@ -203,13 +203,13 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
         effect: effect.to_owned(),
         fix: fix.to_owned(),
         example,
-        alike: Vec::new(),
+        equivalents: Vec::new(),
     }
 }
 
 /// Returns the effect and the fix for files that differ in the given clause.
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
-    let clause = match fault.says.starts_with("the reference refuses") {
+    let clause = match fault.message.starts_with("the reference refuses") {
         true => "refused",
         false => clause,
     };

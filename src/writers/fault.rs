@@ -8,20 +8,20 @@ pub struct WriterFault {
     /// Clause that the file violates.
     pub clause: String,
     /// Description of the difference.
-    pub says: String,
+    pub message: String,
 }
 
 impl WriterFault {
-    pub(super) fn new(clause: &str, says: impl Into<String>) -> WriterFault {
+    pub(super) fn new(clause: &str, message: impl Into<String>) -> WriterFault {
         WriterFault {
             clause: clause.to_owned(),
-            says: says.into(),
+            message: message.into(),
         }
     }
 }
 
 impl fmt::Display for WriterFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.says)
+        f.write_str(&self.message)
     }
 }

@@ -1,7 +1,7 @@
 //! Comparison of a written file with the requested values.
 //!
-//! The reference must be able to decode the file, and `lint` must find no error. Header and planes must equal the request.
-//! For planes of lossy formats, the tolerance depends on the compression parameter.
+//! The reference must be able to decode the file, and `lint` must find no error. The header and the planes must match the
+//! request. For planes of lossy formats, the tolerance depends on the compression parameter.
 
 use std::fmt::Write;
 
@@ -38,7 +38,7 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
         Some(first) if first.severity == Severity::Error => {
-            let problem = format!("{} ({})", first.says, first.found);
+            let problem = format!("{} ({})", first.message, first.found);
             let says = format!("lint {} at byte {}: {problem}", first.code, first.offset);
             Err(WriterFault::new(first.clause, says))
         }

@@ -60,9 +60,9 @@ struct LossyPlane<'a> {
     request: &'a WriteRequest,
     plane: usize,
     /// Requested samples, in stored order.
-    wanted: Vec<u8>,
+    requested: Vec<u8>,
     /// Samples that the reference decodes, in stored order.
-    found: Vec<u8>,
+    decoded: Vec<u8>,
     /// Indices of texels with a record of side information.
     corrected: HashSet<usize>,
 }
@@ -73,15 +73,15 @@ impl<'a> LossyPlane<'a> {
         LossyPlane {
             request,
             plane,
-            wanted: stored_plane(request, &request.samples, plane),
-            found: stored_plane(request, decoded, plane),
+            requested: stored_plane(request, &request.samples, plane),
+            decoded: stored_plane(request, decoded, plane),
             corrected: records.iter().map(|&(index, _)| index as usize).collect(),
         }
     }
 
     /// Checks that corrected texels are right, and that no other texel wraps to the wrong end of the range.
     fn check_wraparound(&self) -> Result<(), WriterFault> {
-        let pairs = self.wanted.iter().zip(&self.found).enumerate();
+        let pairs = self.requested.iter().zip(&self.decoded).enumerate();
         for (index, (&wanted, &found)) in pairs {
             if self.corrected.contains(&index) && wanted != found {
                 let why = "the record of side information for the texel has a different value";
@@ -97,7 +97,7 @@ impl<'a> LossyPlane<'a> {
 
     /// Checks that no sample of a JPEG-LS plane is off by more than `near`.
     fn check_near(&self, near: u8) -> Result<(), WriterFault> {
-        let mut pairs = self.wanted.iter().zip(&self.found);
+        let mut pairs = self.requested.iter().zip(&self.decoded);
         let index = pairs.position(|(&wanted, &found)| distance_modulo_256(wanted, found) > near);
         let why = format!("a loss of at most {near} was requested");
         index.map_or(Ok(()), |index| Err(self.fault("2.9.1/1", index, &why)))
@@ -112,7 +112,7 @@ impl<'a> LossyPlane<'a> {
         let columns = width.div_ceil(8);
         let rows = (self.request.header.height as usize).div_ceil(8);
         let mut errors = vec![0.0; columns * rows];
-        for (index, (&wanted, &found)) in self.wanted.iter().zip(&self.found).enumerate() {
+        for (index, (&wanted, &found)) in self.requested.iter().zip(&self.decoded).enumerate() {
             let block = index / width / 8 * columns + index % width / 8;
             errors[block] += f64::from(distance_modulo_256(wanted, found)).powi(2);
         }
@@ -132,7 +132,7 @@ impl<'a> LossyPlane<'a> {
         let width = self.request.header.width as usize;
         let height = self.request.header.height as usize;
         let (x, y) = (index % width, height - 1 - index / width);
-        let (wanted, found) = (self.wanted[index], self.found[index]);
+        let (wanted, found) = (self.requested[index], self.decoded[index]);
         let name = channel_name(self.request.format.channels(), self.plane);
         WriterFault::new(
             clause,

@@ -1,7 +1,7 @@
 //! Comparison of requested values with a file as seen by a reader with mistakes.
 //!
-//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake gets the right
-//! values from the file, or the file contains the values that this reader gets from the right file.
+//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake sees the right values
+//! in the file, or the file contains the values that this reader sees in the right file.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
@@ -36,12 +36,12 @@ pub fn explains(request: &WriteRequest, right: &[u8], file: &[u8], mistake: &Mis
     is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader gets the right values from `file` with these mistakes but not without them.
+/// Returns true if a reader sees the right values in `file` with these mistakes but not without them.
 pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misreading]) -> bool {
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that a reader gets from the right file with this mistake but not without it.
+/// Returns true if `file` contains the values that a reader with this mistake, but not one without it, sees in the right file.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)
@@ -53,7 +53,7 @@ fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> b
         return biases.count() == 6;
     }
     // Applying a decoding mistake twice undoes it.
-    mistake.at.stage() != Stage::Decoding
+    mistake.step.stage() != Stage::Decoding
         && requires_mistakes(right, &[mistake], |seen| seen.is_written_as_seen(file))
 }
 
@@ -73,7 +73,7 @@ fn requires_mistakes(
 
 /// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
-    match mistake.at {
+    match mistake.step {
         Hook::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
             EditedFile::File(bytes) => Some(bytes),
             EditedFile::Refused => None,
@@ -94,7 +94,7 @@ impl MisreadFile {
         for edit in plane_edits(mistakes) {
             edit(&mut ptm);
         }
-        let stages = mistakes.iter().map(|mistake| mistake.at.stage());
+        let stages = mistakes.iter().map(|mistake| mistake.step.stage());
         Some(MisreadFile {
             reading,
             edits: formula_edits(mistakes),
@@ -137,7 +137,7 @@ impl MisreadFile {
             let uniform_finals = |raw: u8| {
                 let mut uniform = map.clone();
                 uniform.planes.samples.fill(raw);
-                formula::finals(&uniform, &self.reading, Edits(&self.edits)).values
+                formula::final_values(&uniform, &self.reading, Edits(&self.edits)).values
             };
             let [zeros, ones] = [0, 1].map(uniform_finals);
             for i in 0..6 {

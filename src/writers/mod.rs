@@ -9,7 +9,7 @@
 //! file, and 65 if no file can represent the values.
 //!
 //! A file is correct if the reference decodes it to the requested values ([`judge`]). The catalog of misreadings explains wrong
-//! files (`diagnose`): if only a reader with a misreading gets the right values from a file, the writer makes the same mistake.
+//! files (`diagnose`): if only a reader with a misreading sees the right values in a file, the writer makes the same mistake.
 
 #[cfg(unix)]
 pub mod asking;

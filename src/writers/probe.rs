@@ -38,7 +38,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
             return Ok(list);
         }
     }
-    if !list.answers && list.faults() == 0 {
+    if !list.has_frames && list.faults() == 0 {
         let next = "write at least one format; most readers support LRGB";
         list.add_bad(
             "the writer answers every request with 69 (unsupported)",
@@ -50,7 +50,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
 
 /// Adds a step to the checklist: the file is correct, or it has a fault with a likely cause.
 fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
-    list.answers = true;
+    list.has_frames = true;
     let (request, format) = (case.request(), case.format.short_name());
     let fault = match judge(&request, &file.0) {
         Ok(()) => {
@@ -59,7 +59,7 @@ fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         Err(fault) => fault,
     };
     let right = write_requested_file(&request).unwrap_or_default();
-    let mistake = writing::all().find(|m| explains(&request, &right, &file.0, m.at));
+    let mistake = writing::all().find(|m| explains(&request, &right, &file.0, m.step));
     let next = match mistake.map(|mistake| (mistake.effect, mistake.fix)) {
         Some((effect, fix)) => format!("a writer that {effect} would produce this file: {fix}"),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),

@@ -12,7 +12,7 @@
 //! - `matrix`: sixteen numbers in file order, for LUM only.
 //! - `quality`: 20 to 100, for JPEG formats. `near`: maximum error, 0 for lossless, for JPEG-LS formats.
 //! - `prediction`: an optional prediction between planes that a writer may use. Its five lists, `references`, `order`,
-//!   `transforms`, `motion_x` and `motion_y`, have one number per plane and the meanings of 2.9.2 to 2.9.5.
+//!   `transforms`, `motion_x` and `motion_y`, contain one number per plane, with the meanings defined in 2.9.2 to 2.9.5.
 //! - `planes`: path of the stored values, height × width × channels, u8, top row first.
 
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ use crate::tools::export::npy_bytes;
 pub struct WriteRequest {
     /// Header values.
     pub header: RequestHeader,
-    /// Format that `header` names.
+    /// Format named in `header`.
     pub format: Format,
     /// Stored values, `height * width * channels`, interleaved, top row first.
     pub samples: Vec<u8>,

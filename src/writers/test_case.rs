@@ -1,4 +1,4 @@
-//! Test cases whose answer is a file: requests to writers and fitters, including the parts that only reports use.
+//! Test cases whose answer is a file: requests to writers and fitters, including the parts that are used only in reports.
 
 use std::collections::BTreeSet;
 use std::fmt;

@@ -2,9 +2,9 @@
 //!
 //! Three rules cover all misreadings. If none of them produces a file that reveals the misreading, no such file exists.
 //!
-//! - *Lost*: the writer writes the values that a reader with this misreading gets from the right file.
+//! - *Lost*: the writer writes the values that a reader with this misreading sees in the right file.
 //! - *Moved*: the writer stores each value at the position where this reader looks for it.
-//! - *Repaired*: the writer corrects each number by the error of this reader, until the reader gets the right numbers.
+//! - *Repaired*: the writer corrects each number by the error of this reader, until the reader sees the right numbers.
 
 use crate::misreadings::Misreading;
 use crate::ptm::Ptm;
@@ -15,7 +15,7 @@ use crate::writers::request::{RequestHeader, WriteRequest};
 /// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
 const MAX_REPAIRS: usize = 20;
 
-/// Changes of the header from which repairs start: none, negated biases, and reciprocal scales.
+/// Changes to the header from which repairs start: none, negated biases, and reciprocal scales.
 const STARTING_HEADERS: [fn(&mut RequestHeader); 3] = [
     |_| (),
     |header| header.bias = header.bias.map(|bias| -bias),
@@ -43,7 +43,7 @@ fn reference_file(request: &WriteRequest) -> Option<Vec<u8>> {
     is_finite.then(|| write_requested_file(request).ok())?
 }
 
-/// Returns the map that a reader with this mistake gets from the reference's file.
+/// Returns the map that a reader with this mistake sees in the reference's file.
 fn read_with_mistake(request: &WriteRequest, mistake: &Misreading) -> Option<Ptm> {
     let map = MisreadFile::new(&reference_file(request)?, &[mistake])?.into_effective_map();
     (map.planes.samples.len() == request.samples.len()).then_some(map)
@@ -77,7 +77,7 @@ fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> 
     reference_file(&other)
 }
 
-/// Repairs a request until the reader gets the right values from its file. Returns `None` if the repairs do not converge.
+/// Repairs a request until the reader sees the right values in its file. Returns `None` if the repairs do not converge.
 fn repair_values(
     request: &WriteRequest,
     start: fn(&mut RequestHeader),

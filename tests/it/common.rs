@@ -16,7 +16,7 @@ pub use crate::table::rows;
 
 /// Temporary working directory of the program, so that command lines can use file names without a path.
 ///
-/// Command lines are split into words like in a shell. They do not include the program itself.
+/// Command lines are split into words as in a shell. They do not include the program itself.
 pub struct Workspace(TempDir);
 
 impl Workspace {
@@ -106,7 +106,7 @@ impl Workspace {
     }
 }
 
-/// Splits a command line like a shell.
+/// Splits a command line as a shell does.
 pub fn words(line: &str) -> Vec<String> {
     shlex::split(line).unwrap_or_else(|| panic!("unbalanced quotation marks in {line}"))
 }
@@ -251,7 +251,7 @@ pub fn check_writer(line: &str) -> Checked {
     Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` with the report `report`. Also returns the peak memory in KiB, or 0 without /proc.
+/// Runs a `check` that writes its report to `report`. Also returns the peak memory in KiB, or 0 without /proc.
 pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
     let mut child = command
         .stdout(Stdio::piped())
@@ -307,7 +307,7 @@ pub fn assert_conforms(value: &Value, schema: &str) {
 pub struct Load(Vec<Child>);
 
 impl Load {
-    /// Starts to keep the given number of processors busy.
+    /// Keeps the given number of processors busy.
     pub fn new(processors: usize) -> Load {
         let busy = |_| {
             let mut shell = Command::new("sh");
@@ -326,7 +326,7 @@ impl Drop for Load {
     }
 }
 
-/// Returns the command line of a decoder from the zoo of wrong decoders.
+/// Returns the command line of a decoder from the zoo of faulty decoders.
 pub fn zoo(kind: &str) -> String {
     let directory = Path::new(PROGRAM).parent().expect("a directory");
     format!("{}/examples/zoo {kind}", directory.display())
@@ -373,8 +373,7 @@ pub fn have_python(packages: &[&str]) -> bool {
         || skipped(&format!("python3 with {imports} is not installed"))
 }
 
-/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set, because then everything
-/// should be installed.
+/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
 fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(

@@ -31,9 +31,9 @@ pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
         clause: "1.0/1",
         effect: "",
         fix: "",
-        shows: Symptom::Values,
-        seen: Vec::new(),
-        at: Hook::Edits(edits.leak()),
+        symptom: Symptom::Values,
+        sightings: Vec::new(),
+        step: Hook::Edits(edits.leak()),
     }
 }
 

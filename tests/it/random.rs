@@ -1,6 +1,6 @@
 //! Reproducible pseudorandom numbers.
 
-/// A linear congruential generator; each draw is its upper 16 bits.
+/// A linear congruential generator. Each draw returns the upper 16 bits of its state.
 pub struct Rng(pub u32);
 
 impl Rng {

@@ -1,6 +1,6 @@
 //! Tables of tests as text.
 
-/// Reads a table: one row in each line, with cells separated by the word `|`.
+/// Reads a table with one row per line. Cells are separated by `|` between spaces.
 ///
 /// An indented line continues the row above it, and `↵` represents a line feed.
 #[track_caller]

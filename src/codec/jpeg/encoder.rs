@@ -11,8 +11,8 @@
 //! - The samples returned with the stream are computed by `inverse_dct`, because other planes are predicted from
 //!   decoded samples.
 //! - libjpeg writes each Huffman table in a separate segment, followed by the restart interval.
-//! - Unused tables are legal. Here, the quantization steps of unused tables are all 1, and unused Huffman tables have
-//!   a single code, the bit 0 for the symbol 0.
+//! - Unused tables are legal. Here, the quantization steps of unused tables are all 1, and each unused Huffman table contains
+//!   only the one-bit code 0, for symbol 0.
 
 use super::huffman_table::HuffmanTable;
 use super::huffman_tables::{optimal_tables, typical_tables};

@@ -140,8 +140,7 @@ pub(crate) fn unlimited_thresholds(maxval: i32, near: i32) -> [i32; 3] {
     }
 }
 
-/// Limits thresholds: replaces a threshold above MAXVAL or below the previous one (NEAR + 1 for the first) by the
-/// previous one.
+/// Replaces a threshold above MAXVAL or below the previous one (NEAR + 1 for the first) with the previous one.
 pub(crate) fn limit_thresholds(thresholds: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
     let mut min = near + 1;
     thresholds.map(|threshold| {

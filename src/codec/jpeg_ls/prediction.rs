@@ -1,7 +1,7 @@
 //! T.87 A.4: prediction, its error and the reconstructed sample
 //!
-//! The prediction is the *median edge detector*: b or a at an edge, and a + b − c elsewhere. Errors are numbers modulo
-//! RANGE, so two errors give the same sample, and the one nearer to zero is coded.
+//! The prediction is the *median edge detector*: b or a at an edge, and a + b − c elsewhere. Errors are reduced modulo RANGE: of
+//! the two errors that give the same sample, the one nearer to zero is coded.
 //!
 //! Worked example: a = 5, b = 12 and the sample 250, in lossless coding.
 //!

@@ -1,7 +1,6 @@
 //! T.87 A.3.1, A.2.1: the causal template
 //!
-//! The neighbors of the sample x, as in the decoder: a is to the left of x, b is above x, and c and d are to the left
-//! and to the right of b.
+//! The neighbors of the sample x are decoded samples: a is left of x, b is above x, and c and d are left and right of b.
 //!
 //! ```text
 //!     c  b  d

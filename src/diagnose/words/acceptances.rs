@@ -59,7 +59,7 @@ pub(in crate::diagnose) fn describe_observation(
     let expect = |w: &usize| witnesses[*w].case.expect;
     let is_malformed = |w: &usize| matches!(expect(w), Expect::Reject | Expect::Refuse);
     let malformed: Vec<usize> = indices.iter().copied().filter(is_malformed).collect();
-    let claims_more = misreading.shows != Symptom::Acceptances;
+    let claims_more = misreading.symptom != Symptom::Acceptances;
     let &first = malformed.first()?;
     (claims_more && indices.iter().all(is_accepted)).then(|| {
         describe_acceptance(witnesses, &malformed)

@@ -39,7 +39,7 @@ enum Phase {
 }
 
 impl Phase {
-    /// Returns the last step before the values of a view.
+    /// Returns the last step that affects the values of a view.
     fn for_view(view: ViewKind) -> Phase {
         match view {
             ViewKind::Raw => Phase::StoredValue,
@@ -184,8 +184,8 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
 }
 
 /// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images are wrong in
-/// that view: more than half as many, of the same format or of all formats with wrong images in that view. Images that are
-/// described elsewhere count as well. The phase `Rearranged` applies only if most wrong images of the format have it.
+/// that view: more than half as many images of the same format, or of all formats that have wrong images in that view. Images
+/// described elsewhere count as well. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -254,8 +254,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// Removes groups of files with a property that most of the `open` files share and no `known` file has, for each entry
-/// of `formats`.
+/// For each entry of `formats`, removes groups of files with a property that most `open` files and no `known` file have.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -563,7 +562,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes of the latter.
+/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes used in it.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }

@@ -37,8 +37,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
                 clause: case.clauses.first().cloned().unwrap_or_default(),
                 effect: effect.to_owned(),
                 fix: fix.to_owned(),
-                example: format!("for example {}: {}", case.id, diff.says),
-                alike: Vec::new(),
+                example: format!("for example {}: {}", case.id, diff.message),
+                equivalents: Vec::new(),
             },
             indices.iter().map(|&(index, _)| index).collect(),
         ))

@@ -31,7 +31,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
             ),
             fix: "read these formats, or remove them from the capabilities".to_owned(),
             example: format!("for example {}: {}", first.id, first.because),
-            alike: Vec::new(),
+            equivalents: Vec::new(),
         },
         indices,
     ))

@@ -74,7 +74,7 @@ pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usiz
         .collect()
 }
 
-/// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are no evidence.
+/// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are not evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode
@@ -180,7 +180,7 @@ pub(in crate::diagnose) fn describe_non_images(
     let images = indices
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
-    let is_predicted = modes.iter().all(is_refusal) && misreading.shows == Symptom::Refusals;
+    let is_predicted = modes.iter().all(is_refusal) && misreading.symptom == Symptom::Refusals;
     if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted {
         return None;
     }

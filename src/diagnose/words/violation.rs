@@ -1,5 +1,4 @@
-//! Describes violations: crashes, hangs, malformed frames and "unsupported" responses for files that must or may be
-//! refused.
+//! Describes violations on files that must or may be refused: crashes, hangs, malformed frames and "unsupported" responses.
 
 use super::{acceptances::fault_text, list_first, refusals::example};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};

@@ -142,7 +142,7 @@ fn card<C: Reported>(
     evidence: Option<&Markup>,
     open: bool,
 ) -> Markup {
-    let says = &case.says;
+    let says = &case.message;
     // The last part of the message names the affected part of the image; the evidence contains the texel.
     let short = says.rsplit("; ").next().unwrap_or_default();
     let long = match (evidence, says.split_once("texel (")) {

@@ -21,7 +21,7 @@ pub(crate) struct ClauseTally {
 }
 
 impl ClauseTally {
-    /// Counts results, each with the clauses of its case, by clause.
+    /// Counts results by clause. Each result is paired with the clauses of its case.
     pub(crate) fn count<'a>(
         results: impl Iterator<Item = (&'a Vec<String>, Outcome)>,
     ) -> BTreeMap<&'a str, ClauseTally> {

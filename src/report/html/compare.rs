@@ -9,13 +9,13 @@ use maud::{Markup, html};
 /// Maximum side length of a displayed image, in CSS pixels.
 const MAX_SIDE_PIXELS: usize = 208;
 
-/// Expected and received image of the same size, three bytes per texel.
+/// Expected and received images of the same size, with three bytes per texel.
 pub(super) struct ComparedImages<'a> {
     pub width: usize,
     pub height: usize,
     pub expected: &'a [u8],
     pub received: &'a [u8],
-    /// Difference image, four bytes per texel.
+    /// Difference image, with four bytes per texel.
     pub difference: Option<&'a [u8]>,
 }
 

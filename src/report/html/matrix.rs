@@ -66,7 +66,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
             }
         }
     };
-    let title = format!("{} decoders — {}", reports.len(), suite.short());
+    let title = format!("{} decoders — {}", reports.len(), suite.short_title());
     Ok(page_with_head(&title, &body))
 }
 

@@ -24,7 +24,7 @@ pub fn page<C: Reported>(
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
     let (command, verdict) = (&report.decoder.command, &report.verdict);
-    let title = format!("{command}: {verdict} — {}", report.suite.short());
+    let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
         (header(suite, report, run.and_then(|run| run.scene.as_ref())))
         main {
@@ -61,7 +61,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
             }
             @if let Some(reason) = &report.reason { pre.reason tabindex="0" { (reason) } }
             @for remark in &report.remarks {
-                p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.says) }
+                p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.message) }
             }
             @if !report.cases.is_empty() { (results(suite, report)) }
             @if let Some(scene) = scene { (scene::figure(scene)) }
@@ -126,7 +126,7 @@ fn other_cases(report: &Report) -> Markup {
                             thead { tr { th scope="col" { "case" } th scope="col" { "view" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "remark" } } }
                             tbody {
                                 @for case in cases {
-                                    tr { td { (linked(report.suite.case_page(&case.id), &html! { code { (case.id) } })) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.says) } }
+                                    tr { td { (linked(report.suite.case_page(&case.id), &html! { code { (case.id) } })) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.message) } }
                                 }
                             }
                         }

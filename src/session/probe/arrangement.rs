@@ -6,10 +6,10 @@ use crate::suite::compare::Expected;
 use super::body::Interpretation;
 use super::message::{ProbeFault, fault};
 
-/// Names of the orders of samples; the empty one is right.
+/// Names of the orders of samples. The empty name means the right order.
 const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
-/// Names of the orders of channels; the empty one is right.
+/// Names of the orders of channels. The empty name means the right order.
 const ORDERS: [&str; 7] = [
     "",
     "bgr",

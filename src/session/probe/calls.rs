@@ -1,4 +1,4 @@
-//! Calls of the probed decoder, as the protocol defines and in other ways.
+//! Calls to the probed decoder, both as defined by the protocol and in other ways.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -38,7 +38,7 @@ impl Calls<'_> {
         Ok(())
     }
 
-    /// Sends a request as the protocol defines.
+    /// Sends a request as defined by the protocol.
     pub(super) fn ask(&self, view: &View, file: &[u8]) -> Reply {
         self.call_with_template(None, view, file)
     }

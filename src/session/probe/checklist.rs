@@ -23,7 +23,7 @@ pub struct ProbeStep {
     /// Result of the step.
     pub mark: Mark,
     /// The observation.
-    pub says: String,
+    pub message: String,
     /// The next step, if there is something to do.
     pub next: Option<String>,
     /// Instructions for reproducing the observation by hand, if there is something to fix.
@@ -35,7 +35,7 @@ impl ProbeStep {
     pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
-            says: format!("{subject}: {}", fault.0),
+            message: format!("{subject}: {}", fault.0),
             next: Some(fault.1),
             repeat: Some(repeat),
         }
@@ -105,28 +105,28 @@ impl Reproduction {
 pub struct Checklist {
     /// The steps, in the order in which they were taken.
     pub steps: Vec<ProbeStep>,
-    /// True if any first file gave a well-formed frame.
-    pub answers: bool,
+    /// True if the decoder returned a well-formed frame for any first file.
+    pub has_frames: bool,
 }
 
 impl Checklist {
-    fn add(&mut self, mark: Mark, says: impl Into<String>, next: Option<String>) {
-        let (says, repeat) = (says.into(), None);
+    fn add(&mut self, mark: Mark, message: impl Into<String>, next: Option<String>) {
+        let (message, repeat) = (message.into(), None);
         self.steps.push(ProbeStep {
             mark,
-            says,
+            message,
             next,
             repeat,
         });
     }
 
-    pub(crate) fn add_good(&mut self, says: impl Into<String>) {
-        self.add(Mark::Good, says, None);
+    pub(crate) fn add_good(&mut self, message: impl Into<String>) {
+        self.add(Mark::Good, message, None);
     }
 
     /// Adds a fault and a suggested fix.
-    pub(crate) fn add_bad(&mut self, says: impl Into<String>, next: impl Into<String>) {
-        self.add(Mark::Bad, says, Some(next.into()));
+    pub(crate) fn add_bad(&mut self, message: impl Into<String>, next: impl Into<String>) {
+        self.add(Mark::Bad, message, Some(next.into()));
     }
 
     /// Adds a fault found in `subject`, with instructions to reproduce it.
@@ -139,14 +139,14 @@ impl Checklist {
         self.steps.push(ProbeStep::bad(subject, fault, repeat));
     }
 
-    pub(crate) fn add_absent(&mut self, says: impl Into<String>) {
-        self.add(Mark::Absent, says, None);
+    pub(crate) fn add_absent(&mut self, message: impl Into<String>) {
+        self.add(Mark::Absent, message, None);
     }
 
     /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 in all other cases.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        match (self.answers, self.faults()) {
+        match (self.has_frames, self.faults()) {
             (false, _) => 3,
             (true, 1..) => 1,
             (true, 0) => 0,
@@ -170,7 +170,7 @@ impl Checklist {
                 Mark::Bad => '✗',
                 Mark::Absent => '–',
             };
-            let _ = writeln!(text, "{mark} {}", step.says.replace('\n', "\n  "));
+            let _ = writeln!(text, "{mark} {}", step.message.replace('\n', "\n  "));
             if let Some(next) = &step.next {
                 let _ = writeln!(text, "  → {}", next.replace('\n', "\n    "));
             }

@@ -1,8 +1,8 @@
 //! Guides the author of a decoder through the protocol, step by step.
 //!
-//! `check` judges; this explains. Each step sends one request to the decoder and describes errors and their fixes. For a wrong
-//! answer, known mistakes of wrappers (text before the frame, line ends, byte order, planar samples, flipped rows and others) are
-//! undone, alone and combined. The combination that makes the answer correct tells the author what to fix.
+//! `check` judges, and `probe` explains. Each step sends one request to the decoder and describes errors and their fixes. For a
+//! wrong answer, known mistakes of wrappers (text before the frame, line ends, byte order, planar samples, flipped rows and
+//! others) are undone, alone and combined. The combination that makes the answer correct tells the author what to fix.
 
 use std::ffi::OsString;
 
@@ -41,7 +41,7 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
     let Some(first) = one_shot::first_frames(&calls, &mut list) else {
         return list;
     };
-    list.answers = true;
+    list.has_frames = true;
     one_shot::other_formats(&calls, &first, &mut list);
     one_shot::large_frame(&calls, &first, &mut list);
     one_shot::refusals(&calls, &first, &mut list);

@@ -19,8 +19,7 @@ impl Repair {
     }
 }
 
-/// Describes the smallest set of mistakes that must be undone to make `bytes` the correct answer. Returns `None` if there is
-/// none.
+/// Describes the smallest set of mistakes that must be undone to make `bytes` the correct answer, if there is one.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
     // Of several smallest sets, the first is returned.
     let repairs = repairs(bytes, expected, view).into_iter();
@@ -52,7 +51,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 /// Repaired bytes and the mistakes that were undone.
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
-/// Returns the bytes unchanged, and without text mode, other encodings, and text before the frame.
+/// Returns the bytes unchanged, and the results of undoing text mode, other encodings, and text before the frame.
 fn streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));
@@ -85,8 +84,7 @@ fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedByte
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// Returns the bytes without the carriage returns that text mode puts before line feeds: in the first line, after it, or
-/// everywhere.
+/// Returns the bytes without the carriage returns of text mode: without those in the first line, after it, or everywhere.
 fn line_ends(bytes: &[u8]) -> Vec<RepairedBytes> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();

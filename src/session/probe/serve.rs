@@ -1,7 +1,7 @@
 //! The steps of a probe in serve mode, which is optional but faster: one process for all files.
 //!
-//! `DECODER serve` reads lines `SEQ VIEW PATH` and answers each with `SEQ ok NBYTES` and a frame, `SEQ reject 65` or `SEQ
-//! unsupported FEATURE`, at once. The correct answer here is that of one-shot mode, even if its image is wrong.
+//! `DECODER serve` reads lines of the form `SEQ VIEW PATH` and answers each at once: with `SEQ ok NBYTES` and a frame, `SEQ
+//! reject 65`, or `SEQ unsupported FEATURE`. The correct answer here is that of one-shot mode, even if its image is wrong.
 
 use std::ffi::OsStr;
 use std::io::Write;
@@ -24,7 +24,7 @@ const MALFORMED: &[u8] = b"PTM_1.2\n";
 /// Reason for an early end: a fault after a number of requests, or `None` if serve mode is not offered.
 type Stop = Option<(usize, ProbeFault)>;
 
-/// Runs the steps of serve mode: two frames and a refusal, each answered before the next request, then the end.
+/// Runs the steps of serve mode: requests two frames and a refusal, one after the other, and then ends the process.
 pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.add_good("serve: the process ends when its input ends"),

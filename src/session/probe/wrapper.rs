@@ -1,4 +1,4 @@
-//! Faults of a wrapper, found by `check` before any case is requested, with the first files, a large one and malformed ones.
+//! Faults of a wrapper, found by `check` before any case is requested. It uses the first files, a large file and malformed files.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -22,7 +22,7 @@ use super::repair::{Repair, repairs};
 use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
-/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large one and malformed ones.
+/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
 /// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested
 /// only if the run judges any.
 #[must_use]
@@ -90,10 +90,10 @@ fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
         }
     }
     let with_count = |(first, more): (ProbeStep, usize)| ProbeStep {
-        says: match more {
-            0 => first.says,
-            1 => first.says + "\n(and the same in one other view)",
-            _ => format!("{}\n(and the same in {more} other views)", first.says),
+        message: match more {
+            0 => first.message,
+            1 => first.message + "\n(and the same in one other view)",
+            _ => format!("{}\n(and the same in {more} other views)", first.message),
         },
         ..first
     };
@@ -116,8 +116,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes that corrects most frames of a view when undone, unless only the order of samples is
-/// wrong.
+/// Returns the smallest set of mistakes whose undoing corrects most frames of a view, unless only the order of samples is wrong.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
@@ -145,7 +144,7 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     (is_common && !repair.is_order).then(|| reply.step(repair.fault()))
 }
 
-/// Returns the reason why no first file gave a frame, from the first reply that shows it.
+/// Returns the reason why the decoder returned no frame for any first file, from the first reply that reveals it.
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let failed = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(failed).or_else(|| replies.first())?;
@@ -165,7 +164,7 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
     Some(first.step(known.unwrap_or_else(unknown)))
 }
 
-/// Returns a fault if all malformed files cause the same exit status and it does not mean a refusal.
+/// Returns a fault if all malformed files cause the same exit status and this status does not mean a refusal.
 fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<ProbeStep> {
     let files = malformed(&first.file);
     let ask = |i: usize| calls.ask(first.view, files[i].2);

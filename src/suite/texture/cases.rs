@@ -100,7 +100,7 @@ impl Suite<TextureCase> {
     pub fn load_texture() -> Result<Suite<TextureCase>, String> {
         let mut cases = Vec::new();
         for (name, text) in FILES {
-            cases.extend(cases_of(text).map_err(|error| format!("{name}: {error}"))?);
+            cases.extend(parse_cases(text).map_err(|error| format!("{name}: {error}"))?);
         }
         Ok(Suite { cases })
     }
@@ -110,7 +110,7 @@ impl Suite<TextureCase> {
 ///
 /// # Errors
 /// Returns the error and its location.
-pub fn cases_of(text: &str) -> Result<Vec<TextureCase>, String> {
+pub fn parse_cases(text: &str) -> Result<Vec<TextureCase>, String> {
     let file: Value = from_yaml(text)?;
     let cases = match file {
         Value::Array(cases) => cases,

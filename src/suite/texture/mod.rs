@@ -5,8 +5,8 @@
 //! ```text
 //! DECODER [ARG…] texture FILE
 //! ```
-//! FILE is a question in JSON, and the answer on standard output is a JSON object, because nearly every language reads and writes
-//! JSON without a library. Exit status: 0 answered, 65 the question is outside the valid range, 69 not supported.
+//! FILE is a question in JSON, and the answer on standard output is a JSON object, because nearly every language can read and
+//! write JSON without a library. Exit status: 0 answered, 65 the question is outside the valid range, 69 not supported.
 //! `spec-cases/texture/README.md` lists every field.
 
 pub mod cases;

@@ -18,7 +18,7 @@ use crate::texture::{
     Texel, TexelKind, TextureMap, Vector, VertexData,
 };
 
-/// A question to a texture stage.
+/// A question for a texture stage.
 #[derive(Clone, Debug)]
 pub struct Question(Arc<TextureStep>);
 
@@ -114,7 +114,7 @@ enum TextureStep {
     Defaults {},
     /// Selects entries for a facet.
     Select(Surface),
-    /// Looks an index up in a table.
+    /// Looks up an index in a table.
     Resolve {
         #[serde(default)]
         table: BTreeMap<i64, EntryGiven>,
@@ -129,9 +129,9 @@ enum TextureStep {
         #[serde(default = "two")]
         dim: usize,
     },
-    /// Reflects a unit vector from the eye at a normal.
+    /// Reflects a unit vector from the eye about a normal.
     Reflect { i: Vector, n: Vector },
-    /// Transforms coordinates by a matrix of four rows.
+    /// Transforms coordinates with a matrix of four rows.
     Orient { matrix: Matrix, t: Vector },
     /// Interpolates between the corners of a facet.
     Interpolate {
@@ -150,11 +150,11 @@ enum TextureStep {
     },
     /// Returns the sample depth of a footprint on a map.
     Depth {
-        /// Texels of the base level in each direction.
+        /// Number of texels of the base level in each direction.
         size: Vec<usize>,
-        /// The change of the coordinates to the next pixel on the right.
+        /// The change of the coordinates from a pixel to the next one on the right.
         dtdx: Vec<f64>,
-        /// The change of the coordinates to the next pixel above.
+        /// The change of the coordinates from a pixel to the next one above.
         dtdy: Vec<f64>,
         /// The depth sampling bias hint.
         #[serde(default)]
@@ -361,7 +361,7 @@ fn white() -> Color {
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
     fields: Map<String, Value>,
-    /// The entry under the fallback values of the text.
+    /// The entry, with the fallback values of the text.
     entry: Entry,
 }
 
@@ -383,7 +383,7 @@ impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
-    /// Never: every field was read as a field of an entry.
+    /// Never panics, because every field was read as a field of an entry.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();
@@ -491,7 +491,7 @@ struct PtmGiven {
 #[serde(deny_unknown_fields)]
 struct LevelsGiven {
     kind: TexelKind,
-    /// From the base to the pinnacle.
+    /// The levels, from the base to the pinnacle.
     levels: Vec<LevelGiven>,
     /// `none` or `box`.
     mipmap: Option<String>,
@@ -503,7 +503,7 @@ struct LevelsGiven {
 struct LevelGiven {
     /// One number for each direction of the map.
     size: Vec<usize>,
-    /// The components of each texel, t0 fastest.
+    /// The components of each texel, with t0 varying fastest.
     texels: Vec<Vec<f64>>,
 }
 
@@ -621,7 +621,7 @@ struct StageEntry {
     texel: Option<TexelGiven>,
     /// The map, or the default map if omitted.
     map: Option<MapGiven>,
-    /// The coordinates at which it is sampled, after orientation.
+    /// The coordinates at which the map is sampled, after orientation.
     t: Option<Vector>,
     /// The point from which coordinates are derived.
     point: Option<PointGiven>,

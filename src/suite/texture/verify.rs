@@ -20,7 +20,7 @@ pub struct VerifiedAnswer {
     /// True if the answers agree; `None` if the reading is unknown.
     pub holds: Option<bool>,
     /// The answer, or the difference.
-    pub says: String,
+    pub message: String,
 }
 
 /// Compares all expected answers of `case`, first under the reference's reading, then under other readings.
@@ -35,7 +35,7 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
             id: case.id.clone(),
             reading: reading.cloned(),
             holds,
-            says,
+            message: says,
         }
     };
     let base = with_readings(&Rules::SPEC, &fixtures::readings(&case.given));

@@ -131,8 +131,8 @@ pub struct Code {
     #[serde(deserialize_with = "deserialize_static")]
     pub clause: Text,
     /// Description of the problem.
-    #[serde(deserialize_with = "deserialize_static")]
-    pub says: Text,
+    #[serde(rename = "says", deserialize_with = "deserialize_static")]
+    pub message: Text,
     /// Suggested fix for a writer; empty if there is nothing to do.
     #[serde(default, deserialize_with = "deserialize_static")]
     pub fix: Text,
@@ -159,7 +159,7 @@ pub static ALL: LazyLock<Vec<Code>> = LazyLock::new(|| {
 impl Code {
     /// Looks up a code by id.
     #[must_use]
-    pub fn by_id(id: &str) -> Option<&'static Code> {
+    pub fn find(id: &str) -> Option<&'static Code> {
         ALL.iter().find(|code| code.id == id)
     }
 

@@ -37,7 +37,7 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         first.or_else(|| lint.reason.clone()).unwrap_or_default(),
     ];
     let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
-        Some(result) => [result.shows.name().to_owned(), result.how.clone()],
+        Some(result) => [result.result.name().to_owned(), result.fault.clone()],
         None => [String::new(), String::new()],
     });
     join_cells(file_columns.into_iter().chain(reader_columns))

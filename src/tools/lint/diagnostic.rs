@@ -17,7 +17,8 @@ pub struct Diagnostic {
     /// Clause that is violated, or the clause of the code.
     pub clause: &'static str,
     /// Description of the code, which is the same for every file.
-    pub says: &'static str,
+    #[serde(rename = "says")]
+    pub message: &'static str,
     /// Details that are specific to this file.
     pub found: String,
     /// Suggested fix for a writer; empty if there is nothing to do.
@@ -30,8 +31,8 @@ impl Diagnostic {
     #[must_use]
     pub fn text(&self) -> String {
         match self.found.as_str() {
-            "" => self.says.to_owned(),
-            found => format!("{}: {found}", self.says),
+            "" => self.message.to_owned(),
+            found => format!("{}: {found}", self.message),
         }
     }
 }
@@ -61,7 +62,7 @@ impl<'a> Findings<'a> {
             severity: code.severity,
             offset,
             clause: code.clause,
-            says: code.says,
+            message: code.message,
             found: found.into(),
             fix: code.fix,
         });

@@ -131,7 +131,7 @@ impl Lint {
             };
             let position = format!("{}: byte {}", self.file, finding.offset);
             let code = format!("{} {}", finding.severity.name(), finding.code);
-            let says = format!("({}): {}", finding.clause, finding.says);
+            let says = format!("({}): {}", finding.clause, finding.message);
             let _ = writeln!(out, "{position}: {style}{code}{style:#} {says}");
             for (label, text) in [("found", finding.found.as_str()), ("fix", finding.fix)] {
                 if !text.is_empty() {
@@ -162,8 +162,8 @@ impl Lint {
     pub fn predictions_text(&self) -> String {
         let mut out = String::new();
         for reader in &self.readers {
-            let _ = write!(out, "    in {}: {}", reader.reader, reader.shows.name());
-            let details = [("", Some(&reader.how)), ("fix: ", reader.fix.as_ref())];
+            let _ = write!(out, "    in {}: {}", reader.reader, reader.result.name());
+            let details = [("", Some(&reader.fault)), ("fix: ", reader.fix.as_ref())];
             for (label, text) in details {
                 if let Some(text) = text.filter(|text| !text.is_empty()) {
                     let _ = write!(out, "; {label}{text}");

@@ -136,7 +136,7 @@ fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let (start, parts) = (findings.dissection.start(role), segments(stream));
     for segment in &parts {
         if let Some(problem) = segment_problem(coding, segment) {
-            let details = match segment.says.as_str() {
+            let details = match segment.description.as_str() {
                 "" => String::new(),
                 details => format!(" ({details})"),
             };

@@ -16,7 +16,7 @@ pub fn head() -> String {
     let rule = |code: &Code| {
         let mut rule = json!({
             "id": code.id,
-            "shortDescription": { "text": code.says },
+            "shortDescription": { "text": code.message },
             "defaultConfiguration": { "level": level(code.severity) },
             "helpUri": published_url(&address::code(code.id)),
             "properties": { "clause": code.clause },

@@ -1,4 +1,4 @@
-//! Settings that select findings: allowed codes, exclusive codes, severities, and a maximum number.
+//! Settings that select findings: codes to ignore, codes to report exclusively, severities, and a maximum number.
 
 use std::collections::BTreeMap;
 
@@ -44,7 +44,7 @@ impl Settings {
     pub fn check(&self) -> Result<(), String> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
-        let unknown = codes.find(|code| Code::by_id(code).is_none());
+        let unknown = codes.find(|code| Code::find(code).is_none());
         let hint = "`ptm-conform lint --codes` lists all codes";
         unknown.map_or(Ok(()), |code| Err(format!("unknown code {code:?}; {hint}")))
     }

@@ -47,7 +47,7 @@ impl Totals {
             let _ = writeln!(out, "  {count:width$}  {format}");
         }
         for (id, count) in &self.codes {
-            let says = Code::by_id(id).map_or("", |code| code.says);
+            let says = Code::find(id).map_or("", |code| code.message);
             let _ = writeln!(out, "  {count:width$}  {id}  {says}");
         }
         out

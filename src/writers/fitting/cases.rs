@@ -144,7 +144,7 @@ impl RequestValues for ImageSource {
         let mut diagnoses = Vec::new();
         for candidate in cover(candidates.collect(), &mut failing) {
             let (mistake, first) = (candidate.cause, candidate.explains[0]);
-            let fault = wrong_map(first).map_or("", |(_, fault)| &fault.says);
+            let fault = wrong_map(first).map_or("", |(_, fault)| &fault.message);
             let example = format!("for example {}: {fault}", suite.cases[first].id);
             let cause = describe(&mistake.clause, (&mistake.effect, &mistake.fix), example);
             diagnoses.push(Diagnosis::new(cause, candidate.explains));

@@ -1,6 +1,6 @@
 //! Detection of mistakes of fitters by reproducing them.
 //!
-//! - A mistake in the use of photographs or lights leads to a different optimum. A map near that optimum has the mistake.
+//! - A mistake in the use of photographs or lights leads to a different optimum. A map near that optimum reveals the mistake.
 //! - A mistake in the file format results in a map that is right if its numbers are interpreted differently.
 //! - If a map differs from the optimum only by quantization, its quantization steps are too wide or its range is too small.
 

@@ -27,7 +27,7 @@ pub struct SetPlan {
     is_one_sided: bool,
     /// Scale of `a5`, which determines the brightness.
     brightness: f64,
-    /// Maximum noise of a pixel value.
+    /// Maximum noise added to a pixel value.
     noise: u8,
     /// True if the vectors in the `.lp` file are not unit vectors.
     has_long_vectors: bool,
@@ -52,7 +52,7 @@ impl Default for SetPlan {
     }
 }
 
-/// All sets. The first one is for the first contact with a fitter.
+/// All sets. The first one is used for first contact with a fitter.
 pub static SETS: LazyLock<Vec<SetPlan>> = LazyLock::new(|| {
     let yaml = include_str!("../../../spec-cases/writers/fitting-sets.yaml");
     from_yaml(yaml).expect("a list of sets")

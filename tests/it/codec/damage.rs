@@ -1,5 +1,4 @@
-//! Tests streams with changed, missing and duplicated bytes. The decoders must refuse them or return the requested number of
-//! samples.
+//! Tests damaged streams. The decoders must refuse them or return the requested number of samples.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 

@@ -1,6 +1,6 @@
 //! Tests the decoder alone on the corpus, without any other part of the library. `cargo mutants` runs this test.
 //!
-//! `PTM_CORPUS` selects a different corpus, such as one with the large files, which `generate` writes.
+//! `PTM_CORPUS` selects a different corpus, such as one with large files, written by `generate`.
 
 use std::path::PathBuf;
 

@@ -1,5 +1,4 @@
-//! Compares a real file, written by HP's fitter, with the photographs from which it was computed. The tests are skipped if
-//! the shared data is missing.
+//! Compares a real file, written by HP's fitter, with the photographs from which it was computed. Skipped if the data is missing.
 
 use std::fs;
 use std::path::PathBuf;

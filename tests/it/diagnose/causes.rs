@@ -33,13 +33,15 @@ fn failures(run: &Run) -> Vec<usize> {
 
 /// Returns the slugs of the misreadings that a diagnosis names or lists as equivalent.
 fn slugs(diagnosis: &Diagnosis) -> Vec<&'static str> {
-    let (first, alike) = match &diagnosis.cause {
+    let (first, equivalents) = match &diagnosis.cause {
         Cause::Misreading {
-            misreading, alike, ..
-        } => (Some(*misreading), alike),
-        Cause::Described { alike, .. } => (None, alike),
+            misreading,
+            equivalents,
+            ..
+        } => (Some(*misreading), equivalents),
+        Cause::Described { equivalents, .. } => (None, equivalents),
     };
-    let all = first.into_iter().chain(alike.iter().copied());
+    let all = first.into_iter().chain(equivalents.iter().copied());
     all.map(|misreading| misreading.slug).collect()
 }
 
@@ -52,7 +54,7 @@ fn cause_text(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Function that changes the correct answer like a faulty decoder.
+/// Function that changes the correct answer as a faulty decoder would.
 type ChangeAnswer = fn(&Request, Answer) -> Answer;
 
 /// Runs the suite against a decoder that changes the correct answers.
@@ -69,12 +71,13 @@ fn diagnose_faulty_decoder(
     let diagnoses = causes(suite, &run);
     let explained = diagnoses
         .iter()
-        .flat_map(|one| one.explains.iter().chain(&one.partly));
+        .flat_map(|one| one.explains.iter().chain(&one.partial));
     let mut explained: Vec<usize> = explained.copied().collect();
     explained.sort_unstable();
     assert_eq!(explained, failures(&run), "one diagnosis per failure");
     let lines = diagnoses.iter().map(|one| {
-        let (explains, partly, except) = (one.explains.len(), one.partly.len(), one.except.len());
+        let lists = [&one.explains, &one.partial, &one.contradicted_by];
+        let [explains, partly, except] = lists.map(Vec::len);
         format!("{explains}+{partly}-{except}: {}", cause_text(one))
     });
     let lines: Vec<String> = lines.collect();
@@ -101,10 +104,10 @@ fn search_ends_for_unrelated_failures() {
     });
     let failing = failures(&run).len();
     let causes = diagnose(&suite, &run, &[], jobs());
-    println!("{failing} failures, {} answers", causes.answered);
+    println!("{failing} failures, {} answers", causes.answer_count);
     assert!(failing > 500);
     let limit = MAX_ANSWERS_PER_CASE * suite.cases.len();
-    assert!(causes.answered < limit, "{}", causes.answered);
+    assert!(causes.answer_count < limit, "{}", causes.answer_count);
 }
 
 #[test]
@@ -240,7 +243,7 @@ fn mistake_outside_the_formulas_is_described() {
     }
 }
 
-/// Counts the mistakes that are among the first causes, as many as there are mistakes.
+/// Counts the mistakes that are among the first `mistakes.len()` causes.
 fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usize {
     let first = || diagnoses.iter().take(mistakes.len());
     let is_named =
@@ -253,7 +256,7 @@ fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Ve
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
         let is_real = mistakes.iter().any(|mistake| slugs.contains(&mistake.slug));
-        diagnosis.certain && !is_real
+        diagnosis.is_certain && !is_real
     };
     diagnoses.iter().filter(is_false).map(cause_text).collect()
 }

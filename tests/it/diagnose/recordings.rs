@@ -104,14 +104,16 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
         "\n{reader}: {failures} failures, {} answers computed in {:?}",
-        found.answered, found.cpu_time
+        found.answer_count, found.cpu_time
     );
     let causes = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {
             Cause::Misreading {
-                misreading, with, ..
+                misreading,
+                accompanying: with,
+                ..
             } => {
-                let shows = match diagnosis.shows {
+                let shows = match diagnosis.observed {
                     Some(Cause::Described { effect, .. }) => effect,
                     _ => String::new(),
                 };
@@ -124,7 +126,7 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
             } => (effect, example),
         };
         let cause = ReportedCause {
-            count: diagnosis.explains.len() + diagnosis.partly.len(),
+            count: diagnosis.explains.len() + diagnosis.partial.len(),
             effect,
             example,
         };

@@ -56,7 +56,7 @@ fn slugs_with_functions(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn functions_are_in_the_order_of_the_catalog() {
-    let functions = misreadings::all().filter(|one| !matches!(one.at, Hook::Edits(_)));
+    let functions = misreadings::all().filter(|one| !matches!(one.step, Hook::Edits(_)));
     let slugs: Vec<&str> = functions.map(|one| one.slug).collect();
     let sections = [
         "header.rs",
@@ -103,8 +103,7 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
     assert_eq!(hidden, known, "not caught in colors");
 }
 
-/// Returns true if the misreading is also caught in a decoder that only outputs colors, by a case that catches it in
-/// stored values.
+/// Returns true if a case that catches the misreading in stored values also catches it in a decoder that only outputs colors.
 fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     row.killed_by.chunks(20).any(|some| {
         // A damaged file is requested together with its twin.

@@ -97,7 +97,7 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Returns precision and recall of predicting a result for which `matches` returns true.
+    /// Returns the precision and recall of predicting a result for which `matches` returns true.
     fn scores(&self, matches: impl Fn(Shown) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
         let share = |all: usize| both / (all.max(1) as f64);
@@ -129,7 +129,7 @@ fn predictions_match_recorded_readers() {
         let mut tally = Tally::default();
         for (place, seen) in recorded_results(name, &cases) {
             let file = &cases[place].build(TableSpelling::default()).file;
-            let predicted = OpenedFile::new(file).predict(profile).shows;
+            let predicted = OpenedFile::new(file).predict(profile).result;
             tally.add(predicted, seen);
             all.add(predicted, seen);
         }
@@ -141,7 +141,7 @@ fn predictions_match_recorded_readers() {
     assert!(scores.iter().all(|&score| score >= 0.95), "{:?}", all.pairs);
 }
 
-/// Prints precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
+/// Prints the precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
 fn report(name: &str, tally: &Tally) -> [f64; 4] {
     let kinds: [(&str, fn(Shown) -> bool); 4] = [
         ("right", |shown| shown == Shown::Right),
@@ -179,7 +179,7 @@ fn files_converted_for_a_reader_keep_the_map() {
                 Ok((_, made)) => {
                     let back = decode(&made.bytes).expect("a legal file");
                     assert_same_map(ptm, &back, &case.id);
-                    let shown = OpenedFile::new(&made.bytes).predict(reader(name)).shows;
+                    let shown = OpenedFile::new(&made.bytes).predict(reader(name)).result;
                     assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
                     converted += 1;
                 }
@@ -228,7 +228,7 @@ fn wrong_images_are_described() {
         let profile = parse_profiles(&yaml).expect("a profile").remove(0);
         OpenedFile::new(&case.build(TableSpelling::default()).file)
             .predict(&profile)
-            .how
+            .fault
     };
     for (misreading, words) in [
         ("rows-top-down", "upside down"),

@@ -51,7 +51,7 @@ fn remarks() -> OtherRemarks {
 
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
-/// Runs a plan like `check` does, and optionally records the answers.
+/// Runs a plan as `check` does, and optionally records the answers.
 fn run_plan(
     suite: &Suite,
     plan: &RunPlan,
@@ -108,7 +108,7 @@ fn run_part(
     report
 }
 
-/// Asserts that eight merged parts give the same report as a whole run.
+/// Asserts that eight merged parts produce the same report as a whole run.
 #[track_caller]
 fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let whole = report_of_whole_run(suite, decoder);
@@ -116,7 +116,7 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let run = |number| {
         run_part(
             suite,
-            Shard { number, of: 8 },
+            Shard { number, total: 8 },
             decoder,
             &whole.tool,
             scratch.path(),
@@ -176,8 +176,8 @@ fn incomplete_or_foreign_shards_are_not_merged() {
     let suite = suite().prepared();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = report_of_whole_run(&suite, &reference_answer).tool;
-    let run = |number, of| {
-        let part = Shard { number, of };
+    let run = |number, total| {
+        let part = Shard { number, total };
         run_part(&suite, part, &reference_answer, &tool, scratch.path())
     };
     let refusal = |parts: &[PathBuf]| {

@@ -81,7 +81,7 @@ fn diff_groups_many_changes_by_cause_and_clause() {
     }
 }
 
-/// Each edit of a report gives a separate line of the diff.
+/// Each edit of a report produces a separate line in the diff.
 #[test]
 fn diff_reports_each_kind_of_change() {
     let (here, old) = workspace_with_report();

@@ -122,8 +122,7 @@ fn action_arguments_are_split_into_lines() {
     assert_eq!(check(&here, "", "").status.code(), Some(2));
 }
 
-/// Runs the steps without a compiler: with an archive from `scripts/pack.sh`, and a PATH that contains only tools of every
-/// runner.
+/// Runs the steps without a compiler: with an archive from `scripts/pack.sh` and only the tools that every runner has.
 #[test]
 fn action_needs_no_compiler() {
     let tools =

@@ -1,4 +1,4 @@
-//! Counts in documents equal those of the program, and links lead to files in the packed crate.
+//! Counts in documents match those of the program, and links lead to files in the packed crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};

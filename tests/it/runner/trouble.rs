@@ -131,7 +131,7 @@ fn inputs_are_written_to_directories_with_space() {
     );
 }
 
-/// The run reaps the orphaned processes of a decoder that have ended.
+/// The run reaps orphaned processes of a decoder once they have ended.
 #[test]
 fn ended_orphans_are_reaped() {
     if !have_proc() {

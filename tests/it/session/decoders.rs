@@ -4,8 +4,8 @@ use crate::common::{
     Checked, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
 };
 
-/// Copies with one mistake: its name, the text to replace, the replacement, the case for the misread clause, and a similar
-/// case that does not exercise the clause.
+/// Copies with one mistake: its name, the text to replace, the replacement, the case for the misread clause, and a similar case
+/// without that clause.
 const COPIES: &str = r#"
 big-endian-index | "little") | "big") | table-of-257-entries-ptm-lut | table-of-255-entries-ptm-lut
 width-at-256 | len(entries) <= 256 | len(entries) < 256 | table-of-256-entries-ptm-lut | table-of-255-entries-ptm-lut

@@ -102,7 +102,7 @@ fn report_link_is_kept() {
     }
 }
 
-/// The watcher recognizes a decoder that hides its working directory as a child of the run.
+/// The watcher recognizes a decoder with a hidden working directory as a child of the run.
 #[test]
 fn killed_run_leaves_no_hidden_process() {
     if !have_proc() {
@@ -129,8 +129,7 @@ fn killed_run_leaves_no_hidden_process() {
             "{kind} leaves processes"
         );
         let early = sleepers();
-        // The watcher misses processes that started after its last scan. It sleeps before each scan, so wait for three more
-        // sleeps.
+        // The watcher misses processes started after its last scan. It sleeps before each scan, so wait for three more sleeps.
         let sleeps = watcher_sleeps(run.id());
         eventually(60, || watcher_sleeps(run.id()) >= sleeps + 3);
         kill(&mut run);

@@ -32,7 +32,7 @@ fn assert_probed(text: &str, status: &str, says: &str) -> String {
     output
 }
 
-/// Probes shell scripts. Each row has the exit status, the script, and parts of the output.
+/// Probes shell scripts. Each row contains the exit status, the script, and parts of the output.
 #[track_caller]
 fn assert_scripts_probed(table: &str) {
     for [status, script, says] in rows(table) {
@@ -40,8 +40,7 @@ fn assert_scripts_probed(table: &str) {
     }
 }
 
-/// Probes copies of the Python decoder. Each row has the exit status, the text to replace, the replacement, and parts of
-/// the output.
+/// Probes copies of the Python decoder. Each row contains the exit status, the text to replace, its replacement, and output.
 #[track_caller]
 fn assert_copies_probed(table: &str) {
     let Some(decoder) = python_decoder() else {
@@ -67,7 +66,7 @@ fn correct_decoder_is_ready() {
     assert!(!output.contains('✗'), "{output}");
 }
 
-/// Also asserts that `check` gives the same reason.
+/// Also asserts that `check` reports the same reason.
 #[test]
 fn commands_that_cannot_be_started_are_explained() {
     let here = Workspace::new();

@@ -71,9 +71,10 @@ fn highlighted_bytes_affect_the_result() {
     let chapters = annotated.chapters.iter();
     for clause in chapters.flat_map(|chapter| &chapter.clauses) {
         let decides = clause.examples.iter().enumerate().any(|(i, example)| {
-            let parts = annotated.files.parts(&example.file, &example.with);
+            let parts = annotated.files.parts(&example.file, &example.replacements);
             let parts = parts.expect("the parts of the file");
-            let is_shown = |name: &String| example.look.is_empty() || example.look.contains(name);
+            let shown = &example.highlighted;
+            let is_shown = |name: &String| shown.is_empty() || shown.contains(name);
             let places = parts.iter().enumerate();
             let places = places.filter(|(_, (name, _))| is_shown(name));
             places

@@ -39,7 +39,7 @@ fn page(path: &str) -> &'static str {
     text(PAGES.get(path).unwrap_or_else(|| panic!("no page {path}")))
 }
 
-/// Asserts that the page of an address exists and has its anchor.
+/// Asserts that the page at an address exists and contains the anchor.
 #[track_caller]
 fn assert_exists(address: &str) {
     let (path, anchor) = address.split_once('#').unwrap_or((address, ""));

@@ -52,7 +52,7 @@ fn cases_with_outcome(
 fn reference_gives_every_expected_answer() {
     let suite = suite();
     for line in suite.cases.iter().flat_map(verify) {
-        let says = format!("{} {:?}: {}", line.id, line.reading, line.says);
+        let says = format!("{} {:?}: {}", line.id, line.reading, line.message);
         assert_eq!(line.holds, Some(true), "{says}");
     }
 }

@@ -44,7 +44,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`, in turn a sound PTM, a damaged PTM, another file, and a sound PTM.
+/// Writes files in folders below `directory`, cycling through a sound PTM, a damaged PTM, another file, and a sound PTM.
 fn write_collection(here: &Workspace, directory: &str, files: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",

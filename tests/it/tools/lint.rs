@@ -54,7 +54,7 @@ fn codes_have_one_severity_and_unique_texts() {
     let mut texts = BTreeSet::new();
     for code in ALL.iter() {
         assert!(ids.insert(code.id), "{}", code.id);
-        assert!(texts.insert(code.says), "{}", code.says);
+        assert!(texts.insert(code.message), "{}", code.message);
         let letter = match code.severity {
             Severity::Error => 'E',
             Severity::Warning => 'W',

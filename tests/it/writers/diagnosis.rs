@@ -53,7 +53,7 @@ impl Requests {
     fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
         let ask = |query: &Request<'_, WriteView>, _: usize| {
             let (request, correct) = &self.all[query.name];
-            let file = write_with_mistake(request, mistake.at).unwrap_or_else(|| correct.clone());
+            let file = write_with_mistake(request, mistake.step).unwrap_or_else(|| correct.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);
@@ -62,7 +62,9 @@ impl Requests {
         let causes = diagnose(&self.suite, &run, 2);
         match causes.first().map(|first| &first.cause) {
             Some(Cause::Misreading {
-                misreading, alike, ..
+                misreading,
+                equivalents: alike,
+                ..
             }) => {
                 let alike = alike.iter().map(|other| other.slug.to_owned());
                 (failing, misreading.slug.to_owned(), alike.collect())
@@ -72,7 +74,7 @@ impl Requests {
         }
     }
 
-    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or equivalent to it.
+    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or one of its equivalents.
     fn count_named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {

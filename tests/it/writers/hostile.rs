@@ -1,4 +1,4 @@
-//! Tests of writers that violate the protocol: each one gets the expected verdict and leaves no file.
+//! Tests of writers that violate the protocol: each one receives the expected verdict and leaves no file.
 
 use std::fs;
 

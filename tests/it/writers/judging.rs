@@ -22,7 +22,7 @@ fn request(id: &str) -> (WriteRequest, Vec<u8>) {
 #[track_caller]
 fn assert_fault(request: &WriteRequest, file: &[u8], says: &str) {
     let fault = judge(request, file).expect_err("the file is wrong");
-    assert!(fault.says.contains(says), "{fault}");
+    assert!(fault.message.contains(says), "{fault}");
 }
 
 /// Replaces the only occurrence of `from` in a file.
