@@ -49,7 +49,7 @@ fn respond(kind: &str, view: &str, file: &str) {
         "floods" => flood(),
         "closes-stdout-and-runs-on" => close_and_run_on(view, file),
         "closes-everything-and-runs-on" => {
-            run_shell(&format!("exec <&- >&- 2>&-; sleep {}", nap()))
+            run_shell(&format!("exec <&- >&- 2>&-; sleep {}", nap()));
         }
         "hoards" => hoard(),
         "hoards-by-a-child" => hoard_by_child(),

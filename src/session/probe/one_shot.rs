@@ -107,7 +107,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
 
 /// Requests a file of every other format, which must be decoded or answered with 69.
 pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
-    let is_unsupported = |(_, reply): &&(View, Reply)| reply.answer == Answer::Unsupported;
+    let is_unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
     let (mut unsupported, mut failed) = (Vec::new(), Vec::new());
     for format in Format::ALL
         .into_iter()
@@ -117,9 +117,7 @@ pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Check
         match asked.rank() {
             [_, _, true] => list.add_good(format!("{}: decoded correctly", format.short_name())),
             [true, ..] => judge_views(&asked, list),
-            _ if asked.replies.iter().all(|reply| is_unsupported(&reply)) => {
-                unsupported.push(asked)
-            }
+            _ if asked.replies.iter().all(is_unsupported) => unsupported.push(asked),
             _ => failed.push(asked),
         }
     }
@@ -130,19 +128,15 @@ pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Check
     if !unsupported.is_empty() {
         list.add_absent(format!("not supported: {}", names(&unsupported)));
     }
-    for FileReplies { sample, replies } in failed.iter().take(1) {
-        for (view, reply) in replies
-            .iter()
-            .filter(|reply| !is_unsupported(reply))
-            .take(1)
-        {
-            let fault = fault("format-not-read", &[("answer", &reply.answer.describe())]);
-            list.add_fault(
-                &format!("{} {view}", names(&failed)),
-                fault,
-                sample.repeat(view),
-            );
-        }
+    if let Some(FileReplies { sample, replies }) = failed.first()
+        && let Some((view, reply)) = replies.iter().find(|reply| !is_unsupported(reply))
+    {
+        let fault = fault("format-not-read", &[("answer", &reply.answer.describe())]);
+        list.add_fault(
+            &format!("{} {view}", names(&failed)),
+            fault,
+            sample.repeat(view),
+        );
     }
 }
 
