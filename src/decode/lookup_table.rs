@@ -53,7 +53,7 @@ pub(crate) fn read_entry_count(input: &mut Input) -> Result<usize> {
         input.word("2.5/2", "nentries")?;
         input.gap("2.5/2")?;
     }
-    let entries: i64 = input.integer("2.5/2", "the number of entries")?;
+    let entries: u32 = input.integer("2.5/2", "the number of entries")?;
     if !keyword_first && !input.at_line_end() {
         input.gap("2.5/2")?;
         input.word("2.5/2", "N_LUT_ENTRIES")?;

@@ -109,7 +109,7 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         let is_whole = |witness: &Witness| {
             witness.failed && witness.legal_files == legal.len() + witness.inconclusive_files
         };
-        if legal.len() < MIN_SUPPORT || !legal.iter().all(|&w| is_whole(&witnesses[w])) {
+        if legal.len() < 2 || !legal.iter().all(|&w| is_whole(&witnesses[w])) {
             continue;
         }
         let Some(mode) = common_mode(witnesses, &legal) else {
@@ -129,6 +129,7 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
             }),
         }
     }
+    groups.retain(|group| group.cases.len() >= MIN_SUPPORT);
     groups
 }
 
