@@ -40,6 +40,9 @@ impl TexelKind {
     }
 }
 
+/// Indices of two neighboring cells along a dimension, each with its weight. The weights sum to 1.
+pub(crate) type CellPair = [(usize, f64); 2];
+
 /// Sample of a texture map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texel {

@@ -4,12 +4,12 @@
 //! decisions through [`Rules`], so an alternative reading or a deliberate mistake is implemented by replacing a function.
 
 use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
+use super::map::{CellPair, Texel};
+use super::no_value::NoValue;
 use super::primitive::{
     Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection, Shade, Site,
     Surface, Terms, VertexData,
 };
-use super::sample::CellPair;
-use super::{map::Texel, no_value::NoValue};
 use crate::evaluate::RelitImage;
 
 /// Reading of the chapter: one function per decision, in the order of the chapter.

@@ -11,11 +11,8 @@
 
 use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
-use super::map::{Level, Texel, TextureMap};
+use super::map::{CellPair, Level, Texel, TextureMap};
 use super::{primitive::Fetched, rules::Rules};
-
-/// Indices of two neighboring cells along a dimension, each with its weight. The weights sum to 1.
-pub(crate) type CellPair = [(usize, f64); 2];
 
 /// Samples `map` at `t` and `depth` with the method of the entry for magnified or minified maps.
 #[must_use]
