@@ -85,16 +85,10 @@ pub(crate) fn evaluate(
     }
 }
 
-/// Multiplies the matrix by (Y, Cr, Cb, 1) (clauses 2.6/4–5).
-pub(crate) fn lum_color(
-    matrix: &ColorMatrix,
-    y: f64,
-    cr: f64,
-    cb: f64,
-    reading: &Reading,
-) -> [f64; 3] {
+/// Multiplies the matrix `m` by (Y, Cr, Cb, 1) (clauses 2.6/4–5).
+pub(crate) fn lum_color(m: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
     let [p, q, r] = (reading.lum_vector)(y, cr, cb);
-    (reading.lum_matrix)(matrix)
+    (reading.lum_matrix)(m)
         .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
 }
 

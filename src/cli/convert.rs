@@ -103,7 +103,7 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
     Ok(0)
 }
 
-fn parse_format(text: &str) -> Result<Format, String> {
+pub fn parse_format(text: &str) -> Result<Format, String> {
     text.to_uppercase().parse::<Format>().map_err(|_| {
         let names = Format::ALL.map(Format::short_name);
         format!("expected one of {}", names.join(", "))

@@ -106,6 +106,12 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let codes: Vec<&str> = codes::ALL.iter().map(|code| code.id).collect();
     let (count, codes) = (codes.len(), codes.join(", "));
     let _ = writeln!(text, "\n{count} lint codes:\n  {codes}");
+    let profiles = readers::load_profiles(None)?;
+    let names: Vec<&str> = profiles
+        .iter()
+        .map(|profile| profile.name.as_str())
+        .collect();
+    let _ = writeln!(text, "\n{} readers:\n  {}", names.len(), names.join(", "));
     Ok(text)
 }
 
@@ -329,12 +335,14 @@ fn explain_case(case: &Case) -> String {
 /// Returns the error message for an unknown id, with suggestions.
 fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
+    let profiles = readers::load_profiles(None)?;
     let cases = suite.cases.iter().map(|case| case.id.as_str());
     let known = cases
         .chain(clauses.iter().map(|clause| clause.id.as_str()))
         .chain(rulings.iter().map(|ruling| ruling.id.as_str()))
         .chain(misreadings::all().map(|misreading| misreading.slug))
-        .chain(codes::ALL.iter().map(|code| code.id));
+        .chain(codes::ALL.iter().map(|code| code.id))
+        .chain(profiles.iter().map(|profile| profile.name.as_str()));
     let near = nearest_names(id, known);
     Ok(match near.is_empty() {
         true => format!(

@@ -45,7 +45,7 @@ pub struct GenerateArgs {
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
     /// With a profile, write only files of this format, such as LRGB or JPEG_RGB. Repeatable.
-    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile")]
+    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile", value_parser = super::convert::parse_format)]
     formats: Vec<Format>,
     /// Also write files over 4 KiB.
     #[arg(long)]
@@ -131,7 +131,7 @@ fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
         files::write_atomically(&path, file)?;
         let (path, size, expected) = (path.display(), file.len(), case.expect.name());
         print_note(&format!(
-            "{path}: {size} bytes; expected: {expected}. More: ptm-conform explain {id}\n"
+            "{path}: {size} bytes; expected outcome: {expected}. More: ptm-conform explain {id}\n"
         ));
     }
     Ok(0)

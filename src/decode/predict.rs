@@ -165,7 +165,7 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Returns a sample. Outside the plane, returns the nearest sample of the edge (clause 2.9.3/6, ruling `motion-border`).
+/// Returns the sample at a position, or the nearest edge sample if it is outside the plane (clause 2.9.3/6, ruling `motion-border`).
 pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
@@ -177,7 +177,7 @@ pub(crate) fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
-/// Returns a sample. Outside the plane, returns 128 (alternative for ruling `motion-border`).
+/// Returns the sample at a position, or 128 if it is outside the plane (alternative for ruling `motion-border`).
 pub(crate) fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     if (0..width).contains(&x) && (0..height).contains(&y) {

@@ -135,17 +135,12 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the mistake, restricted to files for which no passing case contradicts it, or `None` if the evidence is too weak.
-fn restrict(
-    search: &Search,
-    set: &MistakeSet,
-    mistake: &Mistake,
-    left: &[usize],
-) -> Option<Mistake> {
+/// Returns the edit, restricted to files for which no passing case contradicts it, or `None` if the evidence is too weak.
+fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -> Option<Mistake> {
     let images = search.comparable_images(left);
-    let fits = |w: &usize| search.agreement_with(*w, set, mistake) == Agreement::Image;
+    let fits = |w: &usize| search.agreement_with(*w, set, edit) == Agreement::Image;
     let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    let contradicting = search.refuting_files_with(set, mistake);
+    let contradicting = search.refuting_files_with(set, edit);
     let scope = match contradicting.is_empty() {
         true => FileScope::All,
         false => separating_scope(search.witnesses, &explained, &contradicting)?,
@@ -153,28 +148,28 @@ fn restrict(
     // There are so many candidates that some of them fit the files with a certain property by chance.
     let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
     if is_by_property
-        && (mistake.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
+        && (edit.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
     {
         return None;
     }
     // With two restrictions, too many edits fit by chance, except for constants: values that the decoder never writes.
-    let is_limited_twice = mistake.channels != ChannelSubset::All && scope != FileScope::All;
+    let is_limited_twice = edit.channels != ChannelSubset::All && scope != FileScope::All;
     let is_number = matches!(
-        single_edit(mistake),
+        single_edit(edit),
         Some(EditedForm::Expression(Expression::Number(_)))
     );
     if is_limited_twice && (is_by_property || !is_number) {
         return None;
     }
     let restricted = Mistake {
-        misreading: mistake.misreading,
-        channels: mistake.channels,
+        misreading: edit.misreading,
+        channels: edit.channels,
         scope,
     };
-    // A later mistake may also change the images in other views. A learned table has already been compared with these images.
+    // A later edit may also change the images in other views. A learned table has already been compared with these images.
     let is_changed = |w: &&usize| search.changes_answer_with(**w, set, &restricted);
     let changed: Vec<usize> = images.iter().filter(is_changed).copied().collect();
-    let is_learned = matches!(single_edit(mistake), Some(EditedForm::Table(_)));
+    let is_learned = matches!(single_edit(edit), Some(EditedForm::Table(_)));
     let is_supported = explained.len() >= MIN_SUPPORT
         && (is_learned || explains_a_view(search.witnesses, &explained, &changed));
     is_supported.then_some(restricted)

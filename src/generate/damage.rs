@@ -23,7 +23,7 @@ pub struct Damage {
     /// Slug used in cases.
     #[serde(rename = "slug")]
     pub name: String,
-    /// Clause that the damage violates or exceeds.
+    /// Clause that the damaged file violates or goes beyond.
     pub clause: String,
     /// The resulting fault of the file, as a sentence without a period.
     pub effect: String,

@@ -146,22 +146,17 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
 }
 
 /// Writes the number of cases and one example for each key, most frequent key first.
-fn write_counts(
-    out: &mut String,
-    cases: &[ChangedCase],
-    old: &Report,
-    new: &Report,
-) -> fmt::Result {
+fn write_counts(out: &mut String, list: &[ChangedCase], old: &Report, new: &Report) -> fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
-    for pair in cases {
+    for pair in list {
         let group = groups.entry(group_key(old, new, pair));
         group.or_default().push(pair.1);
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
-    groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));
-    groups.iter().try_for_each(|(key, cases)| {
-        let example = &cases[0].id;
-        match cases.len() {
+    groups.sort_by_key(|(_, list)| std::cmp::Reverse(list.len()));
+    groups.iter().try_for_each(|(key, list)| {
+        let example = &list[0].id;
+        match list.len() {
             1 => writeln!(out, "  {:>5}  {key}: {example}", 1),
             count => writeln!(out, "  {count:>5}  {key}, for example {example}"),
         }

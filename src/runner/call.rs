@@ -226,7 +226,7 @@ impl Drop for Call {
     }
 }
 
-/// Reads from a non-blocking pipe, and drops the pipe at its end. Returns 0 if no data is available.
+/// Reads from a non-blocking pipe, and drops the pipe at the end of its data. Returns 0 if no data is available.
 fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize> {
     let Some(fd) = pipe else { return Ok(0) };
     match rustix::io::read(&*fd, buffer) {

@@ -318,7 +318,7 @@ impl<'a> Server<'a> {
         ))
     }
 
-    /// Returns the answer for a timeout. If the process answers when its input is closed, it had buffered its output.
+    /// Returns the answer for a timeout. If the process answers only after its input is closed, it was buffering its output.
     fn timeout_answer(&mut self, max_bytes: usize, limit: Duration, decoder: &Decoder) -> Answer {
         drop(self.stdin.take());
         let deadline = Instant::now() + GRACE_PERIOD;

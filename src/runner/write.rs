@@ -55,14 +55,10 @@ impl Decoder {
     /// Panics if the program is not called [as a writer](Decoder::as_writer).
     #[must_use]
     pub fn write(&self, call: &WriteCall, scratch: &Scratch) -> CallResult {
-        self.retry(|| self.attempt_to_write(call, scratch))
+        self.retry(|| self.try_to_write(call, scratch))
     }
 
-    fn attempt_to_write(
-        &self,
-        call: &WriteCall,
-        scratch: &Scratch,
-    ) -> Result<CallResult, CallFailure> {
+    fn try_to_write(&self, call: &WriteCall, scratch: &Scratch) -> Result<CallResult, CallFailure> {
         let template = self
             .template
             .as_ref()

@@ -1,6 +1,6 @@
 //! A run, from first contact to the last answer and the verdicts.
 //!
-//! [`run::check`] is the table of contents. All requests, for PTM files or texture questions, are
+//! Start with [`run::check`], which calls all stages in order. All requests, for PTM files or texture questions, are
 //! [`TestCase`](crate::suite::test_case::TestCase)s.
 
 mod again;

@@ -106,7 +106,9 @@ impl<'a> Dissection<'a> {
     }
 
     fn new(file: &'a [u8], fields: &[Field], outcome: Result<Ptm, Error>) -> Dissection<'a> {
-        let name = fields.iter().find(|field| field.clause == FORMAT_NAME);
+        let name = fields
+            .iter()
+            .find(|field| field.clause == FORMAT_NAME_CLAUSE);
         let name = name.map(|field| &file[field.range.clone()]);
         let mut formats = Format::ALL.into_iter();
         let format = formats.find(|format| Some(format.name().as_bytes()) == name);
@@ -206,7 +208,7 @@ impl<'a> Dissection<'a> {
             return;
         };
         let (clause, mut offset) = (error.clause(), error.offset());
-        if clause != COMPRESSED_PLANE {
+        if clause != COMPRESSED_PLANE_CLAUSE {
             let blocks = self.parts.iter();
             let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
             let (nth, range) = (blocks.count(), offset..self.file.len());
@@ -215,8 +217,8 @@ impl<'a> Dissection<'a> {
         // Add the planes up to the end of the file.
         for plane in 0..self.compressed_planes() {
             for (size, clause) in [
-                (Role::StreamSize(plane), COMPRESSED_PLANE),
-                (Role::SideSize(plane), SIDE_INFORMATION),
+                (Role::StreamSize(plane), COMPRESSED_PLANE_CLAUSE),
+                (Role::SideSize(plane), SIDE_INFORMATION_CLAUSE),
             ] {
                 let size = self.number(size).and_then(|size| u64::try_from(size).ok());
                 let size = size.unwrap_or(0);
@@ -242,7 +244,7 @@ impl<'a> Dissection<'a> {
         let is_word = matches!(&self.file[range.clone()], b"nentries" | b"N_LUT_ENTRIES");
         let (role, name, list) = match clause {
             "2.1/1" => (Role::Version, "version", ""),
-            FORMAT_NAME => (Role::Format, "format", ""),
+            FORMAT_NAME_CLAUSE => (Role::Format, "format", ""),
             "2.3/1" if nth == 0 => (Role::Width, "width", ""),
             "2.3/1" => (Role::Height, "height", ""),
             "2.4/3" => (Role::Scale(nth), "scale of a#", "scales of a0…a5"),
@@ -262,8 +264,8 @@ impl<'a> Dissection<'a> {
             "2.9.5/1" => (Role::Reference(nth), "reference of plane #", "references"),
             "2.9.6/1" => (Role::StreamSize(nth), STREAM_SIZE, "compressed sizes"),
             "2.9.7/1" => (Role::SideSize(nth), SIDE_SIZE, "side sizes"),
-            COMPRESSED_PLANE => (Role::Stream(nth), "plane #", ""),
-            SIDE_INFORMATION => (Role::Side(nth), "side information of plane #", ""),
+            COMPRESSED_PLANE_CLAUSE => (Role::Stream(nth), "plane #", ""),
+            SIDE_INFORMATION_CLAUSE => (Role::Side(nth), "side information of plane #", ""),
             _ => return,
         };
         self.parts.push(FilePart {
@@ -324,10 +326,10 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
 const STREAM_SIZE: &str = "compressed size of plane #";
 const SIDE_SIZE: &str = "side information size of plane #";
 
-/// Clauses of the format name, the compressed planes and the side information.
-const FORMAT_NAME: &str = "2.2/1";
-const COMPRESSED_PLANE: &str = "2.9.8/2";
-const SIDE_INFORMATION: &str = "2.9.8/4";
+/// Clauses about the format name, the compressed planes and the side information.
+const FORMAT_NAME_CLAUSE: &str = "2.2/1";
+const COMPRESSED_PLANE_CLAUSE: &str = "2.9.8/2";
+const SIDE_INFORMATION_CLAUSE: &str = "2.9.8/4";
 
 impl FilePart {
     /// Returns the byte range of the part.

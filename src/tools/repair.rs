@@ -119,7 +119,7 @@ impl<'a> LenientHeader<'a> {
         if decode(&normalized).is_ok() {
             let is_exact = Dissection::parse(&normalized).end() == normalized.len();
             if self.line_end != "\n" && !is_exact || self.has_converted_payload() {
-                let why = "the file was copied in text mode, which also changed its payload";
+                let why = "the file seems to have been copied in text mode, which also changes the payload";
                 return Err(why.to_owned());
             }
             changes.push(WHITESPACE.to_owned());
@@ -179,20 +179,19 @@ impl<'a> LenientHeader<'a> {
     }
 }
 
-/// Returns true if the bytes after `end` may be values: whole rows or columns, or values that are displaced because the header
-/// continues into the payload.
+/// Returns true if the bytes after `end` may be values: whole texels or records of side information, or values that are
+/// displaced because the header continues into the payload. Any bytes may be indices of a table.
 fn may_be_values(bytes: &[u8], end: usize) -> bool {
     let Ok(Ptm { header, .. }) = decode(bytes) else {
         return false;
     };
-    let (format, size) = (header.format, header.size);
-    let extra = bytes.len() - end;
-    let start = end.saturating_sub(size.texels() * format.channels());
-    let lines = [size.width, size.height].map(|texels| texels as usize * format.channels());
-    format.coding().is_none()
-        && !format.has_table()
-        && (lines.iter().any(|line| extra.is_multiple_of(*line))
-            || bytes[start].is_ascii_whitespace())
+    let texel = header.format.channels();
+    let (unit, payload) = match header.format {
+        format if format.has_table() => (1, 0),
+        format if format.coding().is_some() => (5, 0),
+        _ => (texel, end - header.size.texels() * texel),
+    };
+    (bytes.len() - end).is_multiple_of(unit) || bytes[payload].is_ascii_whitespace()
 }
 
 /// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.

@@ -25,7 +25,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
             category: Category::Refusal,
             clause: "2.2/1".to_owned(),
             effect: format!(
-                "exits with 69 (unsupported) on {} files of {}, which its capabilities declare",
+                "exits with 69 (unsupported) on {} files, although its capabilities declare their formats: {}",
                 indices.len(),
                 formats.join(", ")
             ),

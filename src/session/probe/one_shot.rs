@@ -1,5 +1,7 @@
 //! The steps of a probe that start a process for each request.
 
+use std::collections::BTreeMap;
+
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::Format;
 use crate::runner::run::Reply;
@@ -35,7 +37,7 @@ impl FileReplies {
         let first = samples.next().expect("every format has a spelling");
         let mut best = FileReplies::new(calls, first);
         let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-        while !best.rank()[2] && !best.replies.iter().all(unsupported) {
+        while !best.rank()[2] && !best.replies.iter().all(unsupported) && !best.hangs() {
             let Some(sample) = samples.next() else { break };
             let asked = FileReplies::new(calls, sample);
             if asked.rank() > best.rank() {
@@ -55,6 +57,22 @@ impl FileReplies {
             _ => [false; 3],
         };
         self.replies.iter().map(one).max().unwrap_or_default()
+    }
+
+    /// Returns true if the decoder does not answer in some view.
+    fn hangs(&self) -> bool {
+        let is_hang = |(_, reply): &(View, Reply)| matches!(reply.answer, Answer::Hung(_));
+        self.replies.iter().any(is_hang)
+    }
+
+    /// Returns true if every view is decoded correctly or not supported.
+    fn is_faultless(&self) -> bool {
+        self.replies
+            .iter()
+            .all(|(view, reply)| match &reply.answer {
+                Answer::Decoded(frame) => self.sample.expected(view).compare(frame).is_none(),
+                answer => *answer == Answer::Unsupported,
+            })
     }
 
     /// Returns true if requesting more files is pointless.
@@ -107,35 +125,39 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
 
 /// Requests a file of every other format, which must be decoded or answered with 69.
 pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
-    let is_unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-    let (mut unsupported, mut failed) = (Vec::new(), Vec::new());
+    let mut unsupported = Vec::new();
+    let mut failed: BTreeMap<String, (Vec<&str>, Reproduction)> = BTreeMap::new();
     for format in Format::ALL
         .into_iter()
         .filter(|format| *format != first.sample.format)
     {
-        let asked = FileReplies::request_in_best_spelling(calls, format);
-        match asked.rank() {
-            [_, _, true] => list.add_good(format!("{}: decoded correctly", format.short_name())),
-            [true, ..] => judge_views(&asked, list),
-            _ if asked.replies.iter().all(is_unsupported) => unsupported.push(asked),
-            _ => failed.push(asked),
+        let (name, asked) = (
+            format.short_name(),
+            FileReplies::request_in_best_spelling(calls, format),
+        );
+        let is_supported = |(_, reply): &&(View, Reply)| reply.answer != Answer::Unsupported;
+        match asked.replies.iter().find(is_supported) {
+            None => unsupported.push(name),
+            Some(_) if asked.is_faultless() => list.add_good(format!("{name}: decoded correctly")),
+            Some(_) if asked.rank()[0] => judge_views(&asked, list),
+            Some((view, reply)) => {
+                let repeat = || (Vec::new(), asked.sample.repeat(view));
+                let same = failed.entry(reply.answer.describe()).or_insert_with(repeat);
+                same.0.push(name);
+            }
+        }
+        if asked.hangs() {
+            break;
         }
     }
-    let names = |files: &[FileReplies]| -> String {
-        let names = files.iter().map(|file| file.sample.format.short_name());
-        names.collect::<Vec<_>>().join(", ")
-    };
     if !unsupported.is_empty() {
-        list.add_absent(format!("not supported: {}", names(&unsupported)));
+        list.add_absent(format!("not supported: {}", unsupported.join(", ")));
     }
-    if let Some(FileReplies { sample, replies }) = failed.first()
-        && let Some((view, reply)) = replies.iter().find(|reply| !is_unsupported(reply))
-    {
-        let fault = fault("format-not-read", &[("answer", &reply.answer.describe())]);
+    for (answer, (names, repeat)) in failed {
         list.add_fault(
-            &format!("{} {view}", names(&failed)),
-            fault,
-            sample.repeat(view),
+            &names.join(", "),
+            fault("format-not-read", &[("answer", &answer)]),
+            repeat,
         );
     }
 }

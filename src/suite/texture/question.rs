@@ -383,7 +383,7 @@ impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
-    /// Never panics, because every field was read as a field of an entry.
+    /// This does not happen: every field was validated when the question was parsed.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();

@@ -126,7 +126,7 @@ fn check_unused_transforms(findings: &mut Findings, count: usize) {
     }
 }
 
-/// Reports parts of a stream that an encoder of planes would normally not write (ruling `plane-odd`).
+/// Reports parts of a stream that a plane encoder would not normally write (ruling `plane-odd`).
 fn check_stream(findings: &mut Findings, coding: Coding, plane: usize) {
     let role = Role::Stream(plane);
     let stream = findings.dissection.bytes(role).unwrap_or_default();

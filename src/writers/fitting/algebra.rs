@@ -68,21 +68,16 @@ pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f
 }
 
 /// Rotates rows and columns `p` and `q` so that element (`p`, `q`) becomes zero.
-fn rotate<const N: usize>(
-    matrix: &mut [[f64; N]; N],
-    vectors: &mut [[f64; N]; N],
-    p: usize,
-    q: usize,
-) {
-    let theta = (matrix[q][q] - matrix[p][p]) / (2.0 * matrix[p][q]);
+fn rotate<const N: usize>(m: &mut [[f64; N]; N], v: &mut [[f64; N]; N], p: usize, q: usize) {
+    let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
     let tangent = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
     let cosine = 1.0 / (tangent * tangent + 1.0).sqrt();
     let sine = tangent * cosine;
     let rotate_pair = |a: f64, b: f64| (cosine * a - sine * b, sine * a + cosine * b);
-    for row in matrix.iter_mut().chain(vectors) {
+    for row in m.iter_mut().chain(v) {
         (row[p], row[q]) = rotate_pair(row[p], row[q]);
     }
-    let (above, below) = matrix.split_at_mut(q);
+    let (above, below) = m.split_at_mut(q);
     for (a, b) in above[p].iter_mut().zip(&mut below[0]) {
         (*a, *b) = rotate_pair(*a, *b);
     }
