@@ -87,9 +87,9 @@ pub(crate) fn evaluate(
 
 /// Multiplies the matrix `m` by (Y, Cr, Cb, 1) (clauses 2.6/4–5).
 pub(crate) fn lum_color(m: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
-    let [p, q, r] = (reading.lum_vector)(y, cr, cb);
+    let v = (reading.lum_vector)(y, cr, cb);
     (reading.lum_matrix)(m)
-        .map(|[m0, m1, m2, t]| m0 * p + m1 * q + m2 * r + (reading.lum_translation)(t))
+        .map(|[m0, m1, m2, t]| m0 * v[0] + m1 * v[1] + m2 * v[2] + (reading.lum_translation)(t))
 }
 
 /// Returns the light unchanged: +u is right, +v is up (clause 1.0/2, ruling `light`).
