@@ -72,7 +72,9 @@ impl<'a, C: TestCase> Session<'a, C> {
         let (stop, hung) = (&self.plan.stop, &self.tally.hung);
         match (stop.load(Ordering::Relaxed), hung.load(Ordering::Relaxed)) {
             (true, _) => Some("the run was interrupted"),
-            (false, true) => Some("the run ended early: three legal files in a row hung"),
+            (false, true) => {
+                Some("the run ended early: the decoder hung on three legal files in a row")
+            }
             (false, false) => None,
         }
     }

@@ -201,7 +201,7 @@ fn three_hangs_end_a_run_for_any_number_of_jobs() {
         let page = html::page(&suite, &report, Some(&run)).expect("a page");
         let text = report.to_text(&suite, 10);
         for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
-            let why = "the run ended early: three legal files in a row hung; ";
+            let why = "the run ended early: the decoder hung on three legal files in a row; ";
             let count = format!("{} cases were not run", not_run.len());
             assert!(text.contains(&(why.to_owned() + &count)), "{form}: {text}");
         }
