@@ -762,7 +762,7 @@ fn with_rendering_control(
     maps
 }
 
-/// Applies the maps to the lit color, as if the light on a white surface were white.
+/// Applies the maps to the lit color: multiplies the surface color by the light, then treats the light as white.
 fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &LitPrimitive, rules: &Rules) -> Shade {
     let diffuse = LitPrimitive {
         surface: with_color(lit.surface, multiply(lit.white, lit.surface.color)),

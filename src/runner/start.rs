@@ -77,7 +77,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     if !about.is_file() {
         return obstacle(
             format!("{text} is a device, a pipe or a socket, not a program"),
-            "name the decoder by a path such as ./my-decoder, after --",
+            "give the path of the decoder after --, for example -- ./my-decoder",
         );
     }
     let beginning = read_beginning(&program);
@@ -107,7 +107,7 @@ fn missing_command(text: &str, message: &str) -> Obstacle {
             "the command consists of several words; write them without quotation marks: -- {text}"
         )
     } else {
-        "name the decoder by a path such as ./my-decoder, after --".to_owned()
+        "give the path of the decoder after --, for example -- ./my-decoder".to_owned()
     };
     (message.to_owned(), next)
 }
