@@ -225,8 +225,8 @@ try {
   assert.deepEqual(requests.filter((url) => !pages.includes(url.split("#")[0])), []);
   // A page that sends a request is detected.
   const external = join(dirname(page), "asking.html");
-  writeFileSync(asking, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
-  await open(asking);
+  writeFileSync(external, "<!DOCTYPE html><title>asking</title><img src='missing.png'>");
+  await open(external);
   assert.deepEqual((await requestedUrls()).map((url) => url.split("/").at(-1)), ["asking.html", "missing.png"]);
   console.log(`${images.length} images, ${all} cards, ${requests.length} requests, all for the pages themselves`);
 } finally {
