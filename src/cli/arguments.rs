@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ptm_conform::protocol::frame::EXIT_UNSUPPORTED;
+use ptm_conform::{protocol::frame::EXIT_UNSUPPORTED, ptm::Format};
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
@@ -53,4 +53,12 @@ pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, S
 pub fn is_at_or_below(clause: &str, requested: &str) -> bool {
     let rest = clause.strip_prefix(requested);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.', '-']))
+}
+
+/// Parses the short name of a format in upper or lower case.
+pub fn parse_format(text: &str) -> Result<Format, String> {
+    text.to_uppercase().parse::<Format>().map_err(|_| {
+        let names = Format::ALL.map(Format::short_name);
+        format!("expected one of {}", names.join(", "))
+    })
 }

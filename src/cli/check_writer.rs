@@ -37,7 +37,7 @@ pub struct CheckWriterArgs {
     #[command(flatten)]
     run: RunArgs,
     /// Run only requests for this format: LRGB, JPEG_RGB, … Repeatable.
-    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = super::convert::parse_format)]
+    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = super::arguments::parse_format)]
     formats: Vec<Format>,
     /// Run only requests whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]

@@ -12,7 +12,7 @@ use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repai
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///
 /// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
-/// distinct texels. Every format except LUM has a lossless JPEGLS counterpart and a JPEG counterpart with the loss that --quality allows.
+/// distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart.
 /// The result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
 /// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not
@@ -25,7 +25,7 @@ pub struct ConvertArgs {
     /// A PTM file.
     file: PathBuf,
     /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
-    #[arg(long, value_name = "FORMAT", value_parser = parse_format, required_unless_present_any = ["readers", "repair"])]
+    #[arg(long, value_name = "FORMAT", value_parser = super::arguments::parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
     /// Convert without loss to a format and a header spelling that these readers display correctly, or explain why this is
     /// impossible.
@@ -101,11 +101,4 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
         output::print_note(&format!("{output}: {change}\n"));
     }
     Ok(0)
-}
-
-pub fn parse_format(text: &str) -> Result<Format, String> {
-    text.to_uppercase().parse::<Format>().map_err(|_| {
-        let names = Format::ALL.map(Format::short_name);
-        format!("expected one of {}", names.join(", "))
-    })
 }

@@ -36,7 +36,7 @@ use ptm_conform::tools::lint::codes::{self, Code};
     after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down"
 )]
 pub struct ExplainArgs {
-    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, rows-top-down, PTM-W102 or PTM_LUT; without one, sections, rulings, misreadings and codes are listed.
+    /// An id such as hand-rgb-blocks, 2.4/8, lut-count, PTM-W102 or PTM_LUT; without one, all ids except those of cases are listed.
     id: Option<String>,
 }
 

@@ -45,7 +45,7 @@ pub struct FuzzArgs {
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Generate only files of this format, such as LRGB or JPEG_RGB. Repeatable.
-    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = super::convert::parse_format)]
+    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = super::arguments::parse_format)]
     formats: Vec<Format>,
     /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]

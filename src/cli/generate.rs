@@ -45,7 +45,7 @@ pub struct GenerateArgs {
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
     /// With a profile, write only files of this format, such as LRGB or JPEG_RGB. Repeatable.
-    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile", value_parser = super::convert::parse_format)]
+    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile", value_parser = super::arguments::parse_format)]
     formats: Vec<Format>,
     /// Also write files over 4 KiB.
     #[arg(long)]

@@ -145,7 +145,7 @@ fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -
         true => FileScope::All,
         false => separating_scope(search.witnesses, &explained, &contradicting)?,
     };
-    // There are so many candidates that some of them fit the files with a certain property by chance.
+    // With this many candidates, some fit files that share a property only by chance.
     let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
     if is_by_property
         && (edit.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))

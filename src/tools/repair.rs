@@ -185,13 +185,16 @@ fn may_be_values(bytes: &[u8], end: usize) -> bool {
     let Ok(Ptm { header, .. }) = decode(bytes) else {
         return false;
     };
+    let extra = bytes.len() - end;
     let texel = header.format.channels();
-    let (unit, payload) = match header.format {
-        format if format.has_table() => (1, 0),
-        format if format.coding().is_some() => (5, 0),
-        _ => (texel, end - header.size.texels() * texel),
-    };
-    (bytes.len() - end).is_multiple_of(unit) || bytes[payload].is_ascii_whitespace()
+    match header.format {
+        format if format.has_table() => true,
+        format if format.coding().is_some() => extra.is_multiple_of(5),
+        _ => {
+            let first = bytes[end - header.size.texels() * texel];
+            extra.is_multiple_of(texel) || first.is_ascii_whitespace()
+        }
+    }
 }
 
 /// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.

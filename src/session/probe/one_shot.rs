@@ -67,20 +67,20 @@ impl FileReplies {
 
     /// Returns true if every view is decoded correctly or not supported.
     fn is_faultless(&self) -> bool {
-        self.replies
-            .iter()
-            .all(|(view, reply)| match &reply.answer {
-                Answer::Decoded(frame) => self.sample.expected(view).compare(frame).is_none(),
-                answer => *answer == Answer::Unsupported,
-            })
+        let is_faultless = |(view, reply): &(View, Reply)| match &reply.answer {
+            Answer::Decoded(frame) => self.sample.expected(view).compare(frame).is_none(),
+            answer => *answer == Answer::Unsupported,
+        };
+        self.replies.iter().all(is_faultless)
     }
 
     /// Returns true if requesting more files is pointless.
     fn is_hopeless(&self) -> bool {
-        self.replies.iter().any(|(_, reply)| match reply.answer {
-            Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Hung(_) => true,
+        let is_hopeless = |(_, reply): &(View, Reply)| match reply.answer {
+            Answer::NotStarted(_) | Answer::NotAsked(_) => true,
             _ => reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 "),
-        })
+        };
+        self.hangs() || self.replies.iter().any(is_hopeless)
     }
 }
 
@@ -127,14 +127,10 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
 pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let mut unsupported = Vec::new();
     let mut failed: BTreeMap<String, (Vec<&str>, Reproduction)> = BTreeMap::new();
-    for format in Format::ALL
-        .into_iter()
-        .filter(|format| *format != first.sample.format)
-    {
-        let (name, asked) = (
-            format.short_name(),
-            FileReplies::request_in_best_spelling(calls, format),
-        );
+    let is_other = |format: &Format| *format != first.sample.format;
+    for format in Format::ALL.into_iter().filter(is_other) {
+        let asked = FileReplies::request_in_best_spelling(calls, format);
+        let name = format.short_name();
         let is_supported = |(_, reply): &&(View, Reply)| reply.answer != Answer::Unsupported;
         match asked.replies.iter().find(is_supported) {
             None => unsupported.push(name),
@@ -154,11 +150,8 @@ pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Check
         list.add_absent(format!("not supported: {}", unsupported.join(", ")));
     }
     for (answer, (names, repeat)) in failed {
-        list.add_fault(
-            &names.join(", "),
-            fault("format-not-read", &[("answer", &answer)]),
-            repeat,
-        );
+        let fault = fault("format-not-read", &[("answer", &answer)]);
+        list.add_fault(&names.join(", "), fault, repeat);
     }
 }
 

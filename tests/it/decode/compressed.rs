@@ -1,7 +1,6 @@
 //! Tests properties of the cases for §2.9.
 
-use ptm_conform::generate::Model;
-use ptm_conform::generate::plan::Residuals;
+use ptm_conform::generate::{Model, plan::Residuals};
 use ptm_conform::protocol::frame::View;
 use ptm_conform::ptm::Coding;
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};

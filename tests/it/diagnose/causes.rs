@@ -10,8 +10,7 @@ use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::run::Run;
+use ptm_conform::session::{outcome::Outcome, run::Run};
 use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
@@ -196,6 +195,14 @@ fn mistake_outside_the_formulas_is_described() {
     let suite = suite().prepared();
     let decoders: &[(&str, ChangeAnswer, &[&str])] = &[
         (
+            "refuses two formats, which one misreading would also explain",
+            |request, answer| match request.file.windows(16).any(|at| at == b"PTM_FORMAT_JPEG_") {
+                true if answer != Answer::Unsupported => Answer::Rejected,
+                _ => answer,
+            },
+            &["refuses every legal file of JPEG_RGB, JPEG_LRGB"],
+        ),
+        (
             "too wide",
             |_, answer| match answer {
                 Answer::Decoded(frame) if frame.width > 16 => Answer::Rejected,
@@ -261,17 +268,13 @@ fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Ve
     diagnoses.iter().filter(is_false).map(cause_text).collect()
 }
 
-fn describe_result(
-    mistakes: &[&'static Misreading],
-    failing: usize,
-    diagnoses: &[Diagnosis],
-) -> String {
+fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diagnosis]) -> String {
     let slugs: Vec<&str> = mistakes.iter().map(|mistake| mistake.slug).collect();
-    let causes: Vec<String> = diagnoses
+    let causes: Vec<String> = found
         .iter()
         .map(|diagnosis| format!("    {} {}", diagnosis.explains.len(), cause_text(diagnosis)))
         .collect();
-    format!("{slugs:?}, {failing} failures:\n{}", causes.join("\n"))
+    format!("{slugs:?}, {count} failures:\n{}", causes.join("\n"))
 }
 
 /// Misreadings that look alike in a decoder that expects a line feed after tables, because it reads hardly any table.

@@ -10,8 +10,7 @@ use ptm_conform::ptm::Format;
 use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, parse_profiles, profiles};
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::compare::Expected;
-use ptm_conform::tools::convert_for::convert_for;
-use ptm_conform::tools::dissection::Dissection;
+use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
 use ptm_conform::{decode, misreadings};
 
 fn reader(name: &str) -> &'static ReaderProfile {

@@ -10,22 +10,15 @@ use data_encoding::BASE64;
 use ptm_conform::diagnose::{Category, diagnose};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
-use ptm_conform::report::Report;
-use ptm_conform::report::badge;
-use ptm_conform::report::github;
-use ptm_conform::report::html;
-use ptm_conform::report::junit;
+use ptm_conform::report::{Report, badge, github, html, junit};
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::lit_scene;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
 use ptm_conform::suite::address::SITE;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::clauses;
-use ptm_conform::suite::name::SuiteName;
-use ptm_conform::suite::texture::test_case::TextureView;
-use ptm_conform::suite::values::Values;
+use ptm_conform::suite::{
+    clauses, name::SuiteName, texture::test_case::TextureView, values::Values,
+};
 use ptm_conform::texture::Rules;
 
 /// Output of a hostile decoder.

@@ -6,14 +6,11 @@ use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
-use ptm_conform::report::Report;
-use ptm_conform::report::conclude::conclude;
-use ptm_conform::report::document::Tool;
-use ptm_conform::report::merge::RecordedAnswers;
 use ptm_conform::report::reported::Reported as _;
 use ptm_conform::report::shards::{
     AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
 };
+use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::asking::Ask;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -52,18 +49,13 @@ fn remarks() -> OtherRemarks {
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
 /// Runs a plan as `check` does, and optionally records the answers.
-fn run_plan(
-    suite: &Suite,
-    plan: &RunPlan,
-    ask: &Ask,
-    recorder: Option<&AnswerRecorder<Case>>,
-) -> Run {
+fn run_plan(suite: &Suite, plan: &RunPlan, ask: &Ask, log: Option<&AnswerRecorder<Case>>) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
     let observations = session.ask_cases(&contact, &|case, observation, _, _| {
-        if let Some(recorder) = recorder.filter(|_| session.undo.is_empty()) {
-            recorder.record_observation(case, observation);
+        if let Some(log) = log.filter(|_| session.undo.is_empty()) {
+            log.record_observation(case, observation);
         }
     });
     session.verdicts(contact, observations, &|_, _| ())
@@ -79,14 +71,8 @@ fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
 }
 
 /// Runs one part and records its answers. Returns the path of its report.
-fn run_part(
-    suite: &Suite,
-    part: Shard,
-    decoder: &Decoder,
-    tool: &Tool,
-    directory: &Path,
-) -> PathBuf {
-    let report = directory.join(format!("part-{}.yaml", part.number));
+fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: &Path) -> PathBuf {
+    let report = folder.join(format!("part-{}.yaml", part.number));
     let recorder = AnswerRecorder::new(&answers_path(&report)).expect("a file");
     let ask = |request: &Request<'_>, _: usize| {
         let reply = Reply::from(decoder(request));

@@ -10,10 +10,8 @@ use std::time::{Duration, Instant, SystemTime};
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::runner::scratch::Scratch;
-use ptm_conform::runner::serve::Servers;
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::check;
+use ptm_conform::runner::{scratch::Scratch, serve::Servers};
+use ptm_conform::session::{plan::RunPlan, run::check};
 use ptm_conform::suite::cases::{Case, Suite};
 use serde_json::Value;
 

@@ -249,6 +249,18 @@ fn wrong_refusals_are_explained() {
     );
 }
 
+/// The first decoder refuses eight formats with 65, the second shows a wrong image in one view of a format.
+#[test]
+fn faults_in_other_formats_are_found() {
+    assert_scripts_probed(
+        r#"
+1 | case $1 in raw|coef|rgb:*) grep -aq FORMAT_LRGB "$2" || exit 65;; *) exit 69;; esac↵right "$@"
+  | LRGB raw: decoded && ✗ RGB, LUM, PTM_LUT, PTM_C_LUT, JPEG_RGB, && → exit with 69 for formats
+1 | case $1 in coef) grep -aq FORMAT_LUM "$2" && exit 1;; esac↵right "$@"
+  | RGB: decoded correctly && ✗ LUM coef && exit status 1"#,
+    );
+}
+
 /// The first decoder supports one view and one format. The others each support one spelling of the number of entries.
 #[test]
 fn partial_decoders_are_ready() {

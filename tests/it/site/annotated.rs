@@ -3,8 +3,7 @@
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
 use ptm_conform::site::example::{Found, execute, execute_all};
-use ptm_conform::suite::clauses::clauses;
-use ptm_conform::suite::name::SuiteName;
+use ptm_conform::suite::{clauses::clauses, name::SuiteName};
 
 use crate::table::rows;
 

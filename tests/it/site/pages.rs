@@ -5,13 +5,9 @@ use std::sync::LazyLock;
 
 use ptm_conform::misreadings;
 use ptm_conform::readers::profiles;
-use ptm_conform::site::SiteFile;
-use ptm_conform::site::readers::reader_runs;
-use ptm_conform::suite::address;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::clauses;
-use ptm_conform::suite::name::SuiteName;
+use ptm_conform::site::{SiteFile, readers::reader_runs};
 use ptm_conform::suite::texture::cases as texture;
+use ptm_conform::suite::{address, cases::Suite, clauses, name::SuiteName};
 use ptm_conform::tools::lint::codes;
 
 use super::SITE;

@@ -5,8 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::kit::digest::sha256;
-use ptm_conform::kit::yaml::from_yaml;
+use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
 use ptm_conform::ptm::Format;
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::corpus::{self, ManifestEntry};

@@ -2,24 +2,20 @@
 
 use std::collections::{HashMap, HashSet};
 
-use ptm_conform::diagnose::Cause;
-use ptm_conform::diagnose::texture::diagnose;
+use ptm_conform::diagnose::{Cause, texture::diagnose};
 use ptm_conform::misreadings::texture as misreadings;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::Request;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
 use ptm_conform::strength::matrix::texture_matrix;
 use ptm_conform::suite::cases::Suite;
 use ptm_conform::suite::clauses::{ClauseStatus, Ruling, RulingKind};
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases::{self, Basis, TextureCase};
-use ptm_conform::suite::texture::choices::CHOICES;
-use ptm_conform::suite::texture::compare::difference;
 use ptm_conform::suite::texture::question::{OPERATIONS, Question, Refusal};
-use ptm_conform::suite::texture::test_case::TextureView;
-use ptm_conform::suite::texture::verify::verify;
+use ptm_conform::suite::texture::{choices::CHOICES, compare::difference};
+use ptm_conform::suite::texture::{test_case::TextureView, verify::verify};
 use ptm_conform::texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
 

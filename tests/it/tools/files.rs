@@ -8,13 +8,11 @@ use crate::common::{Workspace, assert_conforms, have, have_python, repository, r
 use crate::repository::tree;
 use data_encoding::HEXLOWER;
 use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::kit::digest::sha256;
-use ptm_conform::kit::yaml::from_yaml;
+use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
 use ptm_conform::ptm::{Coding, Format};
 use ptm_conform::suite::cases::{Suite, TableSpelling};
-use ptm_conform::tools::dissection::FilePart;
-use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::profiles::{self, Profile};
+use ptm_conform::tools::{dissection::FilePart, inspect::inspect};
 use serde_json::Value;
 
 /// Creates a workspace with an ordinary file of each format, such as `LRGB.ptm`.
@@ -137,6 +135,10 @@ fn commands_have_the_expected_status_and_output() {
 2 | export first-lrgb.ptm -o x.tif | .exr, .npy or .png
 2 | export first-lrgb.ptm --final -o x.png | PNG cannot store
 2 | convert first-lrgb.ptm --to TIFF -o x.ptm | expected one of RGB, LUM
+2 | convert first-lrgb.ptm --to JPEG_LRGB -o ./first-lrgb.ptm | is the input file
+2 | generate --ptm-format LRGB | --profile
+0 | generate --profile minimal --ptm-format lrgb --out lrgb | correct answers in lrgb
+0 | explain relight | cnr-isti-vclab/relight && version-with-space-is-1.1
 2 | inspect no-such-file.ptm | no-such-file.ptm
 65 | render half-payload-lrgb.ptm -o x.png | ptm-conform inspect
 0 | explain PTM-E070 | code PTM-E070 (error, clause 2.7/3) && Fix:

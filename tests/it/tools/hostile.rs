@@ -7,10 +7,8 @@ use ptm_conform::ptm::Format;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 use ptm_conform::tools::convert::{Target, convert};
 use ptm_conform::tools::dissection::Dissection;
-use ptm_conform::tools::inspect::inspect;
-use ptm_conform::tools::lint::codes::Severity;
-use ptm_conform::tools::lint::lint;
 use ptm_conform::tools::{diff, export, render};
+use ptm_conform::tools::{inspect::inspect, lint::codes::Severity, lint::lint};
 
 /// Runs every tool on a file and asserts that the results agree with the decoder.
 fn run_all_tools(file: &[u8]) {

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use crate::common::Workspace;
 use ptm_conform::decode;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
-use ptm_conform::tools::lint::Lint;
-use ptm_conform::tools::repair::repair;
+use ptm_conform::tools::{lint::Lint, repair::repair};
 
 #[test]
 fn repaired_file_equals_its_twin_and_has_no_errors() {
@@ -59,6 +58,33 @@ fn repair_of_a_file_copied_in_text_mode_restores_or_refuses_it() {
         tested += 1;
     }
     assert!(tested > 500);
+}
+
+#[test]
+fn bytes_that_may_be_values_are_not_removed() {
+    let suite = Suite::load().expect("the suite loads");
+    let file = |id| {
+        let case = suite.case(id).expect("a case");
+        case.build(TableSpelling::default()).file.clone()
+    };
+    let extended = |(id, extra)| ([&file(id)[..], &vec![0; extra]].concat(), "may be values");
+    // A texel, an index, and a record.
+    let extended = [
+        ("first-lrgb", 9),
+        ("first-ptm-c-lut", 1),
+        ("first-jpegls-lrgb", 5),
+    ]
+    .map(extended);
+    let map = file("first-lrgb");
+    let payload = map.len() - decode(&map).expect("a legal file").planes.samples.len();
+    let displaced = [&map[..payload], b"\n", &map[payload..]].concat();
+    let to_cr = |byte: &u8| if *byte == b'\n' { b'\r' } else { *byte };
+    let copied: Vec<u8> = displaced[..map.len()].iter().map(to_cr).collect();
+    let others = [(displaced, "may be values"), (copied, "text mode")];
+    for (bytes, message) in extended.into_iter().chain(others) {
+        let error = repair(&bytes).expect_err(message);
+        assert!(error.contains(message), "{error}");
+    }
 }
 
 #[test]

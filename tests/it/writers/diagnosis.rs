@@ -7,16 +7,14 @@ use ptm_conform::misreadings::writing::{self, Miswriting};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::check;
+use ptm_conform::session::{outcome::Outcome, plan::RunPlan, run::check};
 use ptm_conform::suite::cases::{Expect, Suite};
-use ptm_conform::writers::cases::WriterCase;
-use ptm_conform::writers::diagnose::diagnose;
-use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
 use ptm_conform::writers::wrong_files::write_with_mistake;
+use ptm_conform::writers::{
+    cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
+};
 
 use crate::common::{Workspace, edited, have, repository_text, rows};
 

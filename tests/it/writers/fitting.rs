@@ -5,13 +5,11 @@ use std::path::Path;
 
 use ptm_conform::decode;
 use ptm_conform::ptm::Format;
-use ptm_conform::writers::fitting::judge::judge;
-use ptm_conform::writers::fitting::optimum::optimum;
 use ptm_conform::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
-use ptm_conform::writers::reference::write_requested_file;
-use ptm_conform::writers::request::WriteRequest;
+use ptm_conform::writers::fitting::{judge::judge, optimum::optimum};
+use ptm_conform::writers::{reference::write_requested_file, request::WriteRequest};
 
 use crate::common::{
     Workspace, check_writer, edited, have_python, python_example, repository, repository_text, rows,

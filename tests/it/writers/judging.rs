@@ -1,10 +1,8 @@
 //! Tests that the judge accepts correct files and describes the faults of wrong ones.
 
 use ptm_conform::suite::cases::{Expect, Suite};
-use ptm_conform::writers::cases::WriterCase;
-use ptm_conform::writers::judge::judge;
-use ptm_conform::writers::reference::write_requested_file;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
+use ptm_conform::writers::{cases::WriterCase, judge::judge, reference::write_requested_file};
 
 use crate::common::assert_conforms;
 
