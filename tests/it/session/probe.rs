@@ -96,7 +96,7 @@ fn commands_that_cannot_be_started_are_explained() {
     for [decoder, says, next] in rows(
         r#"
 ./no-such-decoder | no such file | check the path of the decoder
-no-such-decoder-in-path | no program with this name is in PATH | name the decoder
+no-such-decoder-in-path | no program with this name is in PATH | give the path of the decoder
 in-this-directory | looked up only in PATH | write ./in-this-directory
 'python3 plain.py' | no program with this name
   | several words; write them without quotation marks: -- python3 plain.py
