@@ -127,6 +127,15 @@ impl TestCase for Case {
     }
 
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
+        let axes = relevant_axes(self, view);
+        // Most answers are equal to the expected bytes, and then nothing else has to be compared.
+        if axes.is_empty() && built.values.are_the_samples_of(frame) {
+            return Comparison {
+                right: Right::InAll(true),
+                difference: None,
+                allowance: Allowance::None,
+            };
+        }
         let expected = Expected::new(&built.values, view);
         let difference = (expected.as_ref()).and_then(|expected| expected.compare(frame));
         let is_other = |expected: &Expected| expected.values != frame.samples.to_reals();
@@ -137,7 +146,6 @@ impl TestCase for Case {
             None if is_other => Allowance::AnotherTransform,
             _ => Allowance::None,
         };
-        let axes = relevant_axes(self, view);
         let right = match expected {
             Some(expected) if !axes.is_empty() => {
                 let pictures = pictures(built, view, expected, &axes);

@@ -4,7 +4,7 @@ use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
 
 use crate::generate::{Model, spelling::Count};
-use crate::protocol::frame::View;
+use crate::protocol::frame::{Frame, Samples, View, ViewKind};
 use crate::ptm::{Format, Size};
 
 /// Expected values of a file.
@@ -18,6 +18,18 @@ pub enum Values {
     Any,
     /// The file must be refused.
     None,
+}
+
+impl Values {
+    /// Returns true if `frame` contains exactly the painted values. A false result decides nothing.
+    pub fn are_the_samples_of(&self, frame: &Frame) -> bool {
+        let Values::Painted(model) = self else {
+            return false;
+        };
+        let size = (frame.width, frame.height) == (model.size.width, model.size.height);
+        let is_raw = frame.view == ViewKind::Raw && !frame.lossy && size;
+        is_raw && matches!(&frame.samples, Samples::U8(bytes) if *bytes == model.samples)
+    }
 }
 
 /// A part of a hand-assembled file.
