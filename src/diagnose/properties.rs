@@ -206,7 +206,7 @@ fn data_properties(f: &File) -> [Property; 10] {
         ("2.3/1 of odd width", width % 2 == 1),
         ("2.3/1 of odd height", height % 2 == 1),
         (
-            "2.7/2 of several rows with a width that is not a multiple of 4",
+            "2.7/2 with several rows and a width that is not a multiple of 4",
             is_ragged,
         ),
     ]
@@ -316,7 +316,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.9.4/3", "whose largest rank is {}", rank),
         (
             "2.9.3/1",
-            "with motion of {} half texels",
+            "with motion vectors of {} half texels",
             motion.map(f64::from),
         ),
         (
