@@ -309,7 +309,7 @@ fn explain_case(case: &Case) -> String {
     if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
         let _ = writeln!(text, "  file: a copy of {twin}, in which {}", damage.effect);
     }
-    let requested = "requested in the first of these views that the decoder offers";
+    let requested = "requested in the first of these views that the decoder supports";
     let _ = writeln!(text, "  {requested}: {views}");
     if let Some(ruling) = &case.ruling {
         let _ = writeln!(text, "  ruling: {ruling}");
