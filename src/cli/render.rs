@@ -59,7 +59,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
             let image = sheet(&ptm, side.into(), args.cell.into())?;
             (image, format!("{side} x {side} lights"))
         }
-        (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
+        (None, true, _) => (normals(&ptm), "normals (x to the right, y up)".to_owned()),
         (None, false, (lu, lv)) => {
             let image = render_lit(&ptm.coefficients(), lu, lv);
             (image, format!("light {lu},{lv}"))

@@ -30,7 +30,7 @@ fn run(
     ask: impl Fn(&TextureCase) -> Answer<Value> + Sync,
 ) -> Run<TextureCase> {
     let ask = |request: &Request<'_, TextureView>, _: usize| {
-        ask(suite.case(request.name).expect("a case of the suite")).into()
+        ask(suite.case(request.name).expect("the case exists")).into()
     };
     check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
 }
