@@ -245,14 +245,8 @@ fn prediction_properties(f: &File) -> [Property; 13] {
         ("2.9.3/5 with motion vectors of half texels", is_half),
         ("2.9.3/2 with negative motion vectors", is_negative),
         ("2.9.4/1 with an order other than 0, 1, 2, …", is_reordered),
-        (
-            "2.9.4/2 with a plane predicted from a later plane",
-            is_later,
-        ),
-        (
-            "2.9.4/2 with a plane predicted from a predicted plane",
-            is_chained,
-        ),
+        ("2.9.4/2 with prediction from a later plane", is_later),
+        ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
         (
             "2.9.8/7 with side information for intra-coded planes",
