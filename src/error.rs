@@ -257,7 +257,7 @@ impl fmt::Display for Kind {
             ),
             Kind::PositionOutOfRange { position, texels } => write!(
                 f,
-                "a record for texel {position}, but the last texel is {}",
+                "a record refers to texel {position}, but the last texel is {}",
                 texels - 1
             ),
             Kind::NotSupported { what } => write!(f, "{what} are not supported"),

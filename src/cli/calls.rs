@@ -15,7 +15,7 @@ pub type StopFlag = Arc<AtomicBool>;
 
 /// Options for running a suite.
 #[derive(Args)]
-#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit for each call; the first call gets three times as much")))]
+#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit for each call; the first call may take three times as long")))]
 pub struct RunArgs {
     /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
@@ -52,11 +52,11 @@ impl LimitArgs {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_inspect_processes() {
             true => {
-                format!("{size} MiB for the resident sets of all processes of a call (sampled)")
+                format!("{size} MiB of resident memory for all processes of a call (sampled)")
             }
             false => "not limited, because this system has no /proc".to_owned(),
         };
-        let time = format!("{seconds} s per call, three times as much for the first");
+        let time = format!("{seconds} s per call, and three times as long for the first call");
         let limits = [("wall-clock time", time), ("memory", memory)];
         Vec::from(limits.map(|(name, text)| format!("{name}: {text}")))
     }

@@ -153,7 +153,7 @@ impl CheckArgs {
     /// Describes the limits in force.
     pub fn limits(&self, serves: bool) -> Vec<String> {
         if self.outputs.is_some() {
-            return vec!["none: the outputs were made elsewhere".to_owned()];
+            return vec!["none: the outputs were produced outside this run".to_owned()];
         }
         if self.caller.is_some() {
             return vec!["none: the decoder is a function of the calling process".to_owned()];

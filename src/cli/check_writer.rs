@@ -105,7 +105,7 @@ fn check<V: RequestValues>(
     let (writer, words) = args.writer(V::VERB, stop)?;
     let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
-        let case = suite.case(request.name).expect("a case of this suite");
+        let case = suite.case(request.name).expect("the case exists");
         asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
     };
     let run = ProgramRun {

@@ -140,7 +140,7 @@ impl<'a, C: Reported> Check<'a, C> {
             let ([long, short], faster) = (times.map(progress::format_duration), self.speed_hint);
             let soonest = soonest.len();
             self.progress.print_message(&format!(
-                "{all} requests will take about {long}; the first causes will be known after {soonest}, in about {short}.{faster}"
+                "{all} requests will take about {long}; the first likely causes will be known after {soonest} requests, in about {short}.{faster}"
             ));
         }
         self.progress.begin("running the smoke subset:");

@@ -296,7 +296,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     let view = seen.as_ref().map(|seen| seen.view.to_string());
     let view = view.unwrap_or_default();
     Ok(format!(
-        "  It fails {ids}\n  The smallest file that shows it has {bytes} bytes: ptm-conform generate --case {id}\n    {view}: {says}\n    {because}\n"
+        "  A decoder with this mistake fails {ids}\n  The smallest file that reveals it has {bytes} bytes: ptm-conform generate --case {id}\n    {view}: {says}\n    {because}\n"
     ))
 }
 
@@ -307,9 +307,9 @@ fn explain_case(case: &Case) -> String {
     let mut text = format!("case {id} (clauses {clauses}): {because}\n");
     let _ = writeln!(text, "  expected: {}", case.expect.name());
     if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
-        let _ = writeln!(text, "  it is {twin}, in which {}", damage.effect);
+        let _ = writeln!(text, "  file: a copy of {twin}, in which {}", damage.effect);
     }
-    let requested = "requested in the first of these views that the decoder offers";
+    let requested = "requested in the first of these views that the decoder supports";
     let _ = writeln!(text, "  {requested}: {views}");
     if let Some(ruling) = &case.ruling {
         let _ = writeln!(text, "  ruling: {ruling}");

@@ -108,7 +108,7 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     for cause in causes.iter().filter(|_| causes.len() <= MAX_CAUSES) {
         let (slug, effect, clause) = (cause.slug, cause.effect, cause.clause);
         print(&format!(
-            "a decoder that {effect} (clause {clause}) gives both responses; more: ptm-conform explain {slug}\n"
+            "a decoder that {effect} (clause {clause}) gives the same responses to both files; more: ptm-conform explain {slug}\n"
         ));
     }
 }
@@ -123,7 +123,7 @@ fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
             let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
             (!is_equivalent).then_some("a different image")
         }
-        (Err(_), Answer::Decoded(_)) => Some("an image of a malformed file"),
+        (Err(_), Answer::Decoded(_)) => Some("an image for a malformed file"),
         (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),
         (_, Answer::Rejected | Answer::Unsupported) => None,
         (_, other) => Some(other.name()),

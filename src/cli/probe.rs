@@ -62,10 +62,10 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     let repeat = |repeat: &Reproduction| save_files(repeat, &command, &args.keep);
     let next = match (list.faults(), args.writer) {
         (0, true) => format!("ready. Next: ptm-conform check-writer -- {command}\n"),
-        (faults, true) => format!("faults to fix: {faults}; then probe again\n"),
+        (faults, true) => format!("faults to fix: {faults}; then run probe again\n"),
         (0, false) => format!("ready. Next: ptm-conform check -- {command}\n"),
-        (1, false) => "1 thing to fix; then probe again\n".to_owned(),
-        (faults, false) => format!("{faults} things to fix; then probe again\n"),
+        (1, false) => "1 thing to fix; then run probe again\n".to_owned(),
+        (faults, false) => format!("{faults} things to fix; then run probe again\n"),
     };
     print_styled(&list.to_text(&repeat));
     print_styled(&next);

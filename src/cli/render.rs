@@ -59,7 +59,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
             let image = sheet(&ptm, side.into(), args.cell.into())?;
             (image, format!("{side} x {side} lights"))
         }
-        (None, true, _) => (normals(&ptm), "normals, x to the right, y up".to_owned()),
+        (None, true, _) => (normals(&ptm), "normals (x to the right, y up)".to_owned()),
         (None, false, (lu, lv)) => {
             let image = render_lit(&ptm.coefficients(), lu, lv);
             (image, format!("light {lu},{lv}"))
@@ -87,7 +87,7 @@ fn parse_light(text: &str) -> Result<(f64, f64), String> {
     match parse_pair(text) {
         Some((lu, lv)) if f64::hypot(lu, lv) <= 1.0 => Ok((lu, lv)),
         Some((lu, lv)) if lu.is_finite() && lv.is_finite() => Err(format!(
-            "the light {lu},{lv} is below the horizon: LU² + LV² is at most 1"
+            "the light {lu},{lv} is below the horizon: LU² + LV² must be at most 1"
         )),
         _ => Err(format!(
             "expected two numbers such as 0.25,-0.5, found {text:?}"

@@ -103,8 +103,7 @@ fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     let factors = header.read_byte("the sampling factors")?;
     let (horizontal, vertical) = (factors >> 4, factors & 15);
     if !(1..=4).contains(&horizontal) || !(1..=4).contains(&vertical) {
-        let what =
-            format!("sampling factors must be within 1 to 4, found {horizontal} x {vertical}");
+        let what = format!("sampling factors must be from 1 to 4, found {horizontal} x {vertical}");
         return Err(malformed(at, what));
     }
     Ok(())

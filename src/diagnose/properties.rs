@@ -206,7 +206,7 @@ fn data_properties(f: &File) -> [Property; 10] {
         ("2.3/1 of odd width", width % 2 == 1),
         ("2.3/1 of odd height", height % 2 == 1),
         (
-            "2.7/2 of several rows with a width that is not a multiple of 4",
+            "2.7/2 with several rows and a width that is not a multiple of 4",
             is_ragged,
         ),
     ]
@@ -245,11 +245,8 @@ fn prediction_properties(f: &File) -> [Property; 13] {
         ("2.9.3/5 with motion vectors of half texels", is_half),
         ("2.9.3/2 with negative motion vectors", is_negative),
         ("2.9.4/1 with an order other than 0, 1, 2, …", is_reordered),
-        ("2.9.4/2 with a plane predicted from a later one", is_later),
-        (
-            "2.9.4/2 with a plane predicted from a predicted one",
-            is_chained,
-        ),
+        ("2.9.4/2 with prediction from a later plane", is_later),
+        ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
         (
             "2.9.8/7 with side information for intra-coded planes",
@@ -316,7 +313,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.9.4/3", "whose largest rank is {}", rank),
         (
             "2.9.3/1",
-            "with motion of {} half texels",
+            "with motion vectors of {} half texels",
             motion.map(f64::from),
         ),
         (

@@ -218,7 +218,7 @@ fn add_node(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Nod
             Some(key) => entries.push((key, node)),
             None => *waiting = Some(node),
         },
-        Value::Scalar { .. } => unreachable!("a scalar is never open"),
+        Value::Scalar { .. } => unreachable!("a scalar has no children"),
     }
 }
 

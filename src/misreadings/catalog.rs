@@ -28,7 +28,7 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/misreadings.yaml");
     let step_of = |slug: &str| sections.iter().find_map(|step_of| step_of(slug));
     load_catalog(yaml, step_of, |edits| Some(Hook::Edits(edits)))
-        .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
+        .unwrap_or_else(|error| unreachable!("invalid embedded misreadings.yaml: {error}"))
 });
 
 /// Returns all misreadings, in the order of sections.

@@ -31,7 +31,7 @@ impl Misreading<Change> {
 static ALL: LazyLock<Vec<Misreading<Change>>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/texture/misreadings.yaml");
     load_catalog(yaml, CHANGES, |_| None)
-        .unwrap_or_else(|error| unreachable!("misreadings.yaml, which a test reads: {error}"))
+        .unwrap_or_else(|error| unreachable!("invalid embedded misreadings.yaml: {error}"))
 });
 
 /// Returns all misreadings, in the order of the chapter.

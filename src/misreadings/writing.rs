@@ -24,7 +24,7 @@ struct WriterMistakeRecord {
 /// The catalog, loaded on first use.
 static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/writers/mistakes.yaml");
-    read(yaml).unwrap_or_else(|error| unreachable!("mistakes.yaml, which a test reads: {error}"))
+    read(yaml).unwrap_or_else(|error| unreachable!("invalid embedded mistakes.yaml: {error}"))
 });
 
 fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {

@@ -89,7 +89,7 @@ impl ReaderImages {
         let fault = fault.unwrap_or_else(|| visible_properties(truth, other));
         Some(match light {
             0 => fault,
-            _ => format!("wrong as the light moves: {fault}"),
+            _ => format!("wrong when the light moves: {fault}"),
         })
     }
 

@@ -113,7 +113,7 @@ fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u6
         .strip_suffix('\n')
         .and_then(|line| line.split_once(' '));
     let words = words.and_then(|(word, length)| Some((word.to_owned(), length.parse().ok()?)));
-    words.ok_or_else(|| io::Error::other(format!("the line {line:?} is not WORD NBYTES")))
+    words.ok_or_else(|| io::Error::other(format!("expected WORD NBYTES, found {line:?}")))
 }
 
 #[cfg(test)]

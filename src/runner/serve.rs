@@ -429,7 +429,7 @@ fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answ
 fn unexpected_line_message(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
-        [b'P', b'T', b'M', b'1', ..] => "; the frame must follow a separate line",
+        [b'P', b'T', b'M', b'1', ..] => "; write a separate answer line before the frame",
         _ => "",
     };
     format!(

@@ -40,7 +40,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     if here.is_dir() {
         return obstacle(
             format!("{text} is a directory"),
-            "name the program in the directory",
+            "give the path of a program in the directory",
         );
     }
     if here.is_file() && here.extension().is_some_and(|suffix| suffix == "ptm") {

@@ -49,7 +49,7 @@ impl Template {
             return Err("the command has no {in}, the placeholder for the PTM file".to_owned());
         }
         if template.outputs().count() > 1 {
-            return Err("the command has {out} more than once".to_owned());
+            return Err("the command contains {out} more than once".to_owned());
         }
         Ok(template)
     }
@@ -302,7 +302,7 @@ impl OutputFile {
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
             Ok(file) => File::from(file),
-            Err(Errno::NOENT) => return fault("is missing, although the program exits with 0"),
+            Err(Errno::NOENT) => return fault("is missing, although the program exited with 0"),
             Err(Errno::LOOP) => return fault("is a link"),
             Err(error) if is_shortage(&error.into()) => {
                 return Err(Trouble::new("read an output file", &error.into()));

@@ -80,7 +80,7 @@ impl Decoder {
         let input = workspace.write_input("request.json", request.as_bytes())?;
         let workplace = workspace.workplace.clone();
         let output = template.output_file(&workplace)?;
-        let output = output.expect("a writer's template names its output");
+        let output = output.expect("a writer's template names the output file");
         let words = template.command_words_with_values(&input, &workplace, &values);
         let time = self.timeout.saturating_mul(call.timeout_factor);
         let mut result = self.run_command(&words, 1 << 20, time, &workplace)?;

@@ -205,7 +205,7 @@ fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<St
     match (shown, crate::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
             let right = |reading: &Reading| expected(file, view, reading);
-            let spec = right(&Reading::SPEC).expect("the reference has just decoded it");
+            let spec = right(&Reading::SPEC).expect("the reference decoded the file");
             let Some(difference) = spec.compare(shown) else {
                 return Ok(String::new());
             };

@@ -53,7 +53,7 @@ pub fn judge<C: TestCase>(
     });
     let judged = |i: usize| {
         let Some(observation) = &observations[i] else {
-            return verdict(Outcome::NotJudged, "the decoder offers none of its views");
+            return verdict(Outcome::NotJudged, "no view of the case is supported");
         };
         let twins = twins[i].iter();
         let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));

@@ -72,7 +72,7 @@ fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
     let failed: Vec<_> = failed.collect();
     let [read, left] = [0, 1].map(|i: usize| COUNTS[i].swap(0, Ordering::Relaxed));
     assert!(failed.is_empty(), "{} failed: {failed:#?}", failed.len());
-    assert!(left * 20 < read, "{left} of {read} planes were left");
+    assert!(left * 20 < read, "{left} of {read} planes were not decoded");
     let allowed = run.observations.iter().flatten();
     let mut allowed = allowed.filter_map(|observation| match &observation.response {
         Response::Image { allowance, .. } => Some(*allowance),

@@ -137,7 +137,7 @@ impl Outputs {
         }
         if given.is_empty() {
             let directory = directory.display();
-            return Err(format!("{directory}: no request is answered"));
+            return Err(format!("{directory} contains no answer to any request"));
         }
         Ok(Outputs {
             given,

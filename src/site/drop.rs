@@ -74,7 +74,7 @@ fn check_module(module: &[u8]) -> Result<(), String> {
 /// Returns sample files as JSON: label, name and contents.
 fn samples(paper: PageContext) -> String {
     let sample = |label: &str, id: &str| {
-        let case = paper.library.suite.case(id).expect("a case of the suite");
+        let case = paper.library.suite.case(id).expect("the case exists");
         let file = &case.build(TableSpelling::default()).file;
         (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
     };

@@ -97,7 +97,7 @@ impl PageContext<'_> {
     pub(super) fn list(&self, part: &str, contents: &Markup) -> SiteFile {
         let mut parts = self.library.texts.navigation.iter();
         let entry = parts.find(|(_, name)| name == part);
-        let (path, _) = entry.expect("a part of the navigation");
+        let (path, _) = entry.expect("the navigation contains this part");
         self.page(path, part, part, &html! { h1 { (part) } (contents) })
     }
 

@@ -61,7 +61,7 @@ fn embed_image(image: impl Into<DynamicImage>, alt: &str) -> Markup {
     let image = image.into();
     let (width, height) = image.dimensions();
     let scale = (MAX_DISPLAYED_SIDE / width.max(height)).max(1);
-    let png = encode_image(image, ImageFormat::Png).expect("a subsampled image is small");
+    let png = encode_image(image, ImageFormat::Png).expect("the image is small enough to encode");
     html! {
         img.texels width=(width * scale) height=(height * scale) alt=(alt)
             src={ "data:image/png;base64," (BASE64.encode(&png)) };

@@ -48,7 +48,7 @@ pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<
     let rows = misreadings::texture::all().map(|misreading| {
         let rules = misreading.change(Rules::SPEC);
         let ask = |request: &Request<'_, _>| {
-            let case = suite.case(request.name).expect("a case of the suite");
+            let case = suite.case(request.name).expect("the case exists");
             case.answer(&rules)
         };
         let results = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);

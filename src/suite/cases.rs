@@ -246,14 +246,14 @@ impl Case {
             return (written.bytes, written.fields, values);
         };
         let file = damage.apply(&written, &model);
-        let file = file.expect("checked when the suite was loaded");
+        let file = file.expect("damages were checked when the suite was loaded");
         (file, Vec::new(), values)
     }
 }
 
 fn checked(piece: &Piece, table: TableSpelling) -> Vec<u8> {
     let bytes = piece.bytes(table.count, table.newline);
-    bytes.expect("checked when the suite was loaded")
+    bytes.expect("pieces were checked when the suite was loaded")
 }
 
 /// All cases, in the order of the report.

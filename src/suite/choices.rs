@@ -40,8 +40,8 @@ const MOTION_SIGN: Readings<Reading> = &[
     }),
 ];
 const MOTION_VERTICAL: Readings<Reading> = &[
-    ("y increases with the stored rows", |_| {}),
-    ("y increases against the stored rows", |r| {
+    ("y increases in the order of the stored rows", |_| {}),
+    ("y decreases in the order of the stored rows", |r| {
         r.set(MotionAgainstRows);
     }),
 ];

@@ -212,7 +212,7 @@ pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, 
 pub const fn tolerance_text(view: ViewKind) -> &'static str {
     match view {
         ViewKind::Raw => "none",
-        ViewKind::Coef => "1e-5 of the larger value, and 1e-6",
+        ViewKind::Coef => "1e-5 times the larger value, plus 1e-6",
         ViewKind::Rgb => "each byte within 1 + 1/64 of the exact color",
     }
 }

@@ -34,7 +34,7 @@ impl SuiteName {
         match self {
             SuiteName::Ptm => "Conformance with the Polynomial Texture Map format, PTM 1.2",
             SuiteName::Texture => "Conformance with the texture mapping table of PEXlib",
-            SuiteName::Writers => "Conformance of the PTM 1.2 files that are written",
+            SuiteName::Writers => "Conformance of PTM 1.2 files written by a program",
             SuiteName::Fitters => "How well PTM 1.2 files fit the images they were made from",
         }
     }

@@ -103,5 +103,5 @@ pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> GrayImage 
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();
     let stacked = (0..channels).flat_map(plane).collect();
     let image = GrayImage::from_raw(size.width, size.height * channels as u32, stacked);
-    image.expect("a sample for each channel of each texel")
+    image.expect("there is a sample for each channel of each texel")
 }

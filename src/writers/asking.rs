@@ -35,7 +35,7 @@ pub fn ask<V: RequestValues>(
     };
     let result = writer.write(&call, scratch);
     let answer = result.output.map_or_else(
-        |answer| (answer.decoded()).expect_err("only a written file is a decoded answer"),
+        |answer| (answer.decoded()).expect_err("only a written file counts as decoded"),
         |bytes| Answer::Decoded(WrittenFile(bytes)),
     );
     Reply {

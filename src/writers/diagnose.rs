@@ -215,7 +215,7 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
     };
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
-        "1.0/1" => "fits the images worse than the best map",
+        "1.0/1" => "fits the images worse than the best possible map",
         "2.2/1" => "writes a different format than requested",
         "2.3/1" => "writes a different size than requested",
         "2.4/3" => "writes different scales than requested",
@@ -237,7 +237,7 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.4/4" => "write the six biases unchanged, including their signs",
         "2.6/2" => "write all digits of the sixteen numbers, in the order of the request",
         "2.9.1/1" => {
-            "predict from the planes that a decoder has, with the parameter of the request"
+            "predict from the planes that a decoder reconstructs, with the parameter of the request"
         }
         "2.9.8/4" => {
             "write a record for every texel that wraps around because of lossy compression"

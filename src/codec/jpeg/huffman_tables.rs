@@ -134,7 +134,7 @@ fn limit_to_16_bits(counts: &mut [usize; PLACEHOLDER + 1]) {
         while counts[length] > 0 {
             let shorter = (1..length - 1).rev().find(|&shorter| counts[shorter] > 0);
             let shorter = shorter.unwrap_or_else(|| {
-                unreachable!("257 symbols do not need codes of over 16 bits each")
+                unreachable!("257 symbols never need codes longer than 16 bits")
             });
             counts[length] -= 2;
             counts[length - 1] += 1;

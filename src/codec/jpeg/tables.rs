@@ -130,7 +130,7 @@ fn read_huffman_table(segment: &mut Cursor) -> StreamResult<HuffmanTable> {
     }
     let total: usize = counts.iter().map(|&count| usize::from(count)).sum();
     if total > 256 {
-        let what = format!("a Huffman table has {total} codes, more than 256");
+        let what = format!("a Huffman table has {total} codes; at most 256 are allowed");
         return Err(malformed(at, what));
     }
     let mut symbols = Vec::with_capacity(total);

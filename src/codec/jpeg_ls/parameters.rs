@@ -78,14 +78,14 @@ impl Parameters {
             *threshold = value_or_default(stored[i], *threshold);
             if !(min..=maxval).contains(threshold) {
                 let name = i + 1;
-                let what = format!("T{name} must be within {min} to {maxval}, found {threshold}");
+                let what = format!("T{name} must be from {min} to {maxval}, found {threshold}");
                 return Err(malformed(presets_at + 2 * name, what));
             }
             min = *threshold;
         }
         let reset = value_or_default(presets.reset, 64);
         if !(3..=255).contains(&reset) {
-            let what = format!("RESET must be within 3 to 255, found {reset}");
+            let what = format!("RESET must be from 3 to 255, found {reset}");
             return Err(malformed(presets_at + 8, what));
         }
 

@@ -110,7 +110,7 @@ pub(super) fn failures<C: Reported>(
                 button #close type="button" { "Close all" }
             }
             @if failures > 0 && !has_images {
-                p.note { "This page was made from a report in YAML, which contains no images. Use “ptm-conform check --html” for a page with images." }
+                p.note { "This page was generated from a YAML report, which contains no images. Use “ptm-conform check --html” for a page with images." }
             } @else if evidence.len() < failures {
                 p.note {
                     "Images and bytes are shown for " (evidence.len()) " of " (failures)

@@ -50,7 +50,7 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
             @if file.len() <= MAX_DOWNLOAD_BYTES {
                 a download=(name) href={ "data:application/octet-stream;base64," (BASE64.encode(file)) } { "Download " (name) }
                 ", " (file.len()) " bytes"
-            } @else { (name) " has " (file.len()) " bytes, which is too large for this page." }
+            } @else { (name) " has " (file.len()) " bytes and is too large for this page." }
         }
     }
 }

@@ -33,7 +33,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                 p.note { "These reports were made with different versions of the suite; do not compare their numbers." }
             }
             p.legend {
-                span.tile data-state="fail" { "✗" } " passed cases of judged cases; at least one case failed "
+                span.tile data-state="fail" { "✗" } " passed cases out of judged cases; at least one case failed "
                 span.tile data-state="pass" { "✓" } " all passed "
                 span.tile data-state="open" { "?" } " no case was judged: unsupported, inconclusive or not run "
                 span.tile data-state="none" { "·" } " no case about the clause was selected"

@@ -229,7 +229,7 @@ pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist)
 
 /// Returns files that every decoder must refuse: a description, a name, and the bytes of each.
 pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3] {
-    let no_ptm = b"\x89PNG\r\n\x1a\n, which this is not either";
+    let no_ptm = b"\x89PNG\r\n\x1a\nneither a PNG nor a PTM";
     let cut_short = &whole[..whole.len() - 7];
     [
         ("an empty file", "empty.ptm", b""),

@@ -63,7 +63,7 @@ impl Sample {
     }
 
     pub(super) fn expected(&self, view: &View) -> Expected {
-        Expected::new(&self.values, view).expect("a painted map has every view")
+        Expected::new(&self.values, view).expect("a painted map supports every view")
     }
 
     /// Returns true if a frame has the size of the map.

@@ -92,8 +92,8 @@ fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let with_count = |(first, more): (ProbeStep, usize)| ProbeStep {
         message: match more {
             0 => first.message,
-            1 => first.message + "\n(and the same in one other view)",
-            _ => format!("{}\n(and the same in {more} other views)", first.message),
+            1 => first.message + "\n(also in one other view)",
+            _ => format!("{}\n(also in {more} other views)", first.message),
         },
         ..first
     };

@@ -336,7 +336,7 @@ fn interpolate(
     let equal_counts = ts.iter().all(|t| t.len() == count);
     let equal_corners = ts.len() == b.len() && b.len() == w.len();
     if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
-        let expected = "expected one element with 1 to 3 coordinates for each of the corners";
+        let expected = "expected one element with 1 to 3 coordinates for each corner";
         return Err(malformed(format!("ts, b and w: {expected}")).into());
     }
     let ts: Vec<Vector> = ts.iter().map(|t| padded(t, 0.0)).collect();
@@ -394,7 +394,7 @@ impl EntryGiven {
         for (name, value) in &self.fields {
             fields[name] = value.clone();
         }
-        serde_json::from_value(fields).expect("every field was read before")
+        serde_json::from_value(fields).expect("the fields were read successfully before")
     }
 }
 

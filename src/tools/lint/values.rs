@@ -61,7 +61,7 @@ fn check_table(findings: &mut Findings) {
     }
     if let Some(first) = used.iter().position(|&used| !used) {
         let unused = used.iter().filter(|&&used| !used).count();
-        let found = format!("{unused} of {entries} entries, the first is entry {first}");
+        let found = format!("{unused} of {entries} entries; the first is entry {first}");
         findings.add(Problem::EntriesUnused, Role::Count, found);
     }
 }

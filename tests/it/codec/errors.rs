@@ -110,8 +110,8 @@ SOI FF F7 | byte 2: expected a frame header, found a JPEG-LS frame
 SOI DQT WIDE | byte 76: expected 8 x 8 samples, found 16 x 8
 SOI DQT FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00 | byte 80: expected one component, found 3
 SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits are not allowed
-SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors must be within 1 to 4, found 1 x 5
-SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors must be within 1 to 4, found 0 x 1
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors must be from 1 to 4, found 1 x 5
+SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors must be from 1 to 4, found 0 x 1
 SOI DQT FF C0 00 0A 08 00 08 00 08 01 01 11
   | byte 83: the frame header ends before the quantization table of the component
 SOI DQT FF C0 00 0C 08 00 08 00 08 01 01 11 00 00 | byte 84: the frame header is 1 bytes too long
@@ -133,7 +133,7 @@ SOI DQT SOF FF C4 00 03 04 | byte 88: illegal Huffman table: precision or class 
 SOI DQT SOF FF C4 00 03 00 | byte 89: the Huffman table segment ends before the 16 code counts
 SOI DQT SOF FF C4 00 13 00 01 00*15 | byte 105: the Huffman table segment ends before the symbols of a Huffman table
 SOI DQT SOF FF C4 00 15 00 02 00*15 00 01 | byte 89: a Huffman table has too many codes of 1 bits
-SOI DQT SOF FF C4 00 13 00 00*14 FF FF | byte 89: a Huffman table has 510 codes, more than 256
+SOI DQT SOF FF C4 00 13 00 00*14 FF FF | byte 89: a Huffman table has 510 codes; at most 256 are allowed
 SOI DQT SOF DHT0 DHT1 FF DD 00 03 00 | byte 133: the restart interval segment ends before the restart interval
 SOI DQT SOF DHT0 DHT1 FF DD 00 05 00 00 00 | byte 134: the restart interval segment is 1 bytes too long
 SOI SOF DHT0 DHT1 SOS | byte 65: quantization table 0 was not defined
@@ -221,14 +221,14 @@ SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits are not a
 SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: samples of 12 bits are not implemented
 SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
 SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
-SOI SOF LSE 00 FF 01 00 00*6 SOS | byte 22: T1 must be within 1 to 255, found 256
-SOI SOF LSE 00 FF 00 05 00 04 00*4 SOS | byte 24: T2 must be within 5 to 255, found 4
-SOI SOF LSE 00 FF 00*4 00 03 00 00 SOS | byte 26: T3 must be within 7 to 255, found 3
-SOI SOF LSE 00*8 00 02 SOS | byte 28: RESET must be within 3 to 255, found 2
-SOI SOF LSE 00*8 01 00 SOS | byte 28: RESET must be within 3 to 255, found 256
+SOI SOF LSE 00 FF 01 00 00*6 SOS | byte 22: T1 must be from 1 to 255, found 256
+SOI SOF LSE 00 FF 00 05 00 04 00*4 SOS | byte 24: T2 must be from 5 to 255, found 4
+SOI SOF LSE 00 FF 00*4 00 03 00 00 SOS | byte 26: T3 must be from 7 to 255, found 3
+SOI SOF LSE 00*8 00 02 SOS | byte 28: RESET must be from 3 to 255, found 2
+SOI SOF LSE 00*8 01 00 SOS | byte 28: RESET must be from 3 to 255, found 256
 SOI SOF FF F8 00 0C 01 00*9 | byte 29: the preset parameter segment ends before RESET
 SOI SOF FF F8 00 0E 01 00*11 | byte 30: the preset parameter segment is 1 bytes too long
-SOI SOF FF F8 00 03 00 | byte 19: no preset parameter segment has type 0
+SOI SOF FF F8 00 03 00 | byte 19: a preset parameter segment has the unknown type 0
 SOI SOF FF F8 00 05 02 01 01 | byte 19: mapping tables are not implemented
 SOI SOF FF F8 00 05 03 01 01 | byte 19: mapping tables are not implemented
 SOI SOF FF F8 00 06 04 02 00 00 | byte 19: sizes over 65,535 are not implemented
@@ -257,7 +257,7 @@ fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 1, 1, interrupted);
     // Four samples, then the end of the run: one more sample, and one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
-        | byte 25: interrupted run of 5 samples, but the line has 5 left";
+        | byte 25: a run of 5 samples is interrupted, but the line has only 5 left";
     check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";

@@ -116,9 +116,9 @@ sizes 0 9223372036854775807 ; sizes 1 9223372036854775807 ; sizes 2 922337203685
 side-sizes 3 4 ; side 3 00 00 00 00 | compressed data (§2.9.8), byte 317:
   4 bytes of side information are not a whole number of 5-byte records
 side-sizes 8 10 ; side 8 00 00 00 00 07 00 00 00 01 07 | compressed data (§2.9.8), byte 463:
-  a record for texel 1, but the last texel is 0
+  a record refers to texel 1, but the last texel is 0
 side-sizes 8 5 ; side 8 FF FF FF FF 07 | compressed data (§2.9.8), byte 457:
-  a record for texel 4294967295, but the last texel is 0
+  a record refers to texel 4294967295, but the last texel is 0
 sizes 2 0 ; stream 2 | compressed data (§2.9.8), byte 260: plane 2: the stream is empty
 sizes 2 2 ; stream 2 D8 FF | compressed data (§2.9.8), byte 260:
   plane 2: the stream does not start with SOI, bytes FF D8

@@ -239,5 +239,5 @@ fn wrong_images_are_described() {
     }
     assert!(how("first-lrgb", "luminance-over-128").starts_with("too bright"));
     assert!(how("first-lrgb", "color-divided-twice").starts_with("too dark"));
-    assert!(how("first-lrgb", "v-negated").starts_with("wrong as the light moves"));
+    assert!(how("first-lrgb", "v-negated").starts_with("wrong when the light moves"));
 }

@@ -89,7 +89,7 @@ serves-huge-numbers
   | 1 | --serve | none | serve mode failed && announces 18446744073709551615 bytes, but no frame
 serves-impossible-numbers | 1 | --serve | none | serve mode failed && expected "1 ok NBYTES"
 serves-without-the-line | 1 | --serve | none | serve mode failed && including the first line of the frame
-serves-bare-frames | 1 | --serve | none | serve mode failed && the frame must follow a separate line
+serves-bare-frames | 1 | --serve | none | serve mode failed && write a separate answer line before the frame
 serves-logs | 1 | --serve | none | serve mode failed && found "decoding"
 serves-text-mode | 1 | --serve | none | serve mode failed && text mode
 serves-without-flush

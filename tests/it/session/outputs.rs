@@ -59,7 +59,7 @@ fn offline_outputs_are_judged_like_a_decoder() {
 fn offline_refusals_are_files_or_lists() {
     let here = Workspace::new();
     here.succeeds("generate --requests --out e");
-    check(&here).assert_exit(2, "no request is answered");
+    check(&here).assert_exit(2, "contains no answer to any request");
 
     answer(&here, "header-plain-lrgb");
     let write = |name: &str, text: &str| here.write(&format!("e/outputs/{name}"), text);

@@ -101,7 +101,7 @@ in-this-directory | looked up only in PATH | write ./in-this-directory
 'python3 plain.py' | no program with this name
   | several words; write them without quotation marks: -- python3 plain.py
 sh no-such-script.sh | no-such-script.sh: no such file in this directory | give the path of the script
-. | is a directory | name the program in the directory
+. | is a directory | give the path of a program in the directory
 ./plain.py | is not executable | chmod +x ./plain.py, or name the interpreter too: -- python3 ./plain.py
 ./no-line | has no #! line | #!/usr/bin/env python3
 ./crlf | ends in CR LF | dos2unix

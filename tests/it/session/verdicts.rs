@@ -16,7 +16,7 @@ use crate::in_process::{self, reference_answer, suite};
 /// Runs the suite against a decoder whose answers depend on the case. It answers correctly if `decoder` returns `None`.
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
     in_process::run(suite, plan, |request| {
-        let case = suite.case(request.name).expect("a case of the suite");
+        let case = suite.case(request.name).expect("the case exists");
         decoder(case).unwrap_or_else(|| reference_answer(request))
     })
 }
@@ -235,7 +235,7 @@ fn different_limits_are_not_nondeterminism() {
     for served in [false, true] {
         let ask = |request: &Request<'_>, _: usize| {
             let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
-            let case = suite.case(request.name).expect("a case of the suite");
+            let case = suite.case(request.name).expect("the case exists");
             match hoards(case) {
                 true if request.needs_new_process => Reply::from(hang()),
                 true => Reply {

@@ -30,7 +30,7 @@ fn run(
     ask: impl Fn(&TextureCase) -> Answer<Value> + Sync,
 ) -> Run<TextureCase> {
     let ask = |request: &Request<'_, TextureView>, _: usize| {
-        ask(suite.case(request.name).expect("a case of the suite")).into()
+        ask(suite.case(request.name).expect("the case exists")).into()
     };
     check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
 }
@@ -306,7 +306,7 @@ fn malformed_questions_name_the_faulty_field() {
 {"op":"index","given":{"boundary":"Wrap","size":0,"t":[0]}} | from 1 to 2^31
 {"op":"parameterize","given":{"entry":{},"point":{"vrc":[0,0,0]}}} | a normal
 {"op":"parameterize","given":{"dim":4}} | 1, 2 or 3
-{"op":"interpolate","given":{"ts":[[0],[1]],"b":[1],"correction":"None"}} | each of the corners
+{"op":"interpolate","given":{"ts":[[0],[1]],"b":[1],"correction":"None"}} | for each corner
 {"op":"resolve","given":{"index":0}} | index-out-of-range
 {"op":"compose","given":{"texel":["RGB",[1]],"color":[0,0,0]}} | [kind, components]"#,
     ) {

@@ -6,7 +6,7 @@ use crate::common::{Workspace, outcome, rows};
 
 /// Writers in `sh`, with the request in `$2` and the output path in `$3`, and a part of the expected message.
 const WRITERS: &str = r#"
-true | the output file is missing, although the program exits with 0
+true | the output file is missing, although the program exited with 0
 : > "$3" | the output file is empty
 mkdir "$3" | the output file is not a regular file
 mkfifo "$3" | the output file is not a regular file
