@@ -67,7 +67,7 @@ fn explain_request(id: &str) -> Result<String, String> {
         "writer request {id} ({})\n  {}\n  expected: {}\n{}  planes: {} bytes, top row first, beginning with {}\n",
         case.clauses.join(", "),
         case.because,
-        case.expectation(),
+        case.expectation_name(),
         request.header.to_json(),
         request.samples.len(),
         first.join(" ")

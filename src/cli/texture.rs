@@ -128,13 +128,13 @@ fn run_cases(args: &CasesArgs) -> CommandResult {
     let (mut held, mut wrong, mut unknown) = (0, 0, 0);
     let mut out = String::new();
     for line in cases.iter().flat_map(verify) {
-        let (word, count) = match line.holds {
+        let (word, count) = match line.agrees {
             Some(true) => ("pass", &mut held),
             Some(false) => ("FAIL", &mut wrong),
             None => ("----", &mut unknown),
         };
         *count += 1;
-        if line.holds == Some(false) || !args.quiet {
+        if line.agrees == Some(false) || !args.quiet {
             let reading = line.reading.map(|name| format!(" under {name}"));
             let reading = reading.unwrap_or_default();
             let _ = writeln!(out, "{word} {}{reading}: {}", line.id, line.message);

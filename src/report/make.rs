@@ -90,7 +90,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
             id: case.id().to_owned(),
             outcome: judged.outcome,
             view: seen.map_or_else(String::new, |seen| seen.view.to_string()),
-            expect: case.expectation().to_owned(),
+            expect: case.expectation_name().to_owned(),
             clauses: case.clauses().to_vec(),
             message: judged.message.clone(),
             weak: seen.is_some_and(|seen| seen.weak),

@@ -119,7 +119,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             name: case.id(),
             view,
             file: C::file(&built),
-            max_frame_bytes: case.largest_answer(&built),
+            max_frame_bytes: case.max_answer_bytes(&built),
             timeout_factor: timeout_factor.unwrap_or(1),
             needs_new_process: timeout_factor.is_none(),
         };

@@ -91,7 +91,7 @@ impl<C: TestCase> Session<'_, C> {
         (0..cases).filter(is_asked).partition(|&i| soonest[i])
     }
 
-    /// Requests some cases once, each in the first of its views that is offered.
+    /// Requests some cases once, each in the first of its views that the decoder offers.
     ///
     /// If the run ends because of timeouts, later parallel results are dropped, so that the number of jobs has no effect.
     pub fn ask_some(
@@ -292,7 +292,7 @@ impl<C: TestCase> Run<C> {
         self.status(self.judgement.with_outcome(Outcome::Fail).next().is_some())
     }
 
-    /// Returns the exit status of a run for which not every failure counts. `failed` is true if a failure counts.
+    /// Returns the exit status of a run in which some failures may be ignored. `failed` is true if any failure counts.
     #[must_use]
     pub fn status(&self, failed: bool) -> u8 {
         if self.not_a_decoder.is_some() {

@@ -29,9 +29,9 @@ impl fmt::Display for Scores {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub struct Fraction {
-    /// The part.
+    /// Number of items in the part.
     pub part: usize,
-    /// The whole.
+    /// Number of items in the whole.
     pub whole: usize,
 }
 

@@ -33,7 +33,7 @@ fn is_explained_by(undo: &Undo<Case>, (reply, frame): &FirstImage) -> bool {
 }
 
 /// Returns the changes that the images of all first files have in common, view by view, if no image is right and one change
-/// explains all.
+/// explains all of them.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);

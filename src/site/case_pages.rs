@@ -151,7 +151,7 @@ fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
         } }
         @if all > MAX_FIELDS { p.quiet { (all - MAX_FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
         @if let Some(error) = &inspection.error {
-            p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.what) }
+            p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.description) }
         }
         @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " onward do not belong to a field: " code { (rest.begins) } } }
     }

@@ -62,7 +62,7 @@ fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Marku
     let case = cases.min_by_key(|case| case.question().to_string().len());
     let case = case.ok_or_else(|| format!("no case has the operation {op}"))?;
     let mut answers = verify(case).into_iter();
-    if let Some(wrong) = answers.find(|answer| answer.holds == Some(false)) {
+    if let Some(wrong) = answers.find(|answer| answer.agrees == Some(false)) {
         return Err(format!("texture case {}: {}", wrong.id, wrong.message));
     }
     Ok(html! {

@@ -16,7 +16,7 @@ pub struct Clause {
     pub status: ClauseStatus,
     /// The ruling, if the status is `ruled`.
     pub ruling: Option<String>,
-    /// The reason, if the clause is not tested.
+    /// The reason why the clause is not tested, if it is not.
     pub why: Option<String>,
 }
 

@@ -24,7 +24,7 @@ pub struct ManifestEntry {
     pub bytes: usize,
     /// Digest of the file.
     pub sha256: String,
-    /// `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
+    /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
     /// Id of the valid file from which this one was edited.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,7 +37,7 @@ pub struct ManifestEntry {
 /// Manifest entry for an expected output.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ExpectedFile {
-    /// `raw`, `coef` or `rgb:LU,LV`.
+    /// View: `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
     /// Path of the frame, relative to the corpus.
     pub file: String,
@@ -79,7 +79,7 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
 }
 
 /// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files larger than `largest` bytes are only
-/// listed. The output does not depend on `jobs`.
+/// listed in the manifest. The output does not depend on `jobs`.
 ///
 /// # Errors
 /// Returns an error with the path of a file that cannot be written.

@@ -46,7 +46,7 @@ impl TestCase for Case {
         self.expect
     }
 
-    fn expectation(&self) -> &'static str {
+    fn expectation_name(&self) -> &'static str {
         self.expect.name()
     }
 
@@ -116,7 +116,7 @@ impl TestCase for Case {
         &built.file
     }
 
-    fn largest_answer(&self, built: &Arc<Built>) -> usize {
+    fn max_answer_bytes(&self, built: &Arc<Built>) -> usize {
         // The largest frame has an f32 for each of 18 channels per texel.
         let texels = match (&built.values, self.recipe()) {
             (Values::Painted(model), _) => model.size.texels(),

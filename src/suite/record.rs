@@ -29,7 +29,7 @@ pub(super) struct CaseRecord {
     values: Option<HandValues>,
     pub twin_of: Option<String>,
     damage: Option<String>,
-    /// Rulings separated by spaces, or `none` if there are none.
+    /// Open choices that affect the case, separated by spaces, or `none`.
     shows: Option<String>,
     expect: Expect,
     views: Option<Vec<String>>,

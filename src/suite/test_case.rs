@@ -50,7 +50,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Returns the expected result.
     fn expect(&self) -> Expect;
     /// Returns the name of the expected result for reports.
-    fn expectation(&self) -> &'static str;
+    fn expectation_name(&self) -> &'static str;
     /// Returns true if the case is requested in every view before all other cases.
     fn is_first(&self) -> bool;
     /// Returns the views that can decide the case, in order of preference.
@@ -90,7 +90,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
     /// Returns the maximum number of bytes of a correct answer.
-    fn largest_answer(&self, built: &Self::Built) -> usize;
+    fn max_answer_bytes(&self, built: &Self::Built) -> usize;
 
     /// Compares an output with the expected one.
     fn compare(

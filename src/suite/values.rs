@@ -61,9 +61,9 @@ pub struct HandValues {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HandImage {
-    /// `LU,LV`
+    /// Direction of the light, as `LU,LV`.
     pub light: String,
-    /// Real numbers from 0 to 255.
+    /// Colors, as real numbers from 0 to 255.
     pub texels: Vec<String>,
 }
 

@@ -12,12 +12,12 @@
 
 use super::entry::Vector;
 
-/// Differences of texture coordinates between neighboring pixels.
+/// Changes in texture coordinates from a pixel to its neighbors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footprint {
-    /// Difference to the pixel on the right.
+    /// Change from a pixel to the one on its right.
     pub dt_dx: Vector,
-    /// Difference to the pixel above.
+    /// Change from a pixel to the one above it.
     pub dt_dy: Vector,
 }
 

@@ -116,7 +116,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Reasons why a texel of RGB or LRGB cannot be converted.
+/// Reason why a texel of RGB cannot be converted; below, the same for LRGB.
 const NOT_ONE_POLYNOMIAL: &str =
     "its three polynomials are not multiples of one representable polynomial";
 const NOT_A_BYTE: &str =

@@ -57,7 +57,8 @@ pub struct Fault {
     /// Class of the error: `malformed`, `unsupported` or `limit`.
     pub class: &'static str,
     /// Description of the error.
-    pub what: String,
+    #[serde(rename = "what")]
+    pub description: String,
     /// Kind of the error. It determines the field after which the error is displayed.
     #[serde(skip)]
     kind: Kind,
@@ -86,7 +87,7 @@ pub fn inspect(file: &[u8]) -> Inspection {
             Class::Unsupported => "unsupported",
             Class::Limit => "limit",
         },
-        what: error.kind().to_string(),
+        description: error.kind().to_string(),
         kind: error.kind().clone(),
     });
     let parts = dissection.parts.len();
@@ -297,7 +298,7 @@ fn write_fault(out: &mut String, fault: Option<&Fault>) {
         let _ = writeln!(
             out,
             "{ERROR_STYLE}{:>8} {:>8}  {:<12}  {}: {}{ERROR_STYLE:#}",
-            fault.offset, "", fault.clause, fault.class, fault.what
+            fault.offset, "", fault.clause, fault.class, fault.description
         );
     }
 }

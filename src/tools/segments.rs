@@ -220,7 +220,7 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     }
 }
 
-/// Describes the class, number and code count of each table in a DHT segment (T.81 B.2.4.2).
+/// Describes each table in a DHT segment: its class, number and count of codes (T.81 B.2.4.2).
 fn huffman_tables(mut body: &[u8]) -> String {
     let mut tables = Vec::new();
     while let [kind, rest @ ..] = body
@@ -234,7 +234,7 @@ fn huffman_tables(mut body: &[u8]) -> String {
     tables.join(", ")
 }
 
-/// Describes the number, element width and DC step of each table in a DQT segment (T.81 B.2.4.1).
+/// Describes each table in a DQT segment: its number, element width and DC step (T.81 B.2.4.1).
 fn quantization_tables(mut body: &[u8]) -> String {
     let mut tables = Vec::new();
     while let [kind, rest @ ..] = body {

@@ -30,7 +30,7 @@ pub fn ask<V: RequestValues>(
         request: &built.json,
         attachments: &V::attachments(&built),
         values: &values,
-        max_bytes: case.largest_answer(&built),
+        max_bytes: case.max_answer_bytes(&built),
         timeout_factor,
     };
     let result = writer.write(&call, scratch);

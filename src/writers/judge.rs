@@ -111,7 +111,7 @@ pub(super) fn is_same_number(wanted: f64, found: f64) -> bool {
     (wanted - found).abs() <= NUMBER_TOLERANCE * wanted.abs()
 }
 
-/// Compares the compression parameter (2.9.1).
+/// Compares the compression parameter with the requested one (2.9.1).
 fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<(), WriterFault> {
     let wanted = request.header.quality.or(request.header.near);
     match (wanted, dissection.number(Role::Parameter)) {
@@ -123,7 +123,7 @@ fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<
     }
 }
 
-/// Compares the planes of a lossless file.
+/// Compares the planes of a lossless file with the requested planes.
 fn compare_planes(
     request: &WriteRequest,
     dissection: &Dissection,

@@ -14,8 +14,8 @@ use crate::reading::Reading;
 use crate::writers::request::{WriteRequest, new_map};
 use crate::writers::{judge::is_same_number, lossy::matches_within_loss};
 
-/// Views whose colors differ if any coefficient differs.
-const LIGHTS: [&str; 4] = [
+/// Views of four lights; if any coefficient differs, the color differs in at least one of them.
+const LIT_VIEWS: [&str; 4] = [
     "rgb:0.3125,-0.4375",
     "rgb:0,0",
     "rgb:-0.5,0.25",
@@ -125,7 +125,9 @@ impl MisreadFile {
         self.ptm.header.size == other.ptm.header.size
             && match stage {
                 Stage::Coefficients => self.equals_in_view(other, "coef"),
-                Stage::Color => LIGHTS.iter().all(|light| self.equals_in_view(other, light)),
+                Stage::Color => LIT_VIEWS
+                    .iter()
+                    .all(|light| self.equals_in_view(other, light)),
                 _ => equal_header_numbers(&self.ptm, &other.ptm),
             }
     }

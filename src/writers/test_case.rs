@@ -176,7 +176,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         self.expect
     }
 
-    fn expectation(&self) -> &'static str {
+    fn expectation_name(&self) -> &'static str {
         match self.expect {
             Expect::Refuse => "refuse",
             _ => "write",
@@ -209,8 +209,8 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         built.json.as_bytes()
     }
 
-    /// Returns twice the size of the planes plus the maximum size of a header.
-    fn largest_answer(&self, built: &BuiltRequest<V::Request>) -> usize {
+    /// Allows twice the size of the planes plus the maximum size of a header.
+    fn max_answer_bytes(&self, built: &BuiltRequest<V::Request>) -> usize {
         2 * built.size.texels() * self.format.channels() + 65_536
     }
 

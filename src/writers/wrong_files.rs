@@ -15,7 +15,7 @@ use crate::writers::request::{RequestHeader, WriteRequest};
 /// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
 const MAX_REPAIRS: usize = 20;
 
-/// Changes to the header from which repairs start: none, negated biases, and reciprocal scales.
+/// Changes to the header before the first repair: none, negated biases, or reciprocal scales.
 const STARTING_HEADERS: [fn(&mut RequestHeader); 3] = [
     |_| (),
     |header| header.bias = header.bias.map(|bias| -bias),

@@ -24,7 +24,7 @@ pub fn misreading(slug: &str) -> &'static Misreading {
     misreadings::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
 }
 
-/// Returns a misreading that computes formulas differently.
+/// Returns a misreading that applies these edits to formulas.
 pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
     Misreading {
         slug: "none",
@@ -37,12 +37,12 @@ pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
     }
 }
 
-/// Answers like a decoder with these misreadings.
+/// Returns the answer of a decoder with these misreadings.
 pub fn answer_with(mistakes: &[&Misreading], request: &Request) -> Answer {
     misreadings::answer(mistakes, Reading::SPEC, request.file, request.view)
 }
 
-/// Answers like the reference.
+/// Returns the answer of the reference decoder.
 pub fn reference_answer(request: &Request) -> Answer {
     answer_with(&[], request)
 }

@@ -1,4 +1,4 @@
-//! Tables of tests as text.
+//! Tables of test data, written as text.
 
 /// Reads a table with one row per line. Cells are separated by `|` between spaces.
 ///

@@ -92,5 +92,5 @@ fn parenthesized(value: f64) -> String {
 
 /// Formats a number with at most four decimals.
 fn short_number(value: f64) -> String {
-    compare::short(value, 4)
+    compare::format_short(value, 4)
 }

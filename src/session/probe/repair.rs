@@ -10,7 +10,7 @@ use super::{arrangement::arrangements, body::interpret_frame};
 pub(super) struct Repair {
     pub(super) mistakes: Vec<ProbeFault>,
     /// True if all samples are right and only their order is wrong.
-    pub(super) is_order: bool,
+    pub(super) only_reorders: bool,
 }
 
 impl Repair {
@@ -30,17 +30,20 @@ pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<P
 /// Returns all sets of mistakes that can be undone to make `bytes` the correct answer, except the empty set.
 pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Repair> {
     let mut repairs = Vec::new();
-    for (bytes, mistakes) in streams(bytes) {
+    for (bytes, mistakes) in candidate_streams(bytes) {
         let Some((shape, values)) = interpret_frame(&bytes, expected, view) else {
             continue;
         };
         for (values, encoded) in values {
             let mistakes = [&mistakes[..], &shape, &encoded].concat();
-            let is_order = mistakes.is_empty();
+            let only_reorders = mistakes.is_empty();
             for (values, arranged) in arrangements(&values, expected) {
                 let mistakes = [&mistakes[..], &arranged].concat();
                 if !mistakes.is_empty() && is_right(&values, expected) {
-                    repairs.push(Repair { mistakes, is_order });
+                    repairs.push(Repair {
+                        mistakes,
+                        only_reorders,
+                    });
                 }
             }
         }
@@ -52,11 +55,11 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
 /// Returns the bytes unchanged, and the results of undoing text mode, other encodings, and text before the frame.
-fn streams(bytes: &[u8]) -> Vec<RepairedBytes> {
+fn candidate_streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));
     streams.extend(from_utf8(bytes));
-    streams.extend(line_ends(bytes));
+    streams.extend(without_carriage_returns(bytes));
     let after_text: Vec<RepairedBytes> = streams.iter().filter_map(without_text_before).collect();
     streams.extend(after_text);
     streams
@@ -85,7 +88,7 @@ fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedByte
 }
 
 /// Returns the bytes without the carriage returns of text mode: without those in the first line, after it, or everywhere.
-fn line_ends(bytes: &[u8]) -> Vec<RepairedBytes> {
+fn without_carriage_returns(bytes: &[u8]) -> Vec<RepairedBytes> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();
     };

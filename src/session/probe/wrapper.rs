@@ -141,7 +141,7 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     let (_, same) = explained.into_iter().max_by_key(by_count)?;
     let is_common = 2 * same.len() > printed;
     let (reply, repair) = same.into_iter().next()?;
-    (is_common && !repair.is_order).then(|| reply.step(repair.fault()))
+    (is_common && !repair.only_reorders).then(|| reply.step(repair.fault()))
 }
 
 /// Returns the reason why the decoder returned no frame for any first file, from the first reply that reveals it.

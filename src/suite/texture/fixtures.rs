@@ -19,7 +19,7 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
 pub fn expand_maps(given: &Value) -> Value {
     match given {
         Value::Object(fields) => {
-            let is_sent = |(name, _): &(&String, _)| !READINGS.contains(&name.as_str());
+            let is_sent = |(name, _): &(&String, _)| !READING_FIELDS.contains(&name.as_str());
             let fields = fields.iter().filter(is_sent);
             let spelled = fields.map(|(name, value)| {
                 let value = match name.as_str() {
@@ -36,12 +36,12 @@ pub fn expand_maps(given: &Value) -> Value {
 }
 
 /// Fields of `given` that name a reading.
-const READINGS: [&str; 2] = ["reading", "grid"];
+const READING_FIELDS: [&str; 2] = ["reading", "grid"];
 
 /// Returns the readings that `given` names.
 #[must_use]
 pub fn readings(given: &Value) -> Vec<&str> {
-    let fields = READINGS.iter();
+    let fields = READING_FIELDS.iter();
     fields.filter_map(|field| given[*field].as_str()).collect()
 }
 

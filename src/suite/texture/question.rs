@@ -152,9 +152,9 @@ enum TextureStep {
     Depth {
         /// Number of texels of the base level in each direction.
         size: Vec<usize>,
-        /// The change of the coordinates from a pixel to the next one on the right.
+        /// The change in the coordinates from a pixel to the one on its right.
         dtdx: Vec<f64>,
-        /// The change of the coordinates from a pixel to the next one above.
+        /// The change in the coordinates from a pixel to the one above it.
         dtdy: Vec<f64>,
         /// The depth sampling bias hint.
         #[serde(default)]
@@ -603,10 +603,10 @@ struct SurfaceGiven {
     color: Color,
     #[serde(default = "opaque")]
     alpha: f64,
-    /// Ambient and diffuse light on white.
+    /// CW: ambient and diffuse light on a white surface.
     #[serde(default = "white")]
     cw: Color,
-    /// The specular part.
+    /// CS: specular light.
     #[serde(default)]
     cs: Color,
 }

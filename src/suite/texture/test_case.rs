@@ -66,7 +66,7 @@ impl TestCase for TextureCase {
         }
     }
 
-    fn expectation(&self) -> &'static str {
+    fn expectation_name(&self) -> &'static str {
         match self.basis {
             _ if self.must_be_refused() => "reject",
             Basis::Reading => "choice",
@@ -104,7 +104,7 @@ impl TestCase for TextureCase {
         built
     }
 
-    fn largest_answer(&self, _: &Vec<u8>) -> usize {
+    fn max_answer_bytes(&self, _: &Vec<u8>) -> usize {
         MAX_ANSWER_BYTES
     }
 

@@ -18,7 +18,7 @@ pub struct VerifiedAnswer {
     /// Reading under which this answer is expected, if it is not the reference's.
     pub reading: Option<String>,
     /// True if the answers agree; `None` if the reading is unknown.
-    pub holds: Option<bool>,
+    pub agrees: Option<bool>,
     /// The answer, or the difference.
     pub message: String,
 }
@@ -34,7 +34,7 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
         VerifiedAnswer {
             id: case.id.clone(),
             reading: reading.cloned(),
-            holds,
+            agrees: holds,
             message: says,
         }
     };

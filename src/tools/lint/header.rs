@@ -20,7 +20,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Returns the problems of the whitespace after a part of the header.
+/// Returns the problems with the whitespace after a part of the header.
 fn gap_problems(part: &FilePart, planes: usize, gap: &[u8]) -> Vec<(Problem, String)> {
     let place = || format!("after the {}", part.name);
     let mut problems = Vec::new();

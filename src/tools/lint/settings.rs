@@ -13,7 +13,7 @@ use super::codes::{Code, Severity};
 pub struct Settings {
     /// Codes that are not reported.
     pub allow: Vec<String>,
-    /// Codes that are reported exclusively; empty for all codes.
+    /// The only codes that are reported; empty to report all codes.
     pub only: Vec<String>,
     /// Severities that replace the defaults of the codes.
     pub severity: BTreeMap<String, Severity>,

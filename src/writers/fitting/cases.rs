@@ -32,9 +32,9 @@ pub enum ImageSource {
 impl Suite<FitCase> {
     /// Creates a suite with the generated photographs and, optionally, the user's photographs.
     #[must_use]
-    pub fn load_fitter_requests(own: Option<&ImageSet>) -> Suite<FitCase> {
+    pub fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
         let generated = SETS.iter().map(ImageSource::Generated);
-        let sources = generated.chain(own.cloned().map(ImageSource::Provided));
+        let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
         let cases = sources.flat_map(|source| {
             const OWN: &str = "The request contains the images that --lp lists.";
             let (name, because, clause) = match &source {

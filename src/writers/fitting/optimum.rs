@@ -66,7 +66,7 @@ impl Fitted {
         Polynomials(texels.collect())
     }
 
-    /// Chooses the scale and bias of each coefficient for its range.
+    /// Chooses the scale and bias of each coefficient to fit its range.
     pub fn scale_bias(&self) -> ScaleBias {
         let mut set = ScaleBias {
             scale: [0.0; 6],

@@ -88,9 +88,9 @@ SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
 SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
-/// Values out of range for the inverse transform, which no encoder writes. A DC coefficient of 1,200 · 4 is 600 above gray,
-/// which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient of
-/// 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
+/// Streams with values out of range for the inverse transform, which no encoder writes. A DC coefficient of 1,200 · 4 is 600
+/// above gray, which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient
+/// of 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
 SOI FF DB 00 43 00 04*64 SOF FF C4 00 14 00 01 00*15 0B DHT1 SOS 4B 07 EOI | 00
 SOI FF DB 00 43 00 C8*64 SOF DHT0 FF C4 00 15 10 00 02 00*14 00 0A SOS 3F 41 EOI | 00 00 FF 00 FF 00 FF FF
@@ -187,8 +187,8 @@ fn jpeg_streams_give_the_listed_results() {
     check_results(JPEG, 65_535, 65_535, huge);
 }
 
-/// Comments, fill bytes, a restart interval of 0, preset parameters that equal the defaults or precede the frame
-/// header, other sampling factors, and other padding bits.
+/// Unusual valid streams: comments, fill bytes, a restart interval of 0, preset parameters that equal the
+/// defaults or precede the frame header, other sampling factors, and other padding bits.
 const JPEG_LS_SPELLINGS: &str = "
 SOI SOF SOS DATA EOI | 00
 SOI FF E8 00 04 4A 46 FF FE 00 02 SOF SOS DATA EOI | 00

@@ -89,7 +89,7 @@ fn malformed_files_give_the_listed_messages() {
     }
 }
 
-/// The smallest JPEG-LS stream, with a single sample 0.
+/// The smallest JPEG-LS stream, whose only sample is 0.
 const STREAM: &str =
     "FF D8 FF F7 00 0B 08 00 01 00 01 01 01 11 00 FF DA 00 08 01 01 00 00 00 00 80 FF D9";
 
@@ -130,7 +130,7 @@ sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed 
   plane 2: samples of 12 bits are not implemented
 "#;
 
-/// Returns a file with one texel and nine intra planes, all zero, after some changes.
+/// Returns a file with one texel and nine intra planes, all zero, after the given changes.
 fn compressed_file(changes: &str) -> Vec<u8> {
     let names = "transforms x y order references sizes side-sizes stream side";
     let mut values = ["0", "0", "0", "0", "-1", "28", "0", STREAM, ""].map(|value| [value; 9]);

@@ -1,6 +1,6 @@
 //! Judges and diagnoses recorded responses of seven public decoders.
 //!
-//! `tests/it/recordings/` contains the answers of each decoder, compressed, and `rows.yaml`. For each mistake in the decoder's
+//! `tests/it/recordings/` contains the compressed answers of each decoder and `rows.yaml`. For each mistake in the decoder's
 //! source code, `rows.yaml` lists the cause that must be named. It also lists false statements that must not be made.
 
 use std::collections::HashMap;
@@ -49,7 +49,7 @@ struct Forbidden {
     and: String,
 }
 
-/// A cause as it is reported: the number of cases that it explains, its slug or effect, and its example.
+/// A reported cause: the number of cases that it explains, its slug or effect, and its example.
 struct ReportedCause {
     count: usize,
     effect: String,

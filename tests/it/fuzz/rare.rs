@@ -119,7 +119,7 @@ const RARE: [&str; 20] = [
     "side-position-in-16-bits",
 ];
 
-/// A mistake for which reduction ends at up to 1.5 times the length of the shortest known file.
+/// A mistake whose files may, after reduction, still be 1.5 times as long as the shortest known file.
 const INCOMPLETELY_REDUCED: &str = "side-position-in-16-bits";
 
 /// Each mistake is found, and named either by its slug or by the damage that it overlooks. Its file is at most 1.2 times as

@@ -1,4 +1,4 @@
-//! Profiles of readers and their predictions.
+//! Tests of reader profiles and of the predictions based on them.
 
 #![cfg(all(unix, feature = "cli"))]
 

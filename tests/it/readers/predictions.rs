@@ -194,7 +194,7 @@ fn files_converted_for_a_reader_keep_the_map() {
     assert!(converted > 90);
 }
 
-/// Asserts that the colors under six lights are equal, and the final coefficients if both maps have the same shape.
+/// Asserts that the colors under six lights are equal and, if both maps have the same shape, the final coefficients too.
 #[track_caller]
 fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, id: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());

@@ -1,4 +1,4 @@
-//! Tests of the output formats of reports.
+//! Tests of the formats in which reports are written.
 
 use std::path::Path;
 use std::process::Command;

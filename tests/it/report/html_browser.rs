@@ -1,4 +1,4 @@
-//! Tests of report pages in a real browser, which `tests/it/report/html_browser.mjs` controls.
+//! Tests of report pages in a real browser, controlled by `tests/it/report/html_browser.mjs`.
 //!
 //! The tests need node, chromium and chromedriver.
 

@@ -117,7 +117,7 @@ fn assert_same_report(suite: &Suite, decoder: &Decoder) {
 }
 
 /// Returns true for one in `count` files. The pseudorandom decision depends only on the bytes of the file.
-fn is_drawn(request: &Request, count: u32) -> bool {
+fn is_sampled(request: &Request, count: u32) -> bool {
     let sum = request.file.iter().fold(7_u32, |sum, &byte| {
         sum.wrapping_mul(31).wrapping_add(u32::from(byte))
     });
@@ -132,13 +132,13 @@ fn eight_merged_shards_equal_the_whole_run() {
     let mistake = misreading("rows-top-down");
     assert_same_report(&suite, &|request| answer_with(&[mistake], request));
     // Refuses some files as unsupported. Other files show that it supports their features.
-    assert_same_report(&suite, &|request| match is_drawn(request, 5) {
+    assert_same_report(&suite, &|request| match is_sampled(request, 5) {
         true => Answer::Unsupported,
         false => reference_answer(request),
     });
     // Mixes two dialects.
     assert_same_report(&suite, &|request| {
-        let reading = match is_drawn(request, 2) {
+        let reading = match is_sampled(request, 2) {
             true => Reading::SPEC.with_alternative(Alternative::MotionMinus),
             false => Reading::SPEC,
         };
@@ -149,7 +149,7 @@ fn eight_merged_shards_equal_the_whole_run() {
         let spelled = |word: &[u8]| request.file.windows(word.len()).any(|at| at == word);
         if spelled(b"N_LUT_ENTRIES") || spelled(b"_LUT\n") && !spelled(b"nentries ") {
             Answer::Rejected
-        } else if is_drawn(request, 40) {
+        } else if is_sampled(request, 40) {
             Answer::Crashed("signal 11".to_owned())
         } else {
             reference_answer(request)

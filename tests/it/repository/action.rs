@@ -29,7 +29,7 @@ fn step(id: &str, here: &Workspace) -> Command {
     bash
 }
 
-/// Runs the check with these inputs.
+/// Runs the `check` step of the action with these inputs.
 fn check(here: &Workspace, decoder: &str, args: &str) -> Output {
     step("check", here)
         .env("DECODER", decoder)

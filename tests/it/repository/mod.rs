@@ -25,7 +25,7 @@ pub fn files_below(directory: &Path) -> Vec<PathBuf> {
     files.collect()
 }
 
-/// Returns the files below a directory by their relative paths, with their bytes.
+/// Returns the contents of the files below a directory, keyed by relative path.
 pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let file = |path: PathBuf| {
         let name = path

@@ -1,6 +1,6 @@
 //! The modules of `src` depend on each other in one direction, and files have no import cycles.
 //!
-//! All paths in `use` items and in code count as imports, also inside macros, except those for tests.
+//! All paths in `use` items and in code count as imports, even inside macros, but not in tests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -15,7 +15,7 @@ use crate::table::rows;
 const MODULES: &str = "error codec ptm parts input reading evaluate decode generate texture kit formula protocol suite \
     misreadings readers runner session diagnose strength report fuzz tools writers site cli main";
 
-/// Files of modules by their paths in the crate, such as `["decode", "planes"]`.
+/// Maps the path of each module in the crate to its file; a path is a list of names such as `["decode", "planes"]`.
 type Modules = BTreeMap<Vec<String>, String>;
 
 #[test]
@@ -215,7 +215,7 @@ impl File<'_> {
         }
     }
 
-    /// Adds the file of the longest prefix of a path that is a module.
+    /// Adds the file of the innermost module on a path to `found`.
     fn add_file(&self, path: &[String], found: &mut BTreeSet<String>) {
         let file = (0..=path.len())
             .rev()
@@ -239,7 +239,7 @@ fn module_name(tokens: &[TokenTree]) -> Option<String> {
     }
 }
 
-/// Returns true at `pub(in …)`, `pub(super)` or `pub(crate)`.
+/// Returns true if the next tokens are `pub(in …)`, `pub(super)` or `pub(crate)`.
 fn is_visibility(tokens: &[TokenTree]) -> bool {
     matches!(
         tokens,

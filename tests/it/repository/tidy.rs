@@ -1,4 +1,4 @@
-//! Order of sections, length of functions, and share of comments.
+//! Tests the order of sections, the length of functions, and the share of comments.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Tests that a lack of resources is never reported as a fault of the decoder. With little space, few open files, few
+//! Tests that a lack of resources is never reported as a fault of the decoder. With little disk space, few open files, few
 //! processes or an ignored signal, a correct decoder passes, or the run ends with status 2 and names the missing resource.
 
 use std::fs;

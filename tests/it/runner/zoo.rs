@@ -76,7 +76,7 @@ hoards hoards-by-a-child | 3 | --memory 150M | not judged | out of memory: the p
 hangs-on-capabilities | 0 | --timeout 8 | none | pass: 17 pass
 ";
 
-/// Programs with serve mode. If serve mode fails, each file is requested in one-shot mode.
+/// Programs that support serve mode. If serve mode fails, each file is requested in one-shot mode.
 const SERVING: &str = r#"
 serves | 0 | | none | pass: 17 pass
 serves serves-and-deletes-later | 0 | --serve --jobs 1 | none | pass: 17 pass
@@ -190,11 +190,11 @@ fn judge(faulty: &FaultyDecoder, checked: &Checked) {
     );
 }
 
-/// Maximum memory of the harness in KiB: the suite and little else, for any decoder.
+/// Maximum memory of the harness in KiB for any decoder: little more than the suite needs.
 const MAX_MEMORY_KIB: u64 = 100 << 10;
 
 /// Checks faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`
-/// returns a problem with the memory of the harness, if there is one.
+/// checks the memory use of the harness and returns a problem, if there is one.
 #[track_caller]
 fn check_faulty_decoders(
     all: &[FaultyDecoder],

@@ -4,8 +4,8 @@ use crate::common::{
     Checked, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
 };
 
-/// Copies with one mistake: its name, the text to replace, the replacement, the case for the misread clause, and a similar case
-/// without that clause.
+/// Copies of the decoder, each with one mistake: its name, the text to replace, the replacement, the case for the misread
+/// clause, and a similar case without that clause.
 const COPIES: &str = r#"
 big-endian-index | "little") | "big") | table-of-257-entries-ptm-lut | table-of-255-entries-ptm-lut
 width-at-256 | len(entries) <= 256 | len(entries) < 256 | table-of-256-entries-ptm-lut | table-of-255-entries-ptm-lut
@@ -191,7 +191,7 @@ fn common_transform_is_reported_once_and_undone() {
     assert!(says.starts_with(expected), "{says}");
 }
 
-/// Checks each copy with its two cases. Returns the names and diagnoses of the copies.
+/// Asserts that each copy fails the first of its two cases and passes the second. Returns the names and diagnoses.
 fn assert_each_fails(copies: &str, options: &str) -> Vec<(String, Vec<String>)> {
     let Some(text) = decoder() else {
         return Vec::new();

@@ -11,7 +11,7 @@ fn check(here: &Workspace) -> Checked {
     here.check("--outputs e")
 }
 
-/// Returns id, file, view and output of the requests whose id begins with `beginning`.
+/// Returns the id, file, view and output path of each request whose id begins with `beginning`.
 fn requests(here: &Workspace, beginning: &str) -> Vec<[String; 4]> {
     let table = here.text("e/requests.tsv");
     let lines = table.lines().skip(1);

@@ -1,4 +1,4 @@
-//! Tests of pages of every kind in a real browser, which `tests/it/site/browser.mjs` controls.
+//! Tests of pages of every kind in a real browser, controlled by `tests/it/site/browser.mjs`.
 //!
 //! The tests need node, chromium and chromedriver.
 

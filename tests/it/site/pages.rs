@@ -117,7 +117,7 @@ fn site_is_reproducible_and_small() {
     }
 }
 
-/// Every URL that the program prints for an id of a catalog leads to a page.
+/// Every URL that the program prints for a catalog id leads to a page.
 #[test]
 fn every_published_address_has_a_page() {
     let mut addresses: Vec<String> = Vec::new();

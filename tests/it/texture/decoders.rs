@@ -7,8 +7,8 @@ fn stage() -> Option<String> {
     have("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
 }
 
-/// Copies with one mistake: the misreading that the diagnosis names, the text to replace, the replacement, and the
-/// requirement that a failing case and the diagnosis cite.
+/// Copies of the texture stage, each with one mistake: the misreading that the diagnosis names, the text to
+/// replace, the replacement, and the requirement that both a failing case and the diagnosis cite.
 const COPIES: &str = r#"
 pre-light-by-default | "rendering_control": "PostLight" | "rendering_control": "PreLight" | R-TBL-04
 index-zero-accepted | if not 1 <= index | if not 0 <= index | R-RST-02

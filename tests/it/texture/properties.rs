@@ -84,7 +84,7 @@ fn new_map(dimensions: usize, size: [usize; 3], values: &[f64]) -> TextureMap {
     TextureMap::new(dimensions, vec![Level { size, texels }]).expect("a map")
 }
 
-/// Generates coordinates that are exact in binary and not on the edge of a cell for up to 255 cells.
+/// Generates coordinates that are exact in binary and not on a cell boundary of a map with up to 255 cells.
 fn coordinate() -> impl Strategy<Value = f64> {
     (-512..512_i32).prop_map(|n| f64::from(2 * n + 1) / 512.0)
 }

@@ -63,7 +63,7 @@ fn python(here: &Workspace, packages: &[&str], code: &str, files: &[&str]) -> Op
     have_python(packages).then(|| stdout(&mut command))
 }
 
-/// Returns the samples that the reference prints.
+/// Returns the samples that the reference decoder writes for a view of a file.
 fn samples(here: &Workspace, view: &str, file: &str) -> Vec<u8> {
     let output = here.command(&format!("reference {view} {file}")).output();
     let frame = output.expect("the program starts").stdout;

@@ -1,4 +1,4 @@
-//! Tests that the tools for files terminate for every file.
+//! Tests that the file tools terminate for any file.
 
 use proptest::prelude::*;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -10,7 +10,7 @@ use ptm_conform::tools::dissection::Dissection;
 use ptm_conform::tools::{diff, export, render};
 use ptm_conform::tools::{inspect::inspect, lint::codes::Severity, lint::lint};
 
-/// Runs every tool on a file and asserts that the results agree with the decoder.
+/// Runs every tool on a file and asserts that the results agree with those of the decoder.
 fn run_all_tools(file: &[u8]) {
     let dissection = Dissection::parse(file);
     let decoded = ptm_conform::decode(file);

@@ -8,7 +8,7 @@ use crate::common::{Workspace, have, repository, repository_text, stdout};
 use data_encoding::HEXUPPER_PERMISSIVE;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
-/// Returns the texts between two markers.
+/// Returns every part of a text that is between the two markers.
 fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
     let parts = text.split(before).skip(1);
     parts
@@ -108,7 +108,7 @@ fn no_system_file_is_identified_as_a_ptm() {
     assert_eq!(count_ptms(&Workspace::new(), &files), 0);
 }
 
-/// Returns at most `max_files` files below a directory, except links and names with a line feed.
+/// Returns at most `max_files` files below a directory, except links and files whose names contain a line feed.
 fn files_below(directory: &Path, max_files: usize) -> Vec<PathBuf> {
     let (mut files, mut directories) = (Vec::new(), vec![directory.to_owned()]);
     while let (Some(directory), true) = (directories.pop(), files.len() < max_files) {

@@ -18,7 +18,7 @@ use ptm_conform::writers::{
 
 use crate::common::{Workspace, edited, have, repository_text, rows};
 
-/// Requests for small files, with the files of the reference.
+/// Requests for small files, with the files that the reference writes.
 struct Requests {
     suite: Suite<WriterCase>,
     all: HashMap<String, (WriteRequest, Vec<u8>)>,
@@ -155,7 +155,7 @@ fn every_mistake_of_a_wrong_writer_is_named() {
     assert!(matched * 100 >= caught * 95, "{matched} of {caught}");
 }
 
-/// Copies of the Python writer with one mistake: the text to replace, the replacement, and a part of the first cause.
+/// Copies of the Python writer, each with one mistake: the text to replace, the replacement, and a part of the first cause.
 const COPIES: &str = r#"
 b"".join(reversed(rows)) | b"".join(rows) | explain rows-top-down
 "little") | "big") | explain big-endian-index
@@ -216,7 +216,7 @@ payload += block(texels, 9, 6, 3) | payload += b"".join(block(texels, 9, i, 1) f
 "#;
 
 /// Returns true if `check-writer` exits with 1 for the copy and the first cause contains `words`.
-fn is_named([find, replace, words]: &[String; 3]) -> bool {
+fn is_diagnosed([find, replace, words]: &[String; 3]) -> bool {
     let source = repository_text("examples/writers/ptm_writer.py");
     let here = Workspace::new();
     here.write("writer.py", edited(&source, find, replace));
@@ -237,7 +237,7 @@ fn two_wrong_copies_of_the_python_writer_are_named() {
     if have("python3") {
         let copies = rows(COPIES);
         for copy in [&copies[1], &copies[18]] {
-            assert!(is_named(copy), "{copy:?}");
+            assert!(is_diagnosed(copy), "{copy:?}");
         }
     }
 }
@@ -250,7 +250,7 @@ fn forty_wrong_copies_of_the_python_writer_are_named() {
     }
     let copies = rows(COPIES);
     assert!(copies.len() >= 40, "{}", copies.len());
-    let named = copies.iter().filter(|copy| is_named(copy)).count();
+    let named = copies.iter().filter(|copy| is_diagnosed(copy)).count();
     println!("{named} of {} named", copies.len());
     assert!(named >= 38, "{named} of {}", copies.len());
 }

@@ -1,4 +1,4 @@
-//! Tests of fitters: the optimum passes, and the mistakes of faulty fitters are diagnosed.
+//! Tests of fitters: the optimal fit passes, and the mistakes of faulty fitters are diagnosed.
 
 use std::fs;
 use std::path::Path;
@@ -143,8 +143,8 @@ fn reference_and_python_fitter_pass() {
     }
 }
 
-/// Copies of the Python fitter with one mistake: the text to replace, the replacement, and a part of the first cause. The
-/// seventh copy chooses an arbitrary solution if there are several.
+/// Copies of the Python fitter, each with one mistake: the text to replace, the replacement, and a part of the first
+/// cause. The seventh copy chooses an arbitrary solution if there are several.
 const COPIES: &str = r#"
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | exchanges u and v

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::{Workspace, outcome, rows};
 
-/// Writers in `sh`, with the request in `$2` and the output path in `$3`, and a part of the expected message.
+/// Faulty writers in `sh`, each with a part of the expected message. `$2` is the request and `$3` the output path.
 const WRITERS: &str = r#"
 true | the output file is missing, although the program exited with 0
 : > "$3" | the output file is empty
