@@ -44,9 +44,9 @@ pub enum Kind {
         /// Description of the part.
         what: &'static str,
         /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
-        needs: u64,
+        needed: u64,
         /// Number of bytes from here to the end of the file.
-        remain: usize,
+        remaining: usize,
     },
     /// An index is past the last entry of the table.
     IndexOutOfRange {
@@ -58,7 +58,7 @@ pub enum Kind {
     /// The planes need more memory than allowed.
     TooLarge {
         /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
-        needs: u64,
+        needed: u64,
         /// Maximum number of bytes.
         limit: usize,
     },
@@ -221,14 +221,18 @@ impl fmt::Display for Kind {
             Kind::Ended { what } => write!(f, "expected {what}, found the end of the file"),
             Kind::Short {
                 what,
-                needs,
-                remain,
-            } => write!(f, "{what} need {}, {remain} remain", bytes(*needs)),
+                needed,
+                remaining,
+            } => write!(f, "{what} need {}, {remaining} remain", bytes(*needed)),
             Kind::IndexOutOfRange { index, entries } => {
                 write!(f, "index {index}, but the table has {entries} entries")
             }
-            Kind::TooLarge { needs, limit } => {
-                write!(f, "the planes need {}; the limit is {limit}", bytes(*needs))
+            Kind::TooLarge { needed, limit } => {
+                write!(
+                    f,
+                    "the planes need {}; the limit is {limit}",
+                    bytes(*needed)
+                )
             }
             Kind::NotAPlane {
                 plane,

@@ -155,19 +155,24 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// Returns the next `needs` bytes without consuming them, or an error if the file is too short. `needs` may exceed
+    /// Returns the next `needed` bytes without consuming them, or an error if the file is too short. `needed` may exceed
     /// the address space.
-    fn peek_bytes(&self, clause: &'static str, what: &'static str, needs: u64) -> Result<&'a [u8]> {
+    fn peek_bytes(
+        &self,
+        clause: &'static str,
+        what: &'static str,
+        needed: u64,
+    ) -> Result<&'a [u8]> {
         let rest = self.rest();
-        let remain = rest.len();
-        let bytes = usize::try_from(needs)
+        let remaining = rest.len();
+        let bytes = usize::try_from(needed)
             .ok()
             .and_then(|count| rest.get(..count));
         bytes.ok_or_else(|| {
             let kind = Kind::Short {
                 what,
-                needs,
-                remain,
+                needed,
+                remaining,
             };
             Error::new(clause, self.at, kind)
         })

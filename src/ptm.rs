@@ -358,15 +358,15 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Checks that `needs` bytes are within the limit. `at` is the offset of the declaration, for errors.
+    /// Checks that `needed` bytes are within the limit. `at` is the offset of the declaration, for errors.
     #[expect(
         clippy::trivially_copy_pass_by_ref,
         reason = "limits and headers are passed by reference regardless of their size"
     )]
-    pub(crate) fn check(&self, needs: u64, at: usize) -> error::Result<()> {
-        if needs > self.memory as u64 {
+    pub(crate) fn check(&self, needed: u64, at: usize) -> error::Result<()> {
+        if needed > self.memory as u64 {
             let limit = self.memory;
-            return Err(Error::new("2.3/3", at, Kind::TooLarge { needs, limit }));
+            return Err(Error::new("2.3/3", at, Kind::TooLarge { needed, limit }));
         }
         Ok(())
     }

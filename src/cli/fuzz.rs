@@ -25,9 +25,9 @@ pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///
-/// Responses are judged like cases. Failures with the same cause count as one find. For each find, the cause is named, the file
-/// is reduced, and a case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected and
-/// NAME.received (frames), NAME.txt (the cause, and the meaning of each byte of the file).
+/// Responses are judged like cases. Failures with the same cause count as one finding. For each finding, the cause is named,
+/// the file is reduced, and a case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected
+/// and NAME.received (frames), NAME.txt (the cause, and the meaning of each byte of the file).
 ///
 /// Exit status: 0 nothing found, 1 mistakes found, 2 usage error, 3 not a decoder.
 #[derive(Args)]
@@ -41,7 +41,7 @@ pub struct FuzzArgs {
     /// Stop after about this many calls.
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     executions: usize,
-    /// Stop generating files after this many seconds; reducing a find may take longer.
+    /// Stop generating files after this many seconds; reducing a finding may take longer.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
     /// Generate only files of this format, such as LRGB or JPEG_RGB. Repeatable.
@@ -121,7 +121,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
 }
 
 impl FuzzArgs {
-    /// Writes the files of a find and prints a description.
+    /// Writes the files of a finding and prints a description.
     fn write(&self, finding: &Finding) {
         let written = match write(finding, TableSpelling::default(), &self.out) {
             Ok(name) => self.out.join(name).display().to_string(),
@@ -131,7 +131,7 @@ impl FuzzArgs {
     }
 }
 
-/// Summarizes the number of files, calls and finds.
+/// Summarizes the number of files, calls and findings.
 fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.findings.len());
     let plural = if count == 1 { "" } else { "s" };

@@ -143,8 +143,8 @@ struct TexelLayout<'a> {
 fn outside_data_error(offset: usize) -> Error {
     let kind = Kind::Short {
         what: "the addressed values",
-        needs: 1,
-        remain: 0,
+        needed: 1,
+        remaining: 0,
     };
     Error::new("2.7/3", offset, kind)
 }

@@ -34,7 +34,7 @@ pub struct Draft {
 pub struct DraftDamage {
     /// Name of the damage in `spec-cases/`.
     pub name: &'static str,
-    /// [`Expect::Reject`] or [`Expect::Refuse`].
+    /// Expected result: [`Expect::Reject`] or [`Expect::Refuse`].
     pub expect: Expect,
 }
 

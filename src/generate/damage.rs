@@ -16,7 +16,7 @@ use super::stand_in::StandIn;
 use super::{model::Model, output::Written};
 use crate::ptm::{Coding, Format, Size};
 
-/// A named edit.
+/// A named edit that damages a valid file.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Damage {

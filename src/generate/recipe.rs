@@ -48,7 +48,7 @@ pub enum Indices {
     Below(u32),
     /// Only entries whose two bytes differ.
     BytesDiffer,
-    /// These entries, top row first, in a cycle.
+    /// These entries in a cycle, starting with the top row.
     List(Vec<u32>),
 }
 

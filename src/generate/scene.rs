@@ -19,7 +19,7 @@ pub enum Scene {
     Unlit,
     /// Like `Unlit`, but Cr equals a5: luminance and Cr are equal with scale 1 and bias 0.
     LuminanceIsCr,
-    /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends.
+    /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends of the range.
     Soft,
     /// Like `Noise`, with a border of constant value that is two texels wide.
     Framed(u8),
@@ -33,9 +33,9 @@ pub enum Scene {
     Edges,
     /// A constant value, with isolated texels that are larger or smaller by one.
     Dots,
-    /// 0, except for isolated texels at the beginning of the top row, with a different value in each channel.
+    /// 0, except at isolated texels at the beginning of the top row, whose values differ between channels.
     Breaks,
-    /// 0, except for the last column, with a different value in each channel.
+    /// 0, except in the last column, whose value differs between channels.
     LastColumn,
 }
 

@@ -7,37 +7,37 @@ use std::str::FromStr;
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Line {
-    /// 2.1
+    /// Format version (2.1)
     Version,
-    /// 2.2
+    /// Format name (2.2)
     Format,
-    /// 2.3, if the width is on its own line
+    /// Width (2.3), if it is on its own line
     Width,
-    /// 2.3
+    /// Height, or width and height (2.3)
     Height,
-    /// 2.4, if the scales are on their own line
+    /// Scales (2.4), if they are on their own line
     Scale,
-    /// 2.4
+    /// Biases, or scales and biases (2.4)
     Bias,
-    /// 2.5
+    /// Number of table entries (2.5)
     Count,
-    /// 2.6
+    /// Color matrix (2.6)
     Matrix,
-    /// 2.9.1
+    /// Compression parameter (2.9.1)
     Parameter,
-    /// 2.9.2
+    /// Transforms (2.9.2)
     Transforms,
-    /// 2.9.3, the first half
+    /// Horizontal motion (2.9.3)
     MotionX,
-    /// 2.9.3, the second half
+    /// Vertical motion, or all motion vectors (2.9.3)
     MotionY,
-    /// 2.9.4
+    /// Ranks of the planes (2.9.4)
     Order,
-    /// 2.9.5
+    /// References (2.9.5)
     References,
-    /// 2.9.6
+    /// Sizes of the streams (2.9.6)
     Sizes,
-    /// 2.9.7
+    /// Sizes of the side information (2.9.7)
     SideSizes,
 }
 
@@ -66,12 +66,12 @@ impl Line {
 /// The spelling of the number of table entries (ruling `lut-count`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Count {
-    /// `256 N_LUT_ENTRIES`
+    /// The number, then a word: `256 N_LUT_ENTRIES`
     #[default]
     NumberWord,
-    /// `256`
+    /// The number alone: `256`
     Number,
-    /// `nentries 256`
+    /// A word, then the number: `nentries 256`
     WordNumber,
 }
 

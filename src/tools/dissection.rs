@@ -204,7 +204,7 @@ impl<'a> Dissection<'a> {
     /// Adds the parts of a truncated payload, whose lengths the header declares.
     fn add_truncated_parts(&mut self) {
         let Err(error) = &self.outcome else { return };
-        let &Kind::Short { needs, .. } = error.kind() else {
+        let &Kind::Short { needed, .. } = error.kind() else {
             return;
         };
         let (clause, mut offset) = (error.clause(), error.offset());
@@ -212,7 +212,7 @@ impl<'a> Dissection<'a> {
             let blocks = self.parts.iter();
             let blocks = blocks.filter(|part| matches!(part.role, Role::Block(_)));
             let (nth, range) = (blocks.count(), offset..self.file.len());
-            return self.add_part(clause, range, nth, Some(needs));
+            return self.add_part(clause, range, nth, Some(needed));
         }
         // Add the planes up to the end of the file.
         for plane in 0..self.compressed_planes() {

@@ -64,13 +64,13 @@ impl Workspace {
         }
     }
 
-    /// Runs `check --report report.yaml` with these additional arguments.
+    /// Runs `check --report report.yaml` with the rest of a command line.
     pub fn check(&self, line: &str) -> Checked {
         let (status, text) = self.run(&format!("check --report report.yaml {line}"));
         Checked::new(status, text, &self.path("report.yaml"))
     }
 
-    /// Runs `check-writer --report report.yaml` with these additional arguments.
+    /// Runs `check-writer --report report.yaml` with the rest of a command line.
     pub fn check_writer(&self, line: &str) -> Checked {
         let (status, text) = self.run(&format!("check-writer --report report.yaml {line}"));
         Checked::new(status, text, &self.path("report.yaml"))
@@ -241,12 +241,12 @@ pub fn program() -> Command {
 /// Path of the program under test.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_ptm-conform");
 
-/// Runs `check` with these arguments in a new workspace.
+/// Runs `check` with the rest of a command line in a new workspace.
 pub fn check(line: &str) -> Checked {
     Workspace::new().check(line)
 }
 
-/// Runs `check-writer` with these arguments in a new workspace.
+/// Runs `check-writer` with the rest of a command line in a new workspace.
 pub fn check_writer(line: &str) -> Checked {
     Workspace::new().check_writer(line)
 }
@@ -373,7 +373,7 @@ pub fn have_python(packages: &[&str]) -> bool {
         || skipped(&format!("python3 with {imports} is not installed"))
 }
 
-/// Prints the reason why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
+/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
 fn skipped(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(

@@ -420,8 +420,8 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     }
 }
 
-/// Returns true if wrong final values result from other stored values: each corresponds to a byte, and in some channel the order
-/// of these bytes is neither that of the stored values nor the reverse, so no mistake with scale and bias explains them.
+/// Returns true if wrong final values result from other stored values. Each corresponds to a byte. In some channel, these bytes
+/// are in neither the order of the stored values nor the reverse order, so no mistake with scale and bias explains them.
 fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
     let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
         return false;

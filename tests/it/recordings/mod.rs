@@ -20,7 +20,7 @@ pub fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }
 
-/// Returns the responses of a reader by file and view, including responses to files that are no longer in the suite.
+/// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
 pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
     let path = folder().join(format!("{reader}.answers.gz"));
     let mut text = String::new();
