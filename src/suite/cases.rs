@@ -3,7 +3,7 @@
 //! A case is stored as a recipe. Its bytes and values are generated on demand, so a large suite needs little memory.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex};
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,6 @@ use super::compare::Expected;
 use super::values::{HandValues, Piece, Values};
 use crate::generate::{Damage, Model, Recipe, write};
 use crate::generate::{plan::Compression, spelling::Count};
-use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
@@ -74,8 +73,6 @@ pub struct Case {
     pub(super) source: Source,
     /// File in the default spelling, if it is precomputed.
     pub(super) prepared: Option<Arc<Built>>,
-    /// Digest of the file in the default spelling, computed at first use.
-    pub(super) digest: OnceLock<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -187,25 +184,8 @@ impl Case {
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
         match &self.prepared {
             Some(built) if table == TableSpelling::default() => Arc::clone(built),
-            _ => {
-                let built = self.make(table);
-                if table == TableSpelling::default() {
-                    self.digest.get_or_init(|| sha256(&built.file));
-                }
-                Arc::new(built)
-            }
+            _ => Arc::new(self.make(table)),
         }
-    }
-
-    /// Returns the digest of the file in the default spelling.
-    ///
-    /// # Panics
-    /// Never panics for a case that [`Suite::load`] returned.
-    #[must_use]
-    pub fn digest(&self) -> String {
-        // Reuse the digest of an earlier request.
-        let known = self.digest.get().cloned();
-        known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }
 
     fn make(&self, table: TableSpelling) -> Built {

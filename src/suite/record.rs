@@ -1,7 +1,6 @@
 //! Cases as they are written in case files.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
 use serde::Deserialize;
 
@@ -63,7 +62,6 @@ impl CaseRecord {
             twin_of: self.twin_of.as_ref().map(|twin| words.id(twin)),
             source,
             prepared: None,
-            digest: OnceLock::new(),
         })
     }
 

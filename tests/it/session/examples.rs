@@ -126,7 +126,7 @@ rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
                 .args(arguments.split_whitespace())
                 .current_dir(here.path("")),
         );
-        let checked = here.check(&format!("--smoke -- {decoder}"));
+        let checked = here.check(&format!("--smoke --timeout 60 -- {decoder}"));
         checked.assert_exit(0, "");
         assert_eq!(checked.report["decoder"]["mode"], "serve", "{language}");
         assert!(checked.cases("pass").len() > 10, "{}", checked.text);

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use ptm_conform::generate::{Model, Recipe, write};
 use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
 use ptm_conform::ptm::Format;
+use ptm_conform::report::reported::Reported;
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::corpus::{self, ManifestEntry};
 use ptm_conform::suite::damages::damages;
@@ -59,6 +60,13 @@ fn the_manifest_lists_every_case() {
     for (entry, case) in entries.iter().zip(&suite.cases) {
         assert_eq!((&entry.id, &entry.sha256), (&case.id, &digest(case)));
     }
+    let digests: String = entries.iter().map(|entry| &*entry.sha256).collect();
+    let digest = sha256(digests.as_bytes());
+    assert_eq!(
+        digest,
+        Case::digest(&suite),
+        "write it to spec-cases/corpus.sha256"
+    );
 }
 
 #[test]
