@@ -35,7 +35,7 @@ enum TextureCommand {
 /// Check that the reference gives the expected answer to every case in a file.
 ///
 /// The file has the format of spec-cases/texture/cases: a YAML list of cases, or a document with a list of cases under "cases".
-/// Numbers are compared within 1e-9, or the case's tolerance. Other readings are also computed.
+/// Numbers must agree within 1e-9 or the case's tolerance. Other readings are also computed.
 ///
 /// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]

@@ -80,7 +80,7 @@ impl Writer {
 /// Writer for the bits of an entropy-coded segment. For `AFTER_FF`, see `bits`.
 pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     stream: &'a mut Vec<u8>,
-    /// Bits that do not fill a byte yet, right-aligned.
+    /// Bits that do not yet fill a byte, right-aligned.
     window: u64,
     count: u32,
     /// Number of data bits in the next byte.

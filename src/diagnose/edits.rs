@@ -56,7 +56,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
         let kind = (witness.case.format(), witness.observation.view.name());
         kinds.entry(kind).or_default().push(w);
     }
-    let is_narrow = |w: usize| match &search.witnesses[w].right {
+    let is_narrow = |w: usize| match &search.witnesses[w].expected {
         Answer::Decoded(frame) => frame.width.min(frame.height) < MIN_PROBE_SIZE,
         _ => true,
     };
@@ -175,7 +175,7 @@ fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -
     is_supported.then_some(restricted)
 }
 
-/// Returns the edit of a mistake that consists of a single edit.
+/// Returns the edit if the mistake consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.step {
         Hook::Edits([edit]) => Some(&edit.change),

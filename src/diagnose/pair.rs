@@ -50,7 +50,7 @@ impl ImagePair {
 /// Returns 0 if the answer differs from the response in a correct channel.
 pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
-        (witness.wrong_image(), &witness.right, answer)
+        (witness.wrong_image(), &witness.expected, answer)
     else {
         return 0;
     };

@@ -60,8 +60,8 @@ pub(super) struct Search<'a> {
     probed: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
-    /// Effect of each mistake alone on each case, or `None` if the mistake does not change the answer.
-    alone: Vec<Vec<OnceLock<Option<SetEffect>>>>,
+    /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
+    single_effects: Vec<Vec<OnceLock<Option<SetEffect>>>>,
 }
 
 /// The effect of a set of mistakes on one case.
@@ -75,7 +75,7 @@ struct SetEffect {
 
 impl SetEffect {
     /// Effect of the reference's answer, which explains no failure.
-    const NONE: SetEffect = SetEffect {
+    const NO_EFFECT: SetEffect = SetEffect {
         worth: 0,
         agreement: Agreement::None,
         answer: 0,
@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
             assumed.iter().any(|other| other.slug == slug)
         };
         Search {
-            alone: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
+            single_effects: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
             assumed: (0..mistakes.len())
                 .filter(|&id| is_assumed(&mistakes[id]))
                 .collect(),
@@ -128,7 +128,8 @@ impl<'a> Search<'a> {
     /// Adds a candidate and returns its id.
     pub fn add(&mut self, mistake: Mistake) -> MistakeId {
         self.mistakes.push(mistake);
-        self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
+        self.single_effects
+            .push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
     }
 
@@ -379,7 +380,7 @@ impl<'a> Search<'a> {
         });
         answer.unwrap_or_else(|panic| {
             self.record_panic(&*panic);
-            Cow::Borrowed(&witness.right)
+            Cow::Borrowed(&witness.expected)
         })
     }
 
@@ -465,14 +466,14 @@ impl<'a> Search<'a> {
     /// Returns the effect of `set` on case `w`.
     fn effect(&self, w: usize, set: &[MistakeId]) -> SetEffect {
         if self.is_interrupted() {
-            return SetEffect::NONE;
+            return SetEffect::NO_EFFECT;
         }
         let visible_mistakes = self.visible_mistakes(w, set);
         if let [only] = visible_mistakes[..] {
-            return self.effect_alone(w, only).unwrap_or(SetEffect::NONE);
+            return self.effect_alone(w, only).unwrap_or(SetEffect::NO_EFFECT);
         }
         if visible_mistakes.is_empty() {
-            return SetEffect::NONE;
+            return SetEffect::NO_EFFECT;
         }
         let cache = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, visible_mistakes);
@@ -482,7 +483,7 @@ impl<'a> Search<'a> {
         let answers = self.possible_answers(w, &key.1);
         let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
         let best = effects.min_by_key(|effect| -effect.worth);
-        let effect = best.unwrap_or(SetEffect::NONE);
+        let effect = best.unwrap_or(SetEffect::NO_EFFECT);
         cache().insert(key, effect);
         effect
     }
@@ -507,13 +508,13 @@ impl<'a> Search<'a> {
     fn effect_alone(&self, w: usize, id: MistakeId) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
-        *self.alone[id][w].get_or_init(|| {
+        *self.single_effects[id][w].get_or_init(|| {
             if !witness.can_affect(mistake) {
                 return None;
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.answer_effect(w, &answer))
+            (*answer != witness.expected).then(|| self.answer_effect(w, &answer))
         })
     }
 
@@ -789,13 +790,15 @@ impl<'a> Search<'a> {
 
     /// Selects the cases with a small wrong image of the correct shape.
     pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
-        let has_shape =
-            |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
-                (Some(actual), Answer::Decoded(right)) => {
-                    actual.shape() == right.shape() && self.is_small(*w)
-                }
-                _ => false,
-            };
+        let has_shape = |w: &usize| match (
+            self.witnesses[*w].wrong_image(),
+            &self.witnesses[*w].expected,
+        ) {
+            (Some(actual), Answer::Decoded(right)) => {
+                actual.shape() == right.shape() && self.is_small(*w)
+            }
+            _ => false,
+        };
         left.iter().copied().filter(has_shape).collect()
     }
 
@@ -821,7 +824,7 @@ impl<'a> Search<'a> {
 
     /// Returns the number of samples in the correct answer.
     pub fn sample_count(&self, w: usize) -> usize {
-        match &self.witnesses[w].right {
+        match &self.witnesses[w].expected {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize
             }

@@ -626,7 +626,7 @@ pub(crate) fn image(
         }
     };
     let clamp = |value: f64| {
-        let clamped = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
+        let clamped = edits.value_or(Formula::Rendering, &[value], || (reading.clamp)(value));
         // A byte cannot represent NaN.
         if clamped.is_nan() { 0.0 } else { clamped }
     };

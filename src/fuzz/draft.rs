@@ -309,7 +309,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Returns the case of the file. A damaged file has two cases: the undamaged twin `ID-whole`, and the file itself.
+    /// Returns the case of the file. For a damaged file, returns two cases: the undamaged twin `ID-whole`, and the file itself.
     ///
     /// # Errors
     /// Returns the reason why the file cannot be written.

@@ -46,8 +46,9 @@ pub struct Damage {
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<TexelPlace, Index>,
-    /// True if compressed sizes and side information sizes are adjusted to the edited planes.
-    fit: bool,
+    /// True to adjust the sizes of streams and side information to the edited planes.
+    #[serde(rename = "fit")]
+    adjusts_sizes: bool,
     reads_as: Option<DamageChange>,
 }
 
@@ -111,7 +112,7 @@ impl Damage {
         for (&texel, &index) in &self.index {
             splices.push(set_index(&file, texel, index)?);
         }
-        if self.fit {
+        if self.adjusts_sizes {
             splices.extend(size_edits(&file, &splices));
         }
         apply_splices(&written.bytes, splices)

@@ -11,7 +11,8 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
-/// Steps by slug, in the order of `spec-cases/misreadings.yaml`. Returns `None` for the slugs of other sections.
+/// Function that returns the step for a slug of its section, in the order of `spec-cases/misreadings.yaml`, or `None` for other
+/// slugs.
 pub(super) type Steps = fn(slug: &str) -> Option<Hook>;
 
 /// The step that a mistake changes, and the function that replaces it.
@@ -158,7 +159,7 @@ impl Hook {
             Hook::LumMatrix(_) => vec![Formula::MatrixRow],
             Hook::StoredRow(_) => vec![Formula::StoredRow],
             Hook::Modulate(_) => vec![Formula::Color],
-            Hook::Clamp(_) => vec![Formula::Shown],
+            Hook::Clamp(_) => vec![Formula::Rendering],
             Hook::Index(_) => vec![Formula::Index],
             Hook::Invert(_) => vec![Formula::Inversion],
             Hook::MotionHalf(_) => vec![Formula::MeanOfTwo, Formula::MeanOfFour],

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use crate::diagnose::Causes;
 use crate::report::document::{LikelyCause, Report};
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::report::{make::likely_causes, reported::Reported};
+use crate::report::{make::likely_causes, reported::Reportable};
 use crate::session::{plan::RunPlan, remark::Remark, run::Run};
 use crate::suite::{cases::Suite, test_case::TestCase};
 
@@ -17,7 +17,7 @@ use crate::suite::{cases::Suite, test_case::TestCase};
 ///
 /// # Errors
 /// Returns the errors of [`verdicts`].
-pub fn conclude<C: Reported>(
+pub fn conclude<C: Reportable>(
     suite: &Suite<C>,
     plan: &RunPlan,
     run: &mut Run<C>,
@@ -35,7 +35,7 @@ pub fn conclude<C: Reported>(
 ///
 /// # Errors
 /// Returns a message that names the first unknown misreading in `circumstances.assumed`.
-pub fn verdicts<C: Reported>(
+pub fn verdicts<C: Reportable>(
     suite: &Suite<C>,
     plan: &RunPlan,
     run: &mut Run<C>,

@@ -44,8 +44,7 @@ impl Caller {
 
     /// Requests a view of a file.
     ///
-    /// # Panics
-    /// This does not happen: no request panics while it holds the stream.
+    /// # Panics Never panics, because no request panics while it holds the stream.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let mut stream = self.stream.lock().expect("no request panics");

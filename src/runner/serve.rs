@@ -7,7 +7,7 @@
 //!                   SEQ unsupported FEATURE
 //! ```
 //! Each job has a separate process with one request in flight. A process that exits, hangs or answers out of order is ended. Its
-//! request is repeated with a new process, and the next request starts a new serving process.
+//! request is sent again to a new process, and the next request starts a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -128,10 +128,10 @@ impl<'a> Servers<'a> {
             false => self.decoder.ask(request, self.scratch),
         };
         // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
-        let served = alone.answer.violation().is_none().then_some(served);
+        let serve_mode_answer = alone.answer.violation().is_none().then_some(served);
         Reply {
             previous_request,
-            served,
+            serve_mode_answer,
             ..alone
         }
     }

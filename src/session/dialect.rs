@@ -1,7 +1,7 @@
 //! The decoder's dialect (its readings of open questions), derived from observations.
 
 use crate::session::observation::{Observation, Response};
-use crate::suite::dialect::{Axis, Dialect, Right};
+use crate::suite::dialect::{Axis, Dialect, RightDialects};
 use crate::suite::test_case::TestCase;
 
 /// The certainty of the decoder's reading of an open question.
@@ -31,7 +31,7 @@ pub fn dialect_of<C: TestCase>(
     let settled = observed.filter(|observation| observation.nondeterminism.is_none());
     let shown = settled.filter_map(|observation| match &observation.response {
         Response::Image {
-            right: Right::In { axes, combinations },
+            right: RightDialects::In { axes, combinations },
             ..
         } => Some((&axes[..], &combinations[..])),
         _ => None,

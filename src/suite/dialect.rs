@@ -33,7 +33,7 @@ pub struct Dialect(pub Vec<usize>);
 
 /// The dialects in which an answer is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Right {
+pub enum RightDialects {
     /// In all dialects or in none, because no choice affects the case.
     InAll(bool),
     /// In dialects with certain readings of the choices that affect the case.
@@ -100,10 +100,10 @@ impl<R> Choices<R> {
 
     /// Returns true if an answer is right in a dialect.
     #[must_use]
-    pub fn is_right(&self, right: &Right, dialect: &Dialect) -> bool {
+    pub fn is_right(&self, right: &RightDialects, dialect: &Dialect) -> bool {
         match right {
-            Right::InAll(right) => *right,
-            Right::In { axes, combinations } => combinations[self.place(dialect, axes)],
+            RightDialects::InAll(right) => *right,
+            RightDialects::In { axes, combinations } => combinations[self.place(dialect, axes)],
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::choices::{CHOICES, pictures, relevant_axes};
 use crate::suite::compare::{Difference, Expected};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::values::Values;
@@ -144,12 +144,12 @@ impl TestCase for Case {
                 let equals = |picture: &Option<Expected>| {
                     (picture.as_ref()).is_some_and(|picture| picture.compare(frame).is_none())
                 };
-                Right::In {
+                RightDialects::In {
                     axes,
                     combinations: pictures.iter().map(equals).collect(),
                 }
             }
-            expected => Right::InAll(
+            expected => RightDialects::InAll(
                 matches!(built.values, Values::Any) || expected.is_some() && difference.is_none(),
             ),
         };

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Dialect, RightDialects};
 
 /// A case of any suite.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
@@ -132,7 +132,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
 #[derive(Clone, Debug)]
 pub struct Comparison<C: TestCase> {
     /// Dialects in which the output is right.
-    pub right: Right,
+    pub right: RightDialects,
     /// Difference from the reference's output, if any.
     pub difference: Option<C::Difference>,
     /// Tolerance that was applied.

@@ -6,7 +6,7 @@
 use super::convert::{Converted, Target, convert};
 use super::{dissection::Dissection, join_texts};
 use crate::ptm::{Coding, Format, Ptm};
-use crate::readers::{OpenedFile, ReaderProfile, Shown};
+use crate::readers::{OpenedFile, ReaderProfile, Rendering};
 
 /// Formats to try after the format of the file, the most widely supported first.
 const FORMATS_TO_TRY: [Format; 7] = [
@@ -72,7 +72,7 @@ fn try_format(
     let subject = OpenedFile::new(&converted.bytes);
     for reader in readers {
         let prediction = subject.predict(reader);
-        if prediction.result != Shown::Right {
+        if prediction.result != Rendering::Right {
             let (shows, how) = (prediction.result.name(), prediction.fault);
             let reader = prediction.reader;
             return Err(format!("as {format}, {reader} would show {shows} ({how})"));

@@ -12,7 +12,7 @@ use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
 use crate::generate::Recipe;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
-use crate::misreadings::writing::{self, Miswriting};
+use crate::misreadings::writing::{self, WriterMistake};
 use crate::ptm::Format;
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
@@ -116,8 +116,8 @@ fn single_mistakes(
     failing: &[usize],
     passing: &[usize],
     threads: usize,
-) -> Vec<CoverCandidate<&'static Miswriting>> {
-    let mistakes: Vec<&'static Miswriting> = writing::all().collect();
+) -> Vec<CoverCandidate<&'static WriterMistake>> {
+    let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
     let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
@@ -142,9 +142,9 @@ fn mistake_pairs(
     attempts: &Attempts,
     failing: &[usize],
     threads: usize,
-) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
-    let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&Miswriting; 2]| {
+) -> Vec<CoverCandidate<(&'static WriterMistake, &'static WriterMistake)>> {
+    let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
+    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&WriterMistake; 2]| {
         is_right_only_with(request, file, &pair.map(|mistake| mistake.step))
     };
     let pair = |attempt: &Attempt| {

@@ -123,7 +123,7 @@ fn write_quantization(stream: &mut Writer, steps: &[u16; 64], options: &JpegOpti
         }
         content
     };
-    let tables = used_tables(options, 0).map(|(number, is_used)| table(number, is_used));
+    let tables = tables_to_write(options, 0).map(|(number, is_used)| table(number, is_used));
     write_tables(stream, 0xDB, &tables.collect::<Vec<_>>(), options);
 }
 
@@ -136,7 +136,7 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
             symbols: vec![0],
         };
         unused.counts[0] = 1;
-        for (number, is_used) in used_tables(options, 1 + usize::from(class)) {
+        for (number, is_used) in tables_to_write(options, 1 + usize::from(class)) {
             let table = if is_used { used } else { &unused };
             contents.push([&[class << 4 | number], &table.counts[..], &table.symbols].concat());
         }
@@ -145,7 +145,7 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
 }
 
 /// Returns the indices of the tables to write, each with a flag that is true if the table is used.
-fn used_tables(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
+fn tables_to_write(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
     let used = options.table_numbers.map(|numbers| numbers[kind]);
     let last = used.map_or(0, |used| used.max(1));
     (0..=last).map(move |number| (number, number == used.unwrap_or(0)))

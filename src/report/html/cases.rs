@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{linked, mark};
-use crate::report::reported::Reported;
+use crate::report::reported::Reportable;
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, name::SuiteName};
 
@@ -58,7 +58,7 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
 
 /// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
 /// second of every group, and so on.
-pub(super) fn evidence<'a, C: Reported>(
+pub(super) fn evidence<'a, C: Reportable>(
     suite: &Suite<C>,
     run: Option<&Run<C>>,
     groups: &[Group<'a>],
@@ -88,7 +88,7 @@ pub(super) fn evidence<'a, C: Reported>(
 }
 
 /// Renders the section of failing cases and the filter for all cases.
-pub(super) fn failures<C: Reported>(
+pub(super) fn failures<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     groups: &[Group],
@@ -135,7 +135,7 @@ pub(super) fn failures<C: Reported>(
 }
 
 /// Renders the card of a failing case.
-fn card<C: Reported>(
+fn card<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     case: &CaseResult,

@@ -7,7 +7,7 @@ use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{linked, mark, page_with_head, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::reported::Reported;
+use crate::report::reported::Reportable;
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
 use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
@@ -15,7 +15,7 @@ use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 ///
 /// # Errors
 /// Returns an error if the embedded clauses or rulings cannot be read, which does not depend on the report.
-pub fn page<C: Reported>(
+pub fn page<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     run: Option<&Run<C>>,
@@ -43,7 +43,7 @@ pub fn page<C: Reported>(
     Ok(page_with_head(&title, &body))
 }
 
-fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
+fn header<C: Reportable>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
     html! {
         header.top {
             div.bar {
@@ -70,7 +70,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
 }
 
 /// Renders the scores and the number of cases with each outcome.
-fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
+fn results<C: Reportable>(suite: &Suite<C>, report: &Report) -> Markup {
     let selected = report.cases.len();
     html! {
         dl.scores {

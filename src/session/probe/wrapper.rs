@@ -71,7 +71,9 @@ pub fn wrapper_faults(
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
-        plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
+        plan.selected[i]
+            && plan.is_requested(i)
+            && matches!(case.expect, Expect::Reject | Expect::Refuse)
     };
     let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
     if let (true, Some(&first)) = (judges_refusals, decoded.first()) {

@@ -32,7 +32,7 @@ pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|answer: &RecordedAnswer<Frame>| !answer.alone)
+        .filter(|answer: &RecordedAnswer<Frame>| !answer.new_process)
         .map(|answer| ((answer.file.clone(), answer.view.clone()), answer))
         .collect()
 }

@@ -6,13 +6,13 @@ use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
-use ptm_conform::report::reported::Reported as _;
+use ptm_conform::report::reported::Reportable as _;
 use ptm_conform::report::shards::{
-    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+    AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
 use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::asking::Ask;
+use ptm_conform::session::asking::DecoderFn;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::run::{Run, Session};
@@ -49,12 +49,17 @@ fn remarks() -> OtherRemarks {
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
 /// Runs a plan as `check` does, and optionally records the answers.
-fn run_plan(suite: &Suite, plan: &RunPlan, ask: &Ask, log: Option<&AnswerRecorder<Case>>) -> Run {
+fn run_plan(
+    suite: &Suite,
+    plan: &RunPlan,
+    ask: &DecoderFn,
+    log: Option<&AnswerRecorder<Case>>,
+) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
-    let observations = session.ask_cases(&contact, &|case, observation, _, _| {
-        if let Some(log) = log.filter(|_| session.undo.is_empty()) {
+    let observations = session.request_all(&contact, &|case, observation, _, _| {
+        if let Some(log) = log.filter(|_| session.undone_transforms.is_empty()) {
             log.record_observation(case, observation);
         }
     });
@@ -81,7 +86,7 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
     };
     let plan = plan(suite, Some(part));
     let run = run_plan(suite, &plan, &ask, Some(&recorder));
-    let end = End {
+    let end = Trailer {
         version: tool.version.clone(),
         corpus: tool.corpus.clone(),
         part,

@@ -2,7 +2,7 @@
 
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
-use ptm_conform::site::example::{Found, execute, execute_all};
+use ptm_conform::site::example::{Decoding, execute, execute_all};
 use ptm_conform::suite::{clauses::clauses, name::SuiteName};
 
 use crate::table::rows;
@@ -97,7 +97,7 @@ fn is_correct(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &
     let executed = execute(clause, None, &annotated.files).expect("a correct example");
     let example = &clause.examples[i];
     match (&executed[i].found, example.evaluate(file)) {
-        (Found::Refused(clause, _), Ok(Found::Refused(now, _))) => *clause == now,
+        (Decoding::Refused(clause, _), Ok(Decoding::Refused(now, _))) => *clause == now,
         (expected, Ok(found)) => *expected == found,
         (_, Err(_)) => false,
     }
