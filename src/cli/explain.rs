@@ -182,7 +182,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
         let _ = writeln!(text, "case {id} ({clauses}): {}", case.because);
         let _ = writeln!(text, "  question: {}", case.question());
         let _ = writeln!(text, "  expected: {}", case.expect);
-        for also in &case.also {
+        for also in &case.alternatives {
             let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
         }
         if let Some(ruling) = &case.ruling {
@@ -258,7 +258,7 @@ fn explain_rules<C: TestCase>(
         );
         let _ = writeln!(text, "  {open}{}", ruling.question.trim());
         let _ = writeln!(text, "  {reference}: {}", ruling.reading.trim());
-        for also in &ruling.also {
+        for also in &ruling.alternatives {
             let _ = writeln!(text, "  also correct: {also}");
         }
         let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());

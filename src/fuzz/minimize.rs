@@ -1,4 +1,4 @@
-//! Minimization of a generated file: every step removes or simplifies a word of its description.
+//! Minimizes a generated file: every step removes or simplifies a word of its description.
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,4 +1,4 @@
-//! Minimization of an existing file on which a decoder still fails in the same way.
+//! Minimizes an existing file while a decoder still fails on it in the same way.
 //!
 //! The file is converted to the input of a writer and written again after every step, so that sizes and lists are always
 //! consistent. A failure that disappears with the default spelling of the header cannot be minimized.

@@ -1,4 +1,4 @@
-//! Serialization of reports to YAML and parsing of YAML reports.
+//! Serializes reports to YAML, and parses YAML reports.
 //!
 //! A report file is untrusted: its size is limited, anchors and aliases are rejected, and an error names the line.
 

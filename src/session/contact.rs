@@ -314,7 +314,7 @@ impl<C: TestCase> Session<'_, C> {
                     Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
                     // A wrong image is better evidence than no image: its values may be wrong for a different reason.
                     Response::Image { difference, .. } => {
-                        score += 1.0 + difference.map_or(1.0, |of| C::likeness(&of));
+                        score += 1.0 + difference.map_or(1.0, |of| C::similarity(&of));
                     }
                     _ => {}
                 }

@@ -57,8 +57,9 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();
-    let is_right =
-        |dialect: &Dialect, shown: &ShownChoices| shown.1[C::CHOICES.place(dialect, shown.0)];
+    let is_right = |dialect: &Dialect, shown: &ShownChoices| {
+        shown.1[C::CHOICES.combination_index(dialect, shown.0)]
+    };
     let all = C::CHOICES.combinations(axes);
     let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();

@@ -1,4 +1,4 @@
-//! Execution of worked examples. A wrong value is an error, so published examples are always correct.
+//! Executes worked examples. A wrong value is an error, so published examples are always correct.
 
 use crate::decode::decode_as;
 use crate::formula::Edits;

@@ -87,7 +87,7 @@ impl<R> Choices<R> {
 
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
     #[must_use]
-    pub fn place(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
+    pub fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
         let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
         axes.iter().fold(0, step)
     }
@@ -103,7 +103,9 @@ impl<R> Choices<R> {
     pub fn is_right(&self, right: &RightDialects, dialect: &Dialect) -> bool {
         match right {
             RightDialects::InAll(right) => *right,
-            RightDialects::In { axes, combinations } => combinations[self.place(dialect, axes)],
+            RightDialects::In { axes, combinations } => {
+                combinations[self.combination_index(dialect, axes)]
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Loading of `spec-cases/cases/`.
+//! Loads the cases in `spec-cases/cases/`.
 //!
 //! The files are embedded, so an installed program needs no checkout.
 

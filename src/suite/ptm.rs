@@ -166,11 +166,11 @@ impl TestCase for Case {
         let axes = relevant_axes(self, view);
         let expected = Expected::new(&built.values, view)?;
         let pictures = pictures(&built, view, expected, &axes);
-        let picture = pictures[CHOICES.place(dialect, &axes)].as_ref();
+        let picture = pictures[CHOICES.combination_index(dialect, &axes)].as_ref();
         picture?.compare(frame)
     }
 
-    fn likeness(difference: &Difference) -> f64 {
+    fn similarity(difference: &Difference) -> f64 {
         match difference {
             Difference::Shape { .. } => 0.0,
             Difference::Samples { wrong, samples, .. } => 1.0 - *wrong as f64 / *samples as f64,

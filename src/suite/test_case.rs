@@ -81,7 +81,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn has_table(&self) -> bool {
         false
     }
-    /// Returns the tested spelling of a case of [`Expect::Spelling`].
+    /// Returns the table spelling that a case of [`Expect::Spelling`] tests.
     fn spelling(&self) -> Option<TableSpelling> {
         None
     }
@@ -109,7 +109,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         None
     }
     /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if there is no measure.
-    fn likeness(_difference: &Self::Difference) -> f64 {
+    fn similarity(_difference: &Self::Difference) -> f64 {
         0.0
     }
     /// Returns true if two outputs agree in everything that a decoder controls.

@@ -1,4 +1,4 @@
-//! Conversion of a map to another format. The result is written by the generator and verified by reading it back.
+//! Converts a map to another format. The generator writes the result, which is then read back and compared.
 //!
 //! Conversion is lossless or refused with a reason; a map is never changed to fit. The exceptions are JPEG, whose loss
 //! depends on the quality, and near-lossless JPEG-LS, on request.
@@ -50,11 +50,11 @@ impl Target {
 
 /// Converted map.
 #[derive(Debug)]
-pub struct Converted {
+pub struct ConvertedMap {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
     /// Largest difference between two stored values after compression; 0 if the conversion is lossless.
-    pub largest: u8,
+    pub max_difference: u8,
     /// Number of entries in the lookup table, if there is one.
     pub entries: Option<usize>,
 }
@@ -63,15 +63,15 @@ pub struct Converted {
 ///
 /// # Errors
 /// Returns a message if the target cannot represent the map, or if the converted file differs when it is read back.
-pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
+pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
     let model = Model::new(&recipe, &samples);
     let model = model.map_err(|why| format!("{source} into {}: {why}", target.format))?;
     let bytes = write(&recipe, &model).bytes;
-    Ok(Converted {
-        largest: verify(&bytes, ptm, &samples, target)?,
+    Ok(ConvertedMap {
+        max_difference: verify(&bytes, ptm, &samples, target)?,
         bytes,
         entries: (!model.table.is_empty()).then(|| model.entries()),
     })

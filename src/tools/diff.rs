@@ -1,4 +1,4 @@
-//! Comparison of two files: header, planes and encoding.
+//! Compares two files: header, planes and encoding.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! Search for mistakes of a writer that explain its wrong files.
+//! Finds the mistakes of a writer that explain its wrong files.
 //!
 //! A mistake explains a file if only a reader with this misreading sees the right values in the file, or if the file contains
 //! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads
@@ -37,7 +37,7 @@ type WriterDiagnosis = Diagnosis<&'static Misreading>;
 struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.
-    right: Vec<u8>,
+    reference_file: Vec<u8>,
     file: Vec<u8>,
 }
 
@@ -86,13 +86,13 @@ fn attempt(
     index: usize,
 ) -> Option<Attempt> {
     let request = suite.cases[index].request();
-    let right = write_requested_file(&request).ok()?;
+    let reference_file = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[index].as_ref());
-    let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
-    let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
+    let file = wrong.map_or(&reference_file[..], |(file, _)| file).to_vec();
+    let is_small = reference_file.len().max(file.len()) <= MAX_FILE_BYTES;
     is_small.then_some(Attempt {
         request,
-        right,
+        reference_file,
         file,
     })
 }
@@ -100,7 +100,7 @@ fn attempt(
 /// Returns the attempts of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
 fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a Attempt> {
     let mut smallest: Vec<&Attempt> = failing.iter().filter_map(|i| attempts.get(i)).collect();
-    smallest.sort_by_key(|attempt| attempt.right.len());
+    smallest.sort_by_key(|attempt| attempt.reference_file.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
     smallest.retain(|attempt| {
         let count = counts.entry(attempt.request.format).or_default();
@@ -121,10 +121,11 @@ fn single_mistakes(
     let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.step);
+        let explains = |a: &Attempt| explains(&a.request, &a.reference_file, &a.file, mistake.step);
         // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
-        let contradicts = |Attempt { request, right, .. }: &Attempt| {
-            !MisreadFile::new(right, &[mistake.step]).is_some_and(|seen| seen.is_right(request))
+        let contradicts = |a: &Attempt| {
+            let seen = MisreadFile::new(&a.reference_file, &[mistake.step]);
+            !seen.is_some_and(|seen| seen.is_right(&a.request))
         };
         if !screen.iter().any(|attempt| explains(attempt)) {
             return None;

@@ -1,4 +1,4 @@
-//! Classification of errors of the reference decoder into lint codes.
+//! Maps errors of the reference decoder to lint codes.
 
 use super::{codes::Problem, diagnostic::Findings, planes};
 use crate::error::{Class, Error, Kind};

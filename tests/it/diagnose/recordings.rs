@@ -146,7 +146,7 @@ fn readers() -> Vec<Reader> {
 
 #[test]
 fn mistakes_of_seven_readers_are_named_without_false_statements() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let mut missed = Vec::new();
     for reader in readers() {
         let causes = causes(&suite, &reader.name);
@@ -226,7 +226,7 @@ fn report_text(suite: &Suite, run: &Run) -> String {
 /// `WRITE_REPORTS=1` updates the reports.
 #[test]
 fn reports_of_readers_match_their_recordings() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     for reader in readers() {
         let path = format!(
             "{}/reports/readers/{}.yaml",

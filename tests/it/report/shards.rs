@@ -132,7 +132,7 @@ fn is_drawn(request: &Request, count: u32) -> bool {
 /// For each decoder, verdicts in one part depend on answers in another part.
 #[test]
 fn eight_merged_shards_equal_the_whole_run() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     assert_same_report(&suite, &reference_answer);
     let mistake = misreading("rows-top-down");
     assert_same_report(&suite, &|request| answer_with(&[mistake], request));
@@ -164,7 +164,7 @@ fn eight_merged_shards_equal_the_whole_run() {
 
 #[test]
 fn incomplete_or_foreign_shards_are_not_merged() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = report_of_whole_run(&suite, &reference_answer).tool;
     let run = |number, total| {

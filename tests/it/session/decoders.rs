@@ -1,7 +1,7 @@
 //! The example decoder passes. Each copy with one mistake fails the case for that mistake, but passes a similar case.
 
 use crate::common::{
-    Checked, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
+    CheckRun, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
 };
 
 /// Copies with one mistake: its name, the text to replace, the replacement, the case for the misread clause, and a similar case
@@ -124,7 +124,7 @@ fn decoder() -> Option<String> {
 }
 
 /// Checks a Python decoder with the given source text.
-fn check_copy(text: &str, options: &str) -> Checked {
+fn check_copy(text: &str, options: &str) -> CheckRun {
     let here = Workspace::new();
     here.write("copy of decoder.py", text);
     here.check(&format!("{options} -- python3 'copy of decoder.py'"))

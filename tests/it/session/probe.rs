@@ -25,9 +25,9 @@ fn probe(text: &str, options: &str) -> (i32, String) {
 
 /// Probes a decoder, checks the exit status and the output, and returns the output.
 #[track_caller]
-fn assert_probed(text: &str, status: &str, says: &str) -> String {
+fn assert_probed(text: &str, status: &str, parts: &str) -> String {
     let (found, output) = probe(text, "");
-    assert_contains(&output, says);
+    assert_contains(&output, parts);
     assert_eq!(found.to_string(), status, "{output}");
     output
 }
@@ -249,7 +249,7 @@ fn wrong_refusals_are_explained() {
     );
 }
 
-/// The first decoder refuses eight formats with 65, the second shows a wrong image in one view of a format.
+/// The first decoder refuses eight formats with 65; the second shows a wrong image in one view of a format.
 #[test]
 fn faults_in_other_formats_are_found() {
     assert_scripts_probed(
@@ -284,7 +284,7 @@ fn serve_mode_faults_are_explained() {
     let (status, output) = probe(&copy, "--timeout 8");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
-    assert_contains(&output, says);
+    assert_contains(&output, parts);
     assert_copies_probed(
         r#"
 1 | answers.flush() | answers.flush(); sys.exit(0) | serve: the decoder exits on a malformed file

@@ -11,7 +11,7 @@ fn annotated() -> Annotated {
     Annotated::read(CHAPTERS, FILES).expect("the chapters are read")
 }
 
-/// Returns the annotated format with the first `from`, which must occur, replaced by `to`.
+/// Returns the annotated format after replacing the first occurrence of `from`, which must exist, with `to`.
 fn edited(from: &str, to: &str) -> Annotated {
     let (mut found, mut texts) = (false, Vec::new());
     for (name, text) in CHAPTERS {
