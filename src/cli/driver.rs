@@ -28,8 +28,7 @@ use ptm_conform::suite::cases::Suite;
 /// Minimum number of cases outside the smoke subset. In shorter runs, no causes are reported before the end.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time limit for the search for causes after the smoke subset. In a long run, the limit is a tenth of the expected
-/// duration.
+/// Minimum time limit for the search for causes after the smoke subset. In a long run, it is a tenth of the expected time.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
 /// Minimum estimated duration that is announced before a run.

@@ -11,8 +11,7 @@
 //!   Earlier stages count rows in stored order, later ones from the top.
 //! - All errors were detected before this stage: no index is out of range, and no byte is missing.
 //!
-//! Rows are assembled on demand, so that a large map needs no more memory than its file, and a compressed map no more
-//! than its planes.
+//! Rows are assembled on demand, so a large map needs no more memory than its file, and a compressed map no more than its planes.
 
 use std::ops::Range;
 

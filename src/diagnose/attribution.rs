@@ -162,9 +162,8 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
         || contradictions > 0 && is_guess()
 }
 
-/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it
-/// explains, one of these mistakes alone reproduces the response, but a decoder with both mistakes would answer
-/// differently.
+/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it explains, one of
+/// these mistakes alone reproduces the response, but a decoder with both mistakes would answer differently.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {

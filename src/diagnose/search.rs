@@ -679,8 +679,7 @@ impl<'a> Search<'a> {
         (total >= min_worth).then_some(total)
     }
 
-    /// Returns two mistakes that explain an image only together. Tries pairs of mistakes that change the image, on the
-    /// smallest files.
+    /// Returns two mistakes that explain an image only together. Tries pairs that change the image, on the smallest files.
     fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());

@@ -133,10 +133,8 @@ impl<'a> OpenedFile<'a> {
                 return (Rendering::Nothing, how);
             }
             Err(_) => {
-                return (
-                    Rendering::Nothing,
-                    "the program refuses the file".to_owned(),
-                );
+                let how = "the program refuses the file".to_owned();
+                return (Rendering::Nothing, how);
             }
         };
         let Ok(truth) = &self.truth else {

@@ -12,8 +12,7 @@ const LETTER_WIDTH: usize = 59;
 const MARGIN: usize = 4;
 
 /// Renders a report as an SVG badge, 20 pixels high and at most 140 pixels wide. The badge contains the verdict and the
-/// correctness score; below them, three bars represent correctness, breadth and robustness. The title of the image lists all
-/// scores.
+/// correctness score; below them, three bars represent correctness, breadth and robustness. Its title lists all scores.
 #[must_use]
 pub fn badge(report: &Report) -> String {
     let label = match report.suite {

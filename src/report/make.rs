@@ -13,10 +13,9 @@ use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
+use crate::suite::compare::LOSSY_TOLERANCE;
 use crate::suite::test_case::{Allowance, TestCase};
-use crate::suite::{
-    cases::Suite, compare::LOSSY_TOLERANCE, dialect::RightDialects, name::SuiteName,
-};
+use crate::suite::{cases::Suite, dialect::RightDialects, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.

@@ -32,7 +32,7 @@ impl<C: Reportable> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, duplicate or
+    /// Returns a message if a file is damaged or from another run, suite or version, or a part is missing, repeated or
     /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
@@ -41,10 +41,8 @@ impl<C: Reportable> RecordedAnswers<C> {
             let (answers, end) = read(&shards::answers_path(report))
                 .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
             for reply in answers {
-                known.insert(
-                    (reply.file.clone(), reply.view.clone(), reply.new_process),
-                    reply,
-                );
+                let key = (reply.file.clone(), reply.view.clone(), reply.new_process);
+                known.insert(key, reply);
             }
             ends.push((report, end));
         }

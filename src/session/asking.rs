@@ -51,11 +51,7 @@ pub struct Session<'a, C: TestCase> {
 impl<'a, C: TestCase> Session<'a, C> {
     /// Creates a session without requests.
     #[must_use]
-    pub fn new(
-        suite: &'a Suite<C>,
-        plan: &'a RunPlan,
-        ask: &'a DecoderFn<'a, C>,
-    ) -> Session<'a, C> {
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a DecoderFn<'a, C>) -> Self {
         Session {
             suite,
             plan,

@@ -98,8 +98,8 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that defines the step for all formats, if their different layouts do not matter: colors are computed
-    /// from the same polynomial, and the format determines the number of channels.
+    /// Returns the clause that defines the step for all formats, if their layouts do not matter: colors are computed from the
+    /// same polynomial, and the format determines the number of channels.
     fn common_clause(self) -> Option<&'static str> {
         match self {
             Phase::Color => Phase::Color.clause(Format::Rgb),
@@ -127,8 +127,7 @@ impl Phase {
     }
 }
 
-/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
-/// that were found.
+/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     // If files without streams also have wrong values, the mistake is in a step after the streams.

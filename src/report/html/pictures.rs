@@ -178,13 +178,11 @@ impl ImageComparison<'_> {
         if self.expected.is_near(i, received) {
             return 0.0;
         }
-        let difference = (expected - received).abs();
+        let apart = (expected - received).abs();
         let part = match self.spans.get(channel) {
-            Some((low, high)) => difference / (high - low),
-            None if self.expected.view == ViewKind::Raw => {
-                difference.min(256.0 - difference) / 128.0
-            }
-            None => difference / 255.0,
+            Some((low, high)) => apart / (high - low),
+            None if self.expected.view == ViewKind::Raw => apart.min(256.0 - apart) / 128.0,
+            None => apart / 255.0,
         };
         // Keep small differences visible, and treat NaN as the largest difference.
         let part = if part.is_finite() { part } else { 1.0 };

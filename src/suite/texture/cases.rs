@@ -145,10 +145,8 @@ impl TextureCase {
     /// Returns an error if the case is not a question.
     pub fn read(&self) -> Result<&Question, Refusal> {
         let read = || Question::from_value(&self.question());
-        self.parsed_question
-            .get_or_init(read)
-            .as_ref()
-            .map_err(Refusal::clone)
+        let question = self.parsed_question.get_or_init(read);
+        question.as_ref().map_err(Refusal::clone)
     }
 }
 

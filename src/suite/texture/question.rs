@@ -382,7 +382,8 @@ impl TryFrom<Value> for EntryGiven {
 impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
-    /// # Panics Never panics, because every field was validated when the question was parsed.
+    /// # Panics
+    /// Never panics, because every field was validated when the question was parsed.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();

@@ -49,12 +49,7 @@ fn remarks() -> OtherRemarks {
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
 /// Runs a plan as `check` does, and optionally records the answers.
-fn run_plan(
-    suite: &Suite,
-    plan: &RunPlan,
-    ask: &DecoderFn,
-    log: Option<&AnswerRecorder<Case>>,
-) -> Run {
+fn run(suite: &Suite, plan: &RunPlan, ask: &DecoderFn, log: Option<&AnswerRecorder<Case>>) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
@@ -70,7 +65,7 @@ fn run_plan(
 fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
     let plan = plan(suite, None);
-    let mut run = run_plan(suite, &plan, &ask, None);
+    let mut run = run(suite, &plan, &ask, None);
     let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
     report.expect("no misreading is assumed")
 }
@@ -85,7 +80,7 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
         reply
     };
     let plan = plan(suite, Some(part));
-    let run = run_plan(suite, &plan, &ask, Some(&recorder));
+    let run = run(suite, &plan, &ask, Some(&recorder));
     let end = Trailer {
         version: tool.version.clone(),
         corpus: tool.corpus.clone(),

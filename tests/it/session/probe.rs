@@ -284,7 +284,7 @@ fn serve_mode_faults_are_explained() {
     let (status, output) = probe(&copy, "--timeout 8");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
-    assert_contains(&output, parts);
+    assert_contains(&output, says);
     assert_copies_probed(
         r#"
 1 | answers.flush() | answers.flush(); sys.exit(0) | serve: the decoder exits on a malformed file
