@@ -168,7 +168,7 @@ fn explain_reader(profile: &ReaderProfile) -> String {
     let misreadings = profile.misreadings.iter().map(|known| known.slug.as_str());
     format!(
         "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n  Predictions: ptm-conform lint --for {name} FILE\n",
-        profile.reads.join(", "),
+        profile.formats.join(", "),
         misreadings.collect::<Vec<_>>().join(", ")
     )
 }

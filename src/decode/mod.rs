@@ -157,8 +157,7 @@ pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     (input.into_fields(), outcome)
 }
 
-/// Returns the fields of `file` and the result of [`decode`]. For a compressed file with complete streams, also
-/// returns the decoded streams.
+/// Returns the fields of `file`, the result of [`decode`] and, for a compressed file with complete streams, the decoded streams.
 #[cfg(feature = "tools")]
 pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<'_>>) {
     const SPEC: &Reading = &Reading::SPEC;

@@ -406,8 +406,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file, because it contains the table, matrix or compressed planes that the clause
-/// is about.
+/// Returns true if the misreading can affect the file: it has the table, matrix or compressed planes that the clause is about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

@@ -53,8 +53,7 @@ impl Model {
         model
     }
 
-    /// Creates the values of a file with the header and format of `recipe` and with the existing `samples`, laid out as in
-    /// [`Model::samples`].
+    /// Creates the values of a file with the header of `recipe` and the given `samples`, laid out as in [`Model::samples`].
     ///
     /// The table contains the distinct texels in stored order. After lossy compression, the model contains the decoded samples.
     ///

@@ -578,8 +578,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns true if both answers are of the same kind. All limits are one kind, because the machine determines which comes
-    /// first.
+    /// Returns true if both answers are of the same kind. All limits are one kind, because timing determines which comes first.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {

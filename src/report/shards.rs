@@ -38,8 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if the case with the given id belongs to this part. The result depends only on the id, so adding cases
-    /// does not move existing ones.
+    /// Returns true if this part contains the case with the given id. Depends only on the id, so new cases do not move others.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());

@@ -103,8 +103,8 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if the values equal those of `request`. Compares stored values, or derived values if a mistake takes
-    /// effect at a later stage.
+    /// Returns true if the values equal those of `request`. Compares stored values, or later ones if a mistake takes effect
+    /// later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
