@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use super::learned;
 use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
 use super::scope::{FileScope, separating_scope};
-use super::search::{MistakeId, MistakeSet, REFUSAL_WORTH, Search, interleave_groups};
+use super::search::{MistakeId, MistakeSet, REFUSAL_SCORE, Search, interleave_groups};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
 };
@@ -194,7 +194,7 @@ fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize])
     let counts = search.par_map(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.set_worth(w, &with) >= REFUSAL_WORTH && search.set_worth(w, set) < REFUSAL_WORTH
+            search.set_score(w, &with) >= REFUSAL_SCORE && search.set_score(w, set) < REFUSAL_SCORE
         };
         sample.iter().filter(explains).count()
     });

@@ -11,11 +11,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-pub(super) use super::tuning::REFUSAL_WORTH;
+pub(super) use super::tuning::REFUSAL_SCORE;
 use super::tuning::{
-    CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
+    CONTRADICTION_SCORE, CRASH_SCORE, IMAGE_SCORE, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
     MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK, MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES,
-    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_WORTH, REFUSED_IMAGE_WORTH,
+    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_SCORE, REFUSED_IMAGE_SCORE,
     SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
 };
 use super::witness::{Agreement, Witness};
@@ -67,16 +67,16 @@ pub(super) struct Search<'a> {
 /// The effect of a set of mistakes on one case.
 #[derive(Clone, Copy, PartialEq)]
 struct SetEffect {
-    worth: i64,
+    score: i64,
     agreement: Agreement,
-    /// Hash of the answer. If several answers are possible, the one with the greatest worth is used.
+    /// Hash of the answer. If several answers are possible, the one with the highest score is used.
     answer: u64,
 }
 
 impl SetEffect {
     /// Effect of the reference's answer, which explains no failure.
     const NO_EFFECT: SetEffect = SetEffect {
-        worth: 0,
+        score: 0,
         agreement: Agreement::None,
         answer: 0,
     };
@@ -147,7 +147,7 @@ impl<'a> Search<'a> {
 
     /// Returns the failing cases that `set` does not explain.
     pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
-        self.select(self.failing(), |w| self.set_worth(w, set) < REFUSAL_WORTH)
+        self.select(self.failing(), |w| self.set_score(w, set) < REFUSAL_SCORE)
     }
 
     /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the catalog.
@@ -235,7 +235,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
     pub fn is_refuted(&self, w: usize, set: &[MistakeId]) -> bool {
-        self.set_worth(w, set) == CONTRADICTION_WORTH
+        self.set_score(w, set) == CONTRADICTION_SCORE
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
@@ -304,7 +304,7 @@ impl<'a> Search<'a> {
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
-            .min_by_key(|&i| -self.worth_of_answer(w, &answers[i]))
+            .min_by_key(|&i| -self.score_of_answer(w, &answers[i]))
             .unwrap_or(0);
         answers.swap_remove(best)
     }
@@ -457,9 +457,9 @@ impl<'a> Search<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Returns the worth of `set` for case `w`.
-    pub fn set_worth(&self, w: usize, set: &[MistakeId]) -> i64 {
-        self.effect(w, set).worth
+    /// Returns the score of `set` for case `w`.
+    pub fn set_score(&self, w: usize, set: &[MistakeId]) -> i64 {
+        self.effect(w, set).score
     }
 
     /// Returns the effect of `set` on case `w`.
@@ -481,7 +481,7 @@ impl<'a> Search<'a> {
         }
         let answers = self.possible_answers(w, &key.1);
         let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
-        let best = effects.min_by_key(|effect| -effect.worth);
+        let best = effects.min_by_key(|effect| -effect.score);
         let effect = best.unwrap_or(SetEffect::NO_EFFECT);
         cache().insert(key, effect);
         effect
@@ -494,7 +494,7 @@ impl<'a> Search<'a> {
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
         let visible: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
         // A change of the bytes of a file may have an effect only after another change.
-        let is_explained = matches!(visible[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
+        let is_explained = matches!(visible[..], [(_, effect)] if effect.score >= REFUSAL_SCORE);
         let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
             visible.iter().any(|(other, _)| other == id)
@@ -519,7 +519,7 @@ impl<'a> Search<'a> {
 
     fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
         SetEffect {
-            worth: self.worth_of_answer(w, answer),
+            score: self.score_of_answer(w, answer),
             agreement: self.witnesses[w].agreement(answer),
             answer: self.fingerprint(w, answer),
         }
@@ -538,8 +538,8 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the worth of an answer to case `w`.
-    fn worth_of_answer(&self, w: usize, answer: &Answer) -> i64 {
+    /// Returns the score of an answer to case `w`.
+    fn score_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
         let is_lenient = matches!(
             witness.case.expect,
@@ -548,12 +548,12 @@ impl<'a> Search<'a> {
         if witness.failed {
             match witness.agreement(answer) {
                 Agreement::None => partial_credit(witness, answer),
-                agreement => agreement_worth(agreement),
+                agreement => agreement_score(agreement),
             }
         } else if witness.contradicts(answer) {
-            CONTRADICTION_WORTH
+            CONTRADICTION_SCORE
         } else if is_lenient && witness.differs_from_lenient_response(answer) {
-            OTHER_LENIENT_ANSWER_WORTH
+            OTHER_LENIENT_ANSWER_SCORE
         } else {
             0
         }
@@ -562,18 +562,18 @@ impl<'a> Search<'a> {
     /// Returns the mistake with the largest gain when added to `set`, among those that explain a case in `tried`.
     /// Removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
-        let worth: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
+        let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
         let gains = self.par_map(all, |&id| {
             let union = with_id(set, id);
-            let gain = |(&w, &worth): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.set_worth(w, &union) - worth).max(0),
+            let gain = |(&w, &score): (&usize, &i64)| match self.can_explain(w, id) {
+                true => (self.set_score(w, &union) - score).max(0),
                 false => 0,
             };
-            tried.iter().zip(&worth).map(gain).sum::<i64>()
+            tried.iter().zip(&score).map(gain).sum::<i64>()
         });
         let mut promising: Vec<(i64, MistakeId)> =
             gains.into_iter().zip(all.iter().copied()).collect();
-        promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
+        promising.retain(|&(gain, _)| gain >= CRASH_SCORE);
         // Ties are broken in favor of misreadings of clauses that a failing case tests, then by the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
@@ -601,15 +601,15 @@ impl<'a> Search<'a> {
         finalists: &MistakeSet,
         tried: &[bool],
     ) -> Option<Member> {
-        let worth: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| if tried[w] { self.set_worth(w, set) } else { 0 })
+        let score: Vec<i64> = (0..self.witnesses.len())
+            .map(|w| if tried[w] { self.set_score(w, set) } else { 0 })
             .collect();
-        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && worth[w] < REFUSAL_WORTH;
-        let left: Vec<usize> = (0..worth.len()).filter(is_left).collect();
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && score[w] < REFUSAL_SCORE;
+        let left: Vec<usize> = (0..score.len()).filter(is_left).collect();
         let gains = self.par_map(finalists, |&id| {
             let union = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.set_worth(w, &union) - worth[w],
+                true => self.set_score(w, &union) - score[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -621,7 +621,7 @@ impl<'a> Search<'a> {
             .collect();
         ranked.sort_by_key(|&(gain, index)| (-gain, index));
         // Explained and passing cases can only contradict a mistake.
-        let explained = (0..worth.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
+        let explained = (0..score.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
         let others: Vec<usize> = explained
             .chain(self.passing.iter().copied())
             .filter(|&w| tried[w])
@@ -629,9 +629,9 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let min_worth = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
+            let min_score = best.map_or(CRASH_SCORE, |best| CRASH_SCORE.max(best - REFUSAL_SCORE));
             let totals = self.par_map(batch, |&(gain, index)| {
-                self.total_worth(set, finalists[index], &worth, gain, min_worth, &others)
+                self.total_score(set, finalists[index], &score, gain, min_score, &others)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, index))| Some((total?, index))));
@@ -641,7 +641,7 @@ impl<'a> Search<'a> {
         });
         let &(total, first) = scored.first()?;
         let ties = scored[1..].iter().filter(|&&(other, index)| {
-            total - other < REFUSAL_WORTH && gains[index] == gains[first]
+            total - other < REFUSAL_SCORE && gains[index] == gains[first]
         });
         Some(Member {
             id: finalists[first],
@@ -655,27 +655,27 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total worth of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_worth`.
-    fn total_worth(
+    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_score`.
+    fn total_score(
         &self,
         set: &MistakeSet,
         id: MistakeId,
-        worth: &[i64],
+        score: &[i64],
         gain: i64,
-        min_worth: i64,
+        min_score: i64,
         others: &[usize],
     ) -> Option<i64> {
         let union = with_id(set, id);
         let mut total = gain;
         for &w in others {
-            if total < min_worth {
+            if total < min_score {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.set_worth(w, &union) - worth[w];
+                total += self.set_score(w, &union) - score[w];
             }
         }
-        (total >= min_worth).then_some(total)
+        (total >= min_score).then_some(total)
     }
 
     /// Returns two mistakes that explain an image only together. Tries pairs that change the image, on the smallest files.
@@ -727,7 +727,7 @@ impl<'a> Search<'a> {
             .collect();
         let explains = |index: usize| {
             let union = [&set[..], &pairs[index]].concat();
-            self.set_worth(w, &union) >= REFUSAL_WORTH
+            self.set_score(w, &union) >= REFUSAL_SCORE
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
@@ -748,7 +748,7 @@ impl<'a> Search<'a> {
         for tried in [&self.sample(left), &all] {
             let totals = self.par_map(&pairs, |&([a, b], _)| {
                 let union = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.set_worth(w, &union) - self.set_worth(w, set);
+                let gain = |&w: &usize| self.set_score(w, &union) - self.set_score(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -758,7 +758,7 @@ impl<'a> Search<'a> {
             pairs.truncate(MAX_PAIRS);
         }
         let best = pairs.first();
-        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_WORTH)?;
+        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_SCORE)?;
         let member = |id| Member {
             id,
             equivalents: Vec::new(),
@@ -771,7 +771,7 @@ impl<'a> Search<'a> {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &MistakeSet, cases: &[usize]| {
-            let values = self.par_map(cases, |&w| self.set_worth(w, set));
+            let values = self.par_map(cases, |&w| self.set_score(w, set));
             values.iter().sum::<i64>()
         };
         for index in (0..members.len()).rev() {
@@ -779,7 +779,7 @@ impl<'a> Search<'a> {
             let mut rest = all.clone();
             rest.remove(index);
             let is_redundant =
-                |cases: &[usize]| total(&rest, cases) + CRASH_WORTH > total(&all, cases);
+                |cases: &[usize]| total(&rest, cases) + CRASH_SCORE > total(&all, cases);
             if !rest.is_empty() && is_redundant(&small) && is_redundant(&large) {
                 members.remove(index);
             }
@@ -868,13 +868,13 @@ impl<'a> Search<'a> {
     }
 }
 
-fn agreement_worth(agreement: Agreement) -> i64 {
+fn agreement_score(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Image => IMAGE_WORTH,
-        Agreement::Outcome => REFUSAL_WORTH,
-        Agreement::Crash => CRASH_WORTH,
+        Agreement::Image => IMAGE_SCORE,
+        Agreement::Outcome => REFUSAL_SCORE,
+        Agreement::Crash => CRASH_SCORE,
         Agreement::None => 0,
-        Agreement::Contradiction => REFUSED_IMAGE_WORTH,
+        Agreement::Contradiction => REFUSED_IMAGE_SCORE,
     }
 }
 

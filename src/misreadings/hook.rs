@@ -60,7 +60,7 @@ pub enum Hook {
 
 impl Hook {
     /// Applies the mistake to `reading` if it is a decision of [`Reading`].
-    pub(crate) fn change(self, reading: Reading) -> Reading {
+    pub(crate) fn apply_to(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
             Hook::Bytes(_) | Hook::Planes(_) | Hook::Edits(_) => {}

@@ -22,7 +22,7 @@ pub type Change = fn(&mut Rules);
 impl Misreading<Change> {
     /// Applies this mistake to `rules`.
     #[must_use]
-    pub fn change(&self, rules: Rules) -> Rules {
+    pub fn apply_to(&self, rules: Rules) -> Rules {
         with_change(rules, self.step)
     }
 }

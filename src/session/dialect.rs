@@ -44,7 +44,7 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
     let mut certain = vec![Certainty::Open; dialect.0.len()];
     // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
     // so it is largest if it is largest in every group.
-    for axes in grouped_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
+    for axes in group_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
         for (axis, reading, certainty) in evidence::<C>(&axes, shown) {
             (dialect.0[axis], certain[axis]) = (reading, certainty);
         }
@@ -86,7 +86,7 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
 }
 
 /// Groups choices so that all choices of a set in `sets` are in the same group.
-fn grouped_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+fn group_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
     let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
     for axes in sets {
         let is_joined = |group: &mut Vec<Axis>| group.iter().any(|axis| axes.contains(axis));

@@ -32,7 +32,7 @@ pub struct RunPlan {
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
-    /// Set when the user ends the run.
+    /// Flag that is set when the user ends the run.
     #[serde(skip)]
     pub stop: Arc<AtomicBool>,
 }

@@ -41,7 +41,7 @@ pub struct Run<C: TestCase = Case> {
     pub not_a_decoder: Option<String>,
     /// A scene for the HTML report, if requested.
     pub scene: Option<LitScene>,
-    /// Set when the user ends the search for causes.
+    /// Flag that is set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
     pub work: Arc<AtomicUsize>,

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
-use crate::report::html::shell::{linked, mark};
+use crate::report::html::shell::{link, mark};
 use crate::report::reported::Reportable;
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, name::SuiteName};
@@ -172,7 +172,7 @@ fn card<C: Reportable>(
                 pre.command tabindex="0" { (repeat_command(report, &case.id)) }
                 p.quiet {
                     code { "ptm-conform explain " (case.id) }
-                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (linked(report.suite.case_page(&case.id), &html! { "its page" })) }
+                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (link(report.suite.case_page(&case.id), &html! { "its page" })) }
                 }
             }
         }
@@ -182,7 +182,7 @@ fn card<C: Reportable>(
 /// Renders clause ids as links to the site.
 fn clauses(suite: SuiteName, ids: &[String]) -> Markup {
     html! {
-        @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (linked(suite.clause_page(id), &html! { (id) })) }
+        @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (link(suite.clause_page(id), &html! { (id) })) }
     }
 }
 

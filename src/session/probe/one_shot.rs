@@ -9,7 +9,7 @@ use crate::suite::cases::TableSpelling;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};
-use super::explain::{explain, not_refused};
+use super::explain::{explain, refusal_fault};
 use super::message::{Slots, fault};
 use super::{repair::repair, sample::Sample};
 
@@ -223,7 +223,7 @@ pub(super) fn request_malformed_files(calls: &Calls, first: &FileReplies, list: 
             continue;
         }
         let repeat = Reproduction::one_shot(view, file_name, file);
-        list.add_fault(&subject, not_refused(&reply), repeat);
+        list.add_fault(&subject, refusal_fault(&reply), repeat);
     }
 }
 

@@ -17,7 +17,7 @@ use crate::suite::cases::{Case, Expect, Suite};
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};
-use super::explain::{buffer_size, explain, not_refused};
+use super::explain::{buffer_size, explain, refusal_fault};
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
@@ -179,5 +179,5 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     let (subject, file_name, file) = files[0];
     let subject = format!("{subject}, and other malformed files");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::bad(&subject, not_refused(&replies[0]), repeat))
+    Some(ProbeStep::bad(&subject, refusal_fault(&replies[0]), repeat))
 }

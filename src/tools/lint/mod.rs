@@ -154,7 +154,7 @@ impl Lint {
             count(self.infos, "info"),
         ];
         let details = self.reason.clone().unwrap_or_else(|| counts.join(", "));
-        format!("{}: {}: {details}\n", self.file, self.status.words())
+        format!("{}: {}: {details}\n", self.file, self.status.label())
     }
 
     /// Formats the predicted results of readers, one per line.

@@ -7,7 +7,7 @@
 
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};
-use crate::writers::fitting::algebra::{LeastSquares, eigen};
+use crate::writers::fitting::algebra::{LeastSquares, eigensystem};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
 use crate::writers::request::new_map;
@@ -107,7 +107,7 @@ fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8
         let lights = lights.iter().copied();
         lights.map(|light| value(i, light) * value(j, light)).sum()
     };
-    let (values, vectors) = eigen([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
+    let (values, vectors) = eigensystem([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
     let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));
     let best = best.expect("there are three eigenvalues");
     let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();

@@ -333,7 +333,7 @@ fn page_of_a_texture_stage_contains_the_questions() {
     let mistake = misreadings::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("a case");
-        Reply::from(case.answer(&mistake.change(Rules::SPEC)))
+        Reply::from(case.answer(&mistake.apply_to(Rules::SPEC)))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());

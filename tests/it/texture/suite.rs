@@ -91,7 +91,7 @@ fn every_misreading_is_diagnosed() {
     let suite = suite();
     let mut unnamed = Vec::new();
     for misreading in misreadings::all() {
-        let rules = misreading.change(Rules::SPEC);
+        let rules = misreading.apply_to(Rules::SPEC);
         let run = run(&suite, |case| case.answer(&rules));
         let diagnoses = diagnose(&suite, &run);
         let first = diagnoses.first().map(|first| match &first.cause {
