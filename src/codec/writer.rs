@@ -16,7 +16,7 @@ use super::markers::{EOI, SOI, SOS};
 
 /// The output of an encoder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Encoded {
+pub struct EncodedImage {
     /// The complete stream, from SOI to EOI.
     pub stream: Vec<u8>,
     /// Samples that an exact decoder returns for the stream, in row order.

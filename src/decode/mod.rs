@@ -71,7 +71,7 @@ mod spec;
 pub(crate) use compressed::Streams;
 
 pub use spec::Alternative;
-pub use stored::Stored;
+pub use stored::StoredMap;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
@@ -118,7 +118,7 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn open(file: &[u8]) -> Result<Stored<'_>> {
+pub fn open(file: &[u8]) -> Result<StoredMap<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
@@ -126,7 +126,7 @@ pub fn open(file: &[u8]) -> Result<Stored<'_>> {
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
+pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<StoredMap<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
     read_values(&header, &mut input, reading, limits)
@@ -201,7 +201,7 @@ fn read_values<'a>(
     input: &mut Input<'a>,
     reading: &'a Reading,
     limits: &Limits,
-) -> Result<Stored<'a>> {
+) -> Result<StoredMap<'a>> {
     let shape = header.format.shape();
     let shape = shape.with_matrix(|| color_matrix::read(input))?;
     // The nine formats become three shapes. Later code does not use the format.
@@ -213,7 +213,7 @@ fn read_values<'a>(
         }
         Storage::Streams(coding) => compressed::read(header, coding, input, reading, limits)?,
     };
-    Ok(Stored {
+    Ok(StoredMap {
         header: *header,
         shape,
         parts,

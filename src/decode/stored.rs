@@ -24,7 +24,7 @@ use crate::reading::Reading;
 const MAX_PIECE_TEXELS: u32 = 1 << 10;
 
 /// A validated map whose texels have not been assembled.
-pub struct Stored<'a> {
+pub struct StoredMap<'a> {
     /// Header (2.1–2.4).
     pub header: Header,
     /// Shape of each texel.
@@ -35,7 +35,7 @@ pub struct Stored<'a> {
     pub(super) reading: &'a Reading,
 }
 
-impl Stored<'_> {
+impl StoredMap<'_> {
     /// Assembles all texels of the map.
     ///
     /// # Errors

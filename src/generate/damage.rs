@@ -13,7 +13,7 @@ use serde::de::{IntoDeserializer, value};
 
 use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::stand_in::StandIn;
-use super::{model::Model, output::Written};
+use super::{model::Model, output::GeneratedFile};
 use crate::ptm::{Coding, Format, Size};
 
 /// A named edit.
@@ -100,7 +100,7 @@ impl Damage {
     ///
     /// # Errors
     /// Returns an error if the file lacks a place that the damage edits.
-    pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
+    pub fn apply(&self, written: &GeneratedFile, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = NamedPlaces { written, model };
         let mut splices = self.insertions(&file)?;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::str::FromStr;
 
-use super::{model::Model, output::Written};
+use super::{model::Model, output::GeneratedFile};
 
 /// A place: a field or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
@@ -197,7 +197,7 @@ impl Spot {
 
 /// A file with named places.
 pub(super) struct NamedPlaces<'a> {
-    pub written: &'a Written,
+    pub written: &'a GeneratedFile,
     pub model: &'a Model,
 }
 

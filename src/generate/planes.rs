@@ -15,7 +15,7 @@ use std::collections::HashSet;
 use super::plan::{Compression, Residuals, Stream, Texels};
 use super::{headers::rewrite_headers, paint::hash};
 use super::{predict::predictor, recipe::Recipe};
-use crate::codec::{Encoded, jpeg, jpeg_ls};
+use crate::codec::{EncodedImage, jpeg, jpeg_ls};
 use crate::ptm::{Coding, Size};
 
 /// The contents of a compressed file (2.9).
@@ -237,7 +237,7 @@ fn is_exact_in_every_transform(residual: &[u8], received: &[u8], recipe: &Recipe
     residual == received && (0..residual.len()).all(is_exact)
 }
 
-fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
+fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> EncodedImage {
     let (plan, Size { width, height }) = (&recipe.compression, recipe.size);
     let stream = match plan.even_planes_only && plane % 2 == 1 {
         true => Stream::PLAIN,
@@ -261,7 +261,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
             },
         ),
     };
-    Encoded {
+    EncodedImage {
         stream: rewrite_headers(&encoded.stream, &stream),
         ..encoded
     }

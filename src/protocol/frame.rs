@@ -17,7 +17,7 @@ use data_encoding::HEXLOWER;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::decode::Stored;
+use crate::decode::StoredMap;
 use crate::formula::{self, Edits};
 use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
@@ -476,7 +476,7 @@ impl Frame {
 ///
 /// # Errors
 /// Returns an error if `out` cannot be written.
-pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
+pub fn write_view(map: &StoredMap<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::render(&piece, view);
         if i == 0 {

@@ -20,7 +20,7 @@ use super::quantization::{quantize_image, scaled_steps};
 use super::symbols::{image_symbols, write_symbols};
 use super::zigzag::ZIGZAG;
 use crate::codec::markers::{APP0, DRI};
-use crate::codec::writer::{Encoded, Writer, check_size};
+use crate::codec::writer::{EncodedImage, Writer, check_size};
 
 /// Options of the encoder: the ways of encoding an image that the standard allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,7 +69,7 @@ impl JpegOptions {
 ///
 /// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, or an option is out of range.
 #[must_use]
-pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> Encoded {
+pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> EncodedImage {
     check_size(samples, width, height);
     let (quality, (h, v)) = (options.quality, options.sampling);
     assert!((1..=100).contains(&quality), "quality {quality}");
@@ -103,7 +103,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     stream.write_scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
     write_symbols(&mut stream, &symbols, &tables);
     let stream = stream.finish();
-    Encoded { stream, samples }
+    EncodedImage { stream, samples }
 }
 
 /// Returns true if some quantization step does not fit in a byte.

@@ -4,7 +4,7 @@
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
-use crate::decode::{Alternative, Stored, Streams, open_as};
+use crate::decode::{Alternative, StoredMap, Streams, open_as};
 use crate::evaluate;
 use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
@@ -114,7 +114,7 @@ fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
 }
 
 /// Returns one flag per texel: true if the stored values differ.
-fn differing_planes(ptm: &Ptm, other: &Stored) -> Vec<bool> {
+fn differing_planes(ptm: &Ptm, other: &StoredMap) -> Vec<bool> {
     let channels = ptm.planes.shape.channels();
     let mut texels = ptm.planes.samples.chunks(channels);
     let mut differing = Vec::new();
