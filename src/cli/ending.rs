@@ -36,8 +36,8 @@ pub struct OutputArgs {
     ///
     /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case
     /// that is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date:
-    /// exit status 4, with the names. Listed cases that are not selected, unsupported, inconclusive or not judged are ignored. An
-    /// unknown or repeated id is a usage error. The verdicts in the report do not change.
+    /// exit status 4, and the cases are named. Listed cases that are not selected, unsupported, inconclusive or not judged are
+    /// ignored. An unknown or repeated id is a usage error. The verdicts in the report do not change.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// Write a list of all failures of this run, for --baseline.

@@ -352,7 +352,7 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     })
 }
 
-/// Describes a lint code and lists the cases that provoke it.
+/// Describes a lint code and lists the cases that trigger it.
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());

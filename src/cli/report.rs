@@ -59,8 +59,8 @@ enum ReportCommand {
     Markdown(OutputFormatArgs),
     /// Show what changed between two reports.
     ///
-    /// Lists the cases that began to fail, were fixed, changed in other ways, were added or removed, and changes in the decoder,
-    /// its scores, dialect and causes. If many cases changed, they are grouped by cause and clause.
+    /// Lists the cases that began to fail, were fixed, changed in other ways, or were added or removed, and changes in the
+    /// decoder, its scores, dialect and causes. If many cases changed, they are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
     #[command(after_help = "Example:\n  ptm-conform report diff old.yaml new.yaml")]

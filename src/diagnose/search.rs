@@ -309,12 +309,12 @@ impl<'a> Search<'a> {
         answers.swap_remove(best)
     }
 
-    /// Returns all possible answers of a decoder with these mistakes. Tries mistakes that affect the same decision separately.
+    /// Returns all possible answers of a decoder with these mistakes. Mistakes in the same decision are tried separately.
     fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
-    /// Returns true if `set` explains the response, possibly by mistakes that have an effect only in combination.
+    /// Returns true if `set` explains the response, possibly with mistakes that have an effect only in combination.
     pub fn explains(&self, w: usize, set: &[MistakeId]) -> bool {
         if self.agreement(w, set).explains() {
             return true;

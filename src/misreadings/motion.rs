@@ -93,7 +93,7 @@ struct PlaneAxis {
 /// along this and the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
-/// Displaces a reference by the correct rule, except that `taps` determines the positions of the four averaged samples.
+/// Displaces a reference according to the correct rule, except that `taps` determines the positions of the four averaged samples.
 fn displace_with_taps<'a>(
     reference: &'a [u8],
     step: &Step,

@@ -28,7 +28,7 @@ use crate::runner::start;
 use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// Maximum time for which a call is repeated because of trouble in this program, before the run stops.
+/// Maximum time for which a call is repeated because of a problem in this program, before the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
 
 /// A decoder and the limits of its calls.

@@ -287,7 +287,7 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the table spelling that a decoder reads best if it reads no `spelling` case correctly, judging by small tables.
+    /// Returns the table spelling that a decoder reads best, judged by small tables, if it reads no `spelling` case correctly.
     /// Returns `None` if the evidence is weak.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;

@@ -108,7 +108,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     ) -> Option<Self::Difference> {
         None
     }
-    /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if there is no measure.
+    /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if it cannot be measured.
     fn similarity(_difference: &Self::Difference) -> f64 {
         0.0
     }

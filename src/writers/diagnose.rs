@@ -28,7 +28,7 @@ const MAX_FILE_BYTES: usize = 100_000;
 const SCREENED_FILES: usize = 3;
 
 /// Number of unexplained files for which pairs of mistakes are tried, smallest first.
-const PAIR_SEARCHED_FILES: usize = 4;
+const PAIR_SEARCH_FILES: usize = 4;
 
 /// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
@@ -164,10 +164,7 @@ fn mistake_pairs(
         CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
     let smallest = smallest_attempts(attempts, failing).into_iter();
-    smallest
-        .take(PAIR_SEARCHED_FILES)
-        .filter_map(pair)
-        .collect()
+    smallest.take(PAIR_SEARCH_FILES).filter_map(pair).collect()
 }
 
 /// Describes the failures that no mistake in the catalog explains, grouped by the clause of the first difference.

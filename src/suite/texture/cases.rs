@@ -71,7 +71,7 @@ pub enum Basis {
     Text,
     /// Another public PEX text.
     Sibling,
-    /// A lost formula, reconstructed from the chapter and related texts without a known alternative.
+    /// A lost formula without a known alternative, reconstructed from the chapter and related texts.
     Inferred,
     /// One of several readings.
     Reading,

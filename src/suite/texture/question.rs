@@ -75,7 +75,7 @@ impl Question {
         Ok(Question(Arc::new(step)))
     }
 
-    /// Computes the answer under `rules`, a JSON object.
+    /// Computes the answer, a JSON object, under `rules`.
     ///
     /// # Errors
     /// Returns an error if the question is malformed or not supported.

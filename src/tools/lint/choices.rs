@@ -40,7 +40,8 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them: all readings agree.
+/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them, so that all readings
+/// agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
         let mut planes = 0..dissection.compressed_planes();

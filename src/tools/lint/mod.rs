@@ -1,7 +1,7 @@
 //! Lint for PTM files: errors, problems that some readers may have with a file, and fixes for its writer.
 //!
-//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all
-//! planes are reported. Warnings and infos are about the spelling, the values and the streams of a file, and about
+//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all planes are
+//! reported. Warnings and informational findings are about the spelling, the values and the streams of a file, and about
 //! alternative readings of open questions.
 
 mod choices;

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use crate::in_process::{reference_answer, suite};
-use crate::recordings::{digest, folder, recorded};
+use crate::recordings::{digest, folder, recorded_answers};
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::kit::yaml;
 use ptm_conform::protocol::frame::Answer;
@@ -65,7 +65,7 @@ impl Forbidden {
 
 /// Replays the recorded run, for all cases whose answers were recorded.
 fn replay(suite: &Suite, reader: &str) -> Run {
-    let answers = recorded(reader);
+    let answers = recorded_answers(reader);
     let is_recorded = |case: &Case| {
         TableSpelling::all().any(|table| {
             let file = digest(&case.build(table).file);

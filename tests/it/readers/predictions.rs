@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::in_process::suite;
-use crate::recordings::{digest, recorded};
+use crate::recordings::{digest, recorded_answers};
 use crate::table::rows;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
@@ -50,7 +50,7 @@ reads: [RGB]↵  likes: all | likes",
 
 /// Returns the recorded result of a reader for each legal file.
 fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Rendering)> {
-    let answers = recorded(name);
+    let answers = recorded_answers(name);
     let shown = |place: usize| {
         let built = cases[place].build(TableSpelling::default());
         let file = digest(&built.file);

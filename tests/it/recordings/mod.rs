@@ -21,7 +21,7 @@ pub fn digest(file: &[u8]) -> String {
 }
 
 /// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
-pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
+pub fn recorded_answers(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
     let path = folder().join(format!("{reader}.answers.gz"));
     let mut text = String::new();
     let file = File::open(path).expect("the recording exists");
