@@ -47,7 +47,7 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the decoder declares this kind of case, but supports none of these and always answered this one with 69.
+    /// Returns true if the decoder declares cases of this kind, but supports none of them and always answered this one with 69.
     #[must_use]
     pub fn is_broken_by(
         &self,
