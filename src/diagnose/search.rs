@@ -57,7 +57,7 @@ pub(super) struct Search<'a> {
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, with the mistakes that affected them.
-    probed: HashSet<(usize, MistakeSet)>,
+    probed_files: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
     /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
             stop: &run.stop,
             work: &run.work,
             answer_count: AtomicUsize::new(0),
-            probed: HashSet::new(),
+            probed_files: HashSet::new(),
             effects: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
             passing,
@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
     /// Returns true on the first call for this case and these mistakes.
     pub fn is_new_probe(&mut self, w: usize, set: &[MistakeId]) -> bool {
         let visible_mistakes = self.visible_mistakes(w, set);
-        self.probed.insert((w, visible_mistakes))
+        self.probed_files.insert((w, visible_mistakes))
     }
 
     /// Returns the indices of the failing cases.

@@ -25,7 +25,7 @@ pub struct RecordedAnswers<C: TestCase> {
     /// Answers by file digest, view, and whether a new process was started for the request.
     known: HashMap<(String, String, bool), RecordedAnswer<C::Output>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
-    whole: Trailer,
+    trailer: Trailer,
 }
 
 impl<C: Reportable> RecordedAnswers<C> {
@@ -48,19 +48,19 @@ impl<C: Reportable> RecordedAnswers<C> {
         }
         check_parts(&ends)?;
         ends.sort_by_key(|(_, end)| end.part.number);
-        let (first, mut whole) = ends.remove(0);
-        if whole.corpus != C::digest(suite) {
+        let (first, mut trailer) = ends.remove(0);
+        if trailer.corpus != C::digest(suite) {
             let says = "made with a different version of the suite";
             return Err(format!("{}: {says}", first.display()));
         }
         for (_, part) in &ends {
-            add_new(&mut whole.remarks.before, &part.remarks.before);
-            add_new(&mut whole.remarks.after, &part.remarks.after);
-            for (all, selected) in whole.plan.selected.iter_mut().zip(&part.plan.selected) {
+            add_new(&mut trailer.remarks.before, &part.remarks.before);
+            add_new(&mut trailer.remarks.after, &part.remarks.after);
+            for (all, selected) in trailer.plan.selected.iter_mut().zip(&part.plan.selected) {
                 *all |= selected;
             }
         }
-        Ok(RecordedAnswers { known, whole })
+        Ok(RecordedAnswers { known, trailer })
     }
 
     /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
@@ -73,8 +73,8 @@ impl<C: Reportable> RecordedAnswers<C> {
         jobs: usize,
         progress: &Progress<C>,
     ) -> Result<(Run<C>, Report), String> {
-        let (circumstances, remarks) = (&self.whole.circumstances, &self.whole.remarks);
-        let mut plan = self.whole.plan.clone();
+        let (circumstances, remarks) = (&self.trailer.circumstances, &self.trailer.remarks);
+        let mut plan = self.trailer.plan.clone();
         plan.jobs = jobs;
         let missing = OnceLock::new();
         let ask = |request: &Request<'_, C::View>, _: usize| {

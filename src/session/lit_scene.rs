@@ -26,7 +26,7 @@ pub struct LitScene {
     /// The view in which it was requested.
     pub view: ViewKind,
     /// Correct image.
-    pub right: Vec<u8>,
+    pub correct: Vec<u8>,
     /// Received image.
     pub received: Vec<u8>,
 }
@@ -72,7 +72,7 @@ pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> O
         Some(LitScene {
             format,
             view,
-            right: render_scene(&decode(&file).ok()?.coefficients()),
+            correct: render_scene(&decode(&file).ok()?.coefficients()),
             received: frame_to_image(&file, &frame)?,
         })
     })
@@ -205,8 +205,8 @@ mod tests {
             for view in ViewKind::ALL {
                 let scene = scene(view, format, &reference).expect("a scene");
                 assert_eq!((scene.format, scene.view), (format, view));
-                assert_eq!(scene.right, scene.received);
-                let pairs = wanted.iter().zip(&scene.right);
+                assert_eq!(scene.correct, scene.received);
+                let pairs = wanted.iter().zip(&scene.correct);
                 let far: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
                 // LUM has no green corner, and bluish squares are brighter.
                 let room = if format == Format::Lum { 24 } else { 6 };

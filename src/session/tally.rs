@@ -23,7 +23,7 @@ pub(super) struct HangWatch {
     /// True if all requests for a legal file have timed out so far; `None` if none has been answered.
     hung: Mutex<Vec<Option<bool>>>,
     /// The index of the last file that is requested.
-    last: AtomicUsize,
+    last_index: AtomicUsize,
 }
 
 impl HangWatch {
@@ -32,7 +32,7 @@ impl HangWatch {
         HangWatch {
             hung: Mutex::new(vec![None; legal.len()]),
             legal,
-            last: AtomicUsize::new(usize::MAX),
+            last_index: AtomicUsize::new(usize::MAX),
         }
     }
 
@@ -49,14 +49,14 @@ impl HangWatch {
         let mut rows = rows.take(MAX_CONSECUTIVE_HANGS);
         if let Some(row) = rows.position(|row| row.iter().all(|hung| *hung == Some(true))) {
             let last = self.legal[near + row + MAX_CONSECUTIVE_HANGS - 1];
-            self.last.fetch_min(last, Relaxed);
+            self.last_index.fetch_min(last, Relaxed);
             tally.hung.store(true, Relaxed);
         }
     }
 
     /// Returns the index of the last file that is requested, or `None` if the run continues.
     pub fn last(&self) -> Option<usize> {
-        Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
+        Some(self.last_index.load(Relaxed)).filter(|&last| last < usize::MAX)
     }
 }
 

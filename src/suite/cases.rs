@@ -73,7 +73,7 @@ pub struct Case {
     pub(super) open_choices: Option<Vec<String>>,
     pub(super) source: Source,
     /// File in the default spelling, if it is precomputed.
-    pub(super) prepared: Option<Arc<Built>>,
+    pub(super) prepared_file: Option<Arc<Built>>,
     /// Digest of the file in the default spelling, computed at first use.
     pub(super) digest: OnceLock<String>,
 }
@@ -185,7 +185,7 @@ impl Case {
     /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
-        match &self.prepared {
+        match &self.prepared_file {
             Some(built) if table == TableSpelling::default() => Arc::clone(built),
             _ => {
                 let built = self.make(table);
@@ -268,7 +268,7 @@ impl Suite {
     #[must_use]
     pub fn with_prepared_files(mut self) -> Suite {
         for case in &mut self.cases {
-            case.prepared = Some(Arc::new(case.make(TableSpelling::default())));
+            case.prepared_file = Some(Arc::new(case.make(TableSpelling::default())));
         }
         self
     }

@@ -62,7 +62,7 @@ impl CaseRecord {
             open_choices: shows.or_else(|| twin?.open_choices.clone()),
             twin_of: self.twin_of.as_ref().map(|twin| words.id(twin)),
             source,
-            prepared: None,
+            prepared_file: None,
             digest: OnceLock::new(),
         })
     }

@@ -136,7 +136,7 @@ pub fn assert_contains(text: &str, parts: &str) {
 
 /// Replaces `find`, which must occur exactly once.
 #[track_caller]
-pub fn edited(text: &str, find: &str, replace: &str) -> String {
+pub fn edit(text: &str, find: &str, replace: &str) -> String {
     assert_eq!(text.matches(find).count(), 1, "{find}");
     text.replace(find, replace)
 }

@@ -12,7 +12,7 @@ fn annotated() -> Annotated {
 }
 
 /// Returns the annotated format after replacing the first occurrence of `from`, which must exist, with `to`.
-fn edited(from: &str, to: &str) -> Annotated {
+fn with_replacement(from: &str, to: &str) -> Annotated {
     let (mut found, mut texts) = (false, Vec::new());
     for (name, text) in CHAPTERS {
         found |= text.contains(from);
@@ -57,7 +57,7 @@ fn wrong_example_names_the_clause() {
 00 00 00 03 e7 | 00 00 00 02 e7 | clause 2.9.8/5, example 1: expected 30 231 10 21
 PTM_FORMAT_lrgb | PTM_FORMAT_LRGB | clause 2.2/1, example 2: the file is decoded",
     ) {
-        let error = build(Some(edited(&from, &to)), None, 1).err();
+        let error = build(Some(with_replacement(&from, &to)), None, 1).err();
         let error = error.expect("no site");
         assert!(error.contains(&message), "{error}");
     }

@@ -16,7 +16,7 @@ use ptm_conform::writers::{
     cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
 };
 
-use crate::common::{Workspace, edited, have, repository_text, rows};
+use crate::common::{Workspace, edit, have, repository_text, rows};
 
 /// Requests for small files, with the files of the reference.
 struct Requests {
@@ -219,7 +219,7 @@ payload += block(texels, 9, 6, 3) | payload += b"".join(block(texels, 9, i, 1) f
 fn is_named([find, replace, words]: &[String; 3]) -> bool {
     let source = repository_text("examples/writers/ptm_writer.py");
     let here = Workspace::new();
-    here.write("writer.py", edited(&source, find, replace));
+    here.write("writer.py", edit(&source, find, replace));
     let checked = here.check_writer("--smoke -- python3 writer.py");
     let mut parts = checked.text.split("\n\n");
     let first = parts.find(|part| part.contains("failures: the writer"));
