@@ -7,37 +7,37 @@ use std::str::FromStr;
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Line {
-    /// 2.1
+    /// The version (2.1).
     Version,
-    /// 2.2
+    /// The format (2.2).
     Format,
-    /// 2.3, if the width is on its own line
+    /// The width, if it is on its own line (2.3).
     Width,
-    /// 2.3
+    /// The height, or width and height (2.3).
     Height,
-    /// 2.4, if the scales are on their own line
+    /// The scales, if they are on their own line (2.4).
     Scale,
-    /// 2.4
+    /// The biases, or scales and biases (2.4).
     Bias,
-    /// 2.5
+    /// The number of table entries (2.5).
     Count,
-    /// 2.6
+    /// The color matrix (2.6).
     Matrix,
-    /// 2.9.1
+    /// The compression parameter (2.9.1).
     Parameter,
-    /// 2.9.2
+    /// The transforms (2.9.2).
     Transforms,
-    /// 2.9.3, the first half
+    /// The horizontal motion (2.9.3).
     MotionX,
-    /// 2.9.3, the second half
+    /// The vertical motion (2.9.3).
     MotionY,
-    /// 2.9.4
+    /// The ranks of the planes (2.9.4).
     Order,
-    /// 2.9.5
+    /// The references (2.9.5).
     References,
-    /// 2.9.6
+    /// The sizes of the streams (2.9.6).
     Sizes,
-    /// 2.9.7
+    /// The sizes of the side information (2.9.7).
     SideSizes,
 }
 

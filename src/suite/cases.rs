@@ -69,10 +69,10 @@ pub struct Case {
     /// Id of the valid file from which this one was edited.
     pub twin_of: Option<String>,
     /// Open choices that affect the case, if it declares them.
-    pub(super) shows: Option<Vec<String>>,
+    pub(super) open_choices: Option<Vec<String>>,
     pub(super) source: Source,
     /// File in the default spelling, if it is precomputed.
-    pub(super) prepared: Option<Arc<Built>>,
+    pub(super) prepared_file: Option<Arc<Built>>,
 }
 
 #[derive(Clone, Debug)]
@@ -137,7 +137,7 @@ impl Case {
         }
     }
 
-    /// Returns the damage of the file, if it has any.
+    /// Returns the damage to the file, if there is any.
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
@@ -170,8 +170,8 @@ impl Case {
     /// depend on the readings of other choices.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
-        match &self.shows {
-            Some(shows) => shows.iter().map(String::as_str).collect(),
+        match &self.open_choices {
+            Some(choices) => choices.iter().map(String::as_str).collect(),
             None => self.compression().map_or_else(Vec::new, Compression::axes),
         }
     }
@@ -182,7 +182,7 @@ impl Case {
     /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
-        match &self.prepared {
+        match &self.prepared_file {
             Some(built) if table == TableSpelling::default() => Arc::clone(built),
             _ => Arc::new(self.make(table)),
         }
@@ -246,9 +246,9 @@ pub struct Suite<C = Case> {
 impl Suite {
     /// Precomputes all files, which speeds up repeated runs.
     #[must_use]
-    pub fn prepared(mut self) -> Suite {
+    pub fn with_prepared_files(mut self) -> Suite {
         for case in &mut self.cases {
-            case.prepared = Some(Arc::new(case.make(TableSpelling::default())));
+            case.prepared_file = Some(Arc::new(case.make(TableSpelling::default())));
         }
         self
     }

@@ -1,4 +1,4 @@
-//! Repair of an answer: known mistakes of wrappers are undone until the image is correct.
+//! Repairs an answer: undoes known mistakes of wrappers until the image is correct.
 
 use crate::protocol::frame::{Frame, View};
 use crate::suite::compare::Expected;
