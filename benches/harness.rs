@@ -25,7 +25,9 @@ const ROUNDS: usize = 3;
 
 fn main() {
     processes::prepare();
-    let suite = Suite::load().expect("the suite loads").prepared();
+    let suite = Suite::load()
+        .expect("the suite loads")
+        .with_prepared_files();
     let native = [env!("CARGO_BIN_EXE_ptm-conform").into(), "reference".into()];
     let native = Decoder::new(&native).expect("a directory");
     let scratch = Scratch::new().expect("a scratch directory");

@@ -119,7 +119,7 @@ impl Error {
         }
     }
 
-    /// Returns the error with a different clause, if the field's clause is not the violated one.
+    /// Returns the error with a different clause, for errors that violate a clause other than that of the field.
     pub(crate) const fn with_clause(mut self, clause: &'static str) -> Error {
         self.clause = clause;
         self
@@ -227,12 +227,8 @@ impl fmt::Display for Kind {
             Kind::IndexOutOfRange { index, entries } => {
                 write!(f, "index {index}, but the table has {entries} entries")
             }
-            Kind::TooLarge { needed, limit } => {
-                write!(
-                    f,
-                    "the planes need {}; the limit is {limit}",
-                    bytes(*needed)
-                )
+            Kind::TooLarge { needed: n, limit } => {
+                write!(f, "the planes need {}; the limit is {limit}", bytes(*n))
             }
             Kind::NotAPlane {
                 plane,

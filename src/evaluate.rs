@@ -1,4 +1,4 @@
-//! Evaluation of a map: planes → final coefficients (2.4) → color under a light (1.0).
+//! Evaluates a map: planes → final coefficients (2.4) → color under a light (1.0).
 //!
 //! Format notes
 //! - A final coefficient is a real number. Nothing is rounded before the end (ruling `final-coefficient`).

@@ -155,23 +155,18 @@ impl<'a> Input<'a> {
         Ok(rest)
     }
 
-    /// Returns the next `needed` bytes without consuming them, or an error if the file is too short. `needed` may exceed
+    /// Returns the next `count` bytes without consuming them, or an error if the file is too short. `count` may exceed
     /// the address space.
-    fn peek_bytes(
-        &self,
-        clause: &'static str,
-        what: &'static str,
-        needed: u64,
-    ) -> Result<&'a [u8]> {
+    fn peek_bytes(&self, clause: &'static str, what: &'static str, count: u64) -> Result<&'a [u8]> {
         let rest = self.rest();
         let remaining = rest.len();
-        let bytes = usize::try_from(needed)
+        let bytes = usize::try_from(count)
             .ok()
             .and_then(|count| rest.get(..count));
         bytes.ok_or_else(|| {
             let kind = Kind::Short {
                 what,
-                needed,
+                needed: count,
                 remaining,
             };
             Error::new(clause, self.at, kind)

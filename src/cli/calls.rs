@@ -39,7 +39,7 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// Applies the limits to a program, and makes it stop when `stop` is set.
+    /// Applies the limits to a program, and stops its calls when `stop` is set.
     pub fn apply_limits(&self, program: &mut Decoder, stop: &StopFlag) -> Result<(), String> {
         program.timeout = positive_seconds(self.timeout)?;
         program.memory = self.memory;

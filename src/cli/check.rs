@@ -70,7 +70,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         return own_files::check(directory, &args.views, &args.run.report, decoder, scratch);
     }
     let serves = args.serve || capabilities.serves && !args.one_shot;
-    let mut plan = plan(args, &suite, &subject, serves)?.declared_by(&capabilities);
+    let mut plan = plan(args, &suite, &subject, serves)?.with_capabilities(&capabilities);
     (plan.selected, plan.stop) = (selected, Arc::clone(stop));
     let served = subject.program().filter(|_| serves);
     let servers = served.map(|decoder| Servers::new(decoder, scratch, plan.jobs));
@@ -96,7 +96,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         check.speed_hint = SERVE_MODE_IS_FASTER;
     }
     let faults = OnceCell::new();
-    let mut run = check.ask(&ask, &|contact| {
+    let mut run = check.run_cases(&ask, &|contact| {
         let Some(decoder) = subject.program() else {
             return;
         };
@@ -110,7 +110,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     });
     subject.program().map_or(Ok(()), check_trouble)?;
     if args.output.html.is_some() && run.ended_early.is_none() {
-        run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &ask);
+        run.scene = lit_scene::request(&run.offer, &run.judgement.decoded, &ask);
     }
     let given_up = servers.filter(Servers::is_serve_mode_disabled);
     let notes = capabilities.remarks.iter();
@@ -131,7 +131,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Adds the faults of the wrapper to the report. If there are any, the run ends at first contact.
+/// Adds the wrapper's faults to the report. If there are any, the run ends at first contact.
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {
@@ -169,7 +169,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     args.run.calls.apply_limits(&mut decoder, stop)?;
     let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, TextureView>, _: usize| {
-        texture_stage::ask(&decoder, request, &guarded.scratch)
+        texture_stage::send_question(&decoder, request, &guarded.scratch)
     };
     let run = ProgramRun {
         program: &decoder,

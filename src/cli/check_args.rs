@@ -60,7 +60,7 @@ pub struct CheckArgs {
     /// Check every .ptm file in DIR instead of the suite, against the reference and against other encodings of the same values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Run only the smoke subset: a few cases that catch every misreading in the catalog, in a decoder of all formats.
+    /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
     #[arg(long)]
     pub smoke: bool,
     /// Assume this misreading and judge the rest; the diagnosis prints its name. Repeatable.

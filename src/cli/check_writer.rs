@@ -58,8 +58,8 @@ pub struct CheckWriterArgs {
     ///
     /// The line is split into words as in a shell, but no shell is run. {out} is the output file and may have a suffix
     /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {lp} is the .lp file of a fitter; {format},
-    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values, where the numbers of a list are separated
-    /// by commas. {{ and }} are braces.
+    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values; the numbers in a list are separated by
+    /// commas. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]
@@ -106,7 +106,7 @@ fn check<V: RequestValues>(
     let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("the case exists");
-        asking::ask(&writer, case, request.timeout_factor, &guarded.scratch)
+        asking::request_file(&writer, case, request.timeout_factor, &guarded.scratch)
     };
     let run = ProgramRun {
         program: &writer,

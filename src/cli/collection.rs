@@ -20,7 +20,7 @@ use ptm_conform::tools::dissection::Dissection;
 const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line in a list, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 16;
-/// Number of initial bytes that always contain the first lines of a PTM: version, format, width and height.
+/// Number of initial bytes that always contain the version, format, width and height of a PTM.
 const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to the height.
 const SIZE_HEADER_LINES: usize = 4;
@@ -152,7 +152,7 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     })
 }
 
-/// Estimates the memory needed for a PTM and its planes, from the beginning of the file and its length.
+/// Estimates the memory needed for a PTM and its planes, based on the beginning of the file and its length.
 pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
     let mut words = beginning.windows(4).take(SIZE_HEADER_BYTES);
     // Only compressed planes are much larger than their file.
@@ -183,7 +183,7 @@ impl MemoryPool {
         MemoryPool { size, left, freed }
     }
 
-    /// Runs `work` as soon as `bytes` are free. A request for more than the whole pool waits until all of it is free.
+    /// Runs `work` as soon as `bytes` are free. A request for more than the pool size waits until the whole pool is free.
     pub fn run_when_free<T>(&self, bytes: u64, work: impl FnOnce() -> T) -> T {
         const LOCK_NOT_POISONED: &str = "no thread panics while it holds the lock";
         let bytes = bytes.min(self.size);

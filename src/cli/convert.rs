@@ -75,7 +75,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     files::write_atomically(&args.output, &converted.bytes)?;
     let (output, source) = (args.output.display(), ptm.header.format);
     let (before, after) = (file.len(), converted.bytes.len());
-    let mut losses = match converted.largest {
+    let mut losses = match converted.max_difference {
         0 => "without loss".to_owned(),
         most => format!("stored values differ by at most {most}"),
     };

@@ -28,7 +28,7 @@ pub struct CoverageArgs {
 
 /// Runs the suite against every misreading and prints which cases catch it.
 pub fn run(args: &CoverageArgs) -> CommandResult {
-    let suite = Suite::load()?.prepared();
+    let suite = Suite::load()?.with_prepared_files();
     let jobs = jobs(args.jobs)?;
     let rows = with_progress(|progress| matrix(&suite, jobs, progress));
     let coverage = Coverage::new(&suite, &rows)?;

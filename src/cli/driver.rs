@@ -14,28 +14,28 @@ use super::{CommandResult, calls::RunArgs};
 use super::{files::with_path, guard::check_trouble, output::jobs};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
-use ptm_conform::report::reported::Reported;
+use ptm_conform::report::reported::Reportable;
 use ptm_conform::report::shards::{
-    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+    AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
 use ptm_conform::report::text::first_causes_to_text;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, Session};
-use ptm_conform::session::{asking::Ask, contact::Contact, observation::Observation};
+use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases outside the smoke subset for which first causes are reported.
+/// Minimum number of cases outside the smoke subset. In shorter runs, no causes are reported before the end.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time limit for the search for first causes. In a long run, the limit is a tenth of the expected duration.
+/// Minimum time limit for the search for causes after the smoke subset. In a long run, it is a tenth of the expected time.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
 /// Minimum estimated duration that is announced before a run.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.
-pub struct Check<'a, C: Reported> {
+pub struct Check<'a, C: Reportable> {
     plan: &'a RunPlan,
     circumstances: Circumstances,
     writer: ReportWriter<'a, C>,
@@ -48,7 +48,7 @@ pub struct Check<'a, C: Reported> {
     recorder: Option<(Shard, AnswerRecorder<C>)>,
 }
 
-impl<'a, C: Reported> Check<'a, C> {
+impl<'a, C: Reportable> Check<'a, C> {
     /// Creates a run and the files that it writes.
     pub fn new(
         plan: &'a RunPlan,
@@ -75,7 +75,7 @@ impl<'a, C: Reported> Check<'a, C> {
     }
 
     /// Runs first contact and all cases, and returns the judged run. `inspect` may change the result of first contact.
-    pub fn ask(&self, ask: &Ask<C>, inspect: &dyn Fn(&mut Contact<C>)) -> Run<C> {
+    pub fn run_cases(&self, ask: &DecoderFn<C>, inspect: &dyn Fn(&mut Contact<C>)) -> Run<C> {
         let recording = |request: &Request<'_, C::View>, job: usize| {
             let reply = ask(request, job);
             if let Some((_, recorder)) = &self.recorder {
@@ -118,7 +118,9 @@ impl<'a, C: Reported> Check<'a, C> {
             // Use one write per line. Results that cannot be written here are still in the report.
             let _ = (&self.partial.1).write_all(line.as_bytes());
             // If transforms are undone before comparison, do not replace the recorded original answer.
-            if let (Some((_, recorder)), true) = (&self.recorder, session.undo.is_empty()) {
+            if let (Some((_, recorder)), true) =
+                (&self.recorder, session.undone_transforms.is_empty())
+            {
                 recorder.record_observation(case, observation);
             }
             if observation.is_wrong_for(case) {
@@ -132,7 +134,7 @@ impl<'a, C: Reported> Check<'a, C> {
         if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
             self.progress.begin("running");
             let all = [soonest, others].concat();
-            session.ask_some(contact, &all, &mut observations, &progress);
+            session.request_cases(contact, &all, &mut observations, &progress);
             return observations;
         }
         let times = [all, soonest.len()].map(|count| pace.mul_f64(count as f64));
@@ -144,13 +146,13 @@ impl<'a, C: Reported> Check<'a, C> {
             ));
         }
         self.progress.begin("running the smoke subset:");
-        session.ask_some(contact, &soonest, &mut observations, &progress);
+        session.request_cases(contact, &soonest, &mut observations, &progress);
         if !session.is_over() {
             let run = session.partial_run(contact, &soonest, &observations);
             self.report_first_causes(run, (times[0] / 10).max(MIN_SEARCH_TIME));
         }
         self.progress.begin("running");
-        session.ask_some(contact, &others, &mut observations, &progress);
+        session.request_cases(contact, &others, &mut observations, &progress);
         observations
     }
 
@@ -182,7 +184,7 @@ impl<'a, C: Reported> Check<'a, C> {
         // Write the verdicts before the search for causes, which may take long or fail.
         self.writer.write(&run, &mut report)?;
         if let Some((part, recorder)) = self.recorder {
-            let end = End {
+            let end = Trailer {
                 version: report.tool.version.clone(),
                 corpus: report.tool.corpus.clone(),
                 part,
@@ -233,11 +235,11 @@ pub struct ProgramRun<'a> {
 
 impl ProgramRun<'_> {
     /// Runs the selected cases and returns the exit status. `reword` may change the wording of the verdicts.
-    pub fn check<C: Reported>(
+    pub fn check<C: Reportable>(
         self,
         suite: &Suite<C>,
         selected: Vec<bool>,
-        ask: &Ask<C>,
+        ask: &DecoderFn<C>,
         reword: &dyn Fn(&mut Run<C>),
     ) -> CommandResult {
         let plan = RunPlan {
@@ -253,7 +255,7 @@ impl ProgramRun<'_> {
             ..Circumstances::default()
         };
         let check = Check::new(&plan, circumstances, writer, self.shard)?;
-        let mut run = check.ask(ask, &|_| ());
+        let mut run = check.run_cases(ask, &|_| ());
         check_trouble(self.program)?;
         reword(&mut run);
         Ok(check.conclude(run, OtherRemarks::default())?)

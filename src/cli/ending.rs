@@ -9,7 +9,7 @@ use clap::Args;
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
-use ptm_conform::report::{Report, baseline::Baseline, reported::Reported};
+use ptm_conform::report::{Report, baseline::Baseline, reported::Reportable};
 use ptm_conform::report::{github, html, junit};
 use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::Suite;
@@ -26,7 +26,7 @@ pub struct OutputArgs {
     /// Also write the report as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Omit the passing cases from the report and add a digest of all results, to keep the report in a repository.
+    /// Omit the passing cases from the report and add a digest of all results, for reports that are kept in a repository.
     #[arg(long)]
     short: bool,
     /// Print GitHub annotations, and append the job summary to the file named by GITHUB_STEP_SUMMARY.
@@ -36,8 +36,8 @@ pub struct OutputArgs {
     ///
     /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case
     /// that is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date:
-    /// exit status 4, with the names. Listed cases that are not selected, unsupported, inconclusive or not judged are ignored. An
-    /// unknown or repeated id is a usage error. The verdicts in the report do not change.
+    /// exit status 4, and the cases are named. Listed cases that are not selected, unsupported, inconclusive or not judged are
+    /// ignored. An unknown or repeated id is a usage error. The verdicts in the report do not change.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
     /// Write a list of all failures of this run, for --baseline.
@@ -70,7 +70,7 @@ impl OutputArgs {
 }
 
 /// Writer that sends a report on a suite to its destinations.
-pub struct ReportWriter<'a, C: Reported> {
+pub struct ReportWriter<'a, C: Reportable> {
     /// The suite of the report.
     pub suite: &'a Suite<C>,
     /// Path of the YAML report.
@@ -79,7 +79,7 @@ pub struct ReportWriter<'a, C: Reported> {
     known: Option<Baseline>,
 }
 
-impl<'a, C: Reported> ReportWriter<'a, C> {
+impl<'a, C: Reportable> ReportWriter<'a, C> {
     /// Creates a writer and reads the baseline, if one is given.
     pub fn new(
         suite: &'a Suite<C>,

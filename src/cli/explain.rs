@@ -168,7 +168,7 @@ fn explain_reader(profile: &ReaderProfile) -> String {
     let misreadings = profile.misreadings.iter().map(|known| known.slug.as_str());
     format!(
         "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n  Predictions: ptm-conform lint --for {name} FILE\n",
-        profile.reads.join(", "),
+        profile.formats.join(", "),
         misreadings.collect::<Vec<_>>().join(", ")
     )
 }
@@ -182,7 +182,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
         let _ = writeln!(text, "case {id} ({clauses}): {}", case.because);
         let _ = writeln!(text, "  question: {}", case.question());
         let _ = writeln!(text, "  expected: {}", case.expect);
-        for also in &case.also {
+        for also in &case.alternatives {
             let _ = writeln!(text, "  read as {}: {}", also.reading, also.expect);
         }
         if let Some(ruling) = &case.ruling {
@@ -258,7 +258,7 @@ fn explain_rules<C: TestCase>(
         );
         let _ = writeln!(text, "  {open}{}", ruling.question.trim());
         let _ = writeln!(text, "  {reference}: {}", ruling.reading.trim());
-        for also in &ruling.also {
+        for also in &ruling.alternatives {
             let _ = writeln!(text, "  also correct: {also}");
         }
         let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
@@ -352,7 +352,7 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     })
 }
 
-/// Describes a lint code and lists the cases that provoke it.
+/// Describes a lint code and lists the cases that trigger it.
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());

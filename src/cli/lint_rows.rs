@@ -73,7 +73,7 @@ impl Rows {
             RowFormat::Text if lint.status == Status::NotAPtm => {
                 let found = lint.findings.first().map(|finding| finding.found.as_str());
                 let found = found.map_or(String::new(), |found| format!(": {found}"));
-                emit(&format!("{}: {}{found}\n", lint.file, lint.status.words()))
+                emit(&format!("{}: {}{found}\n", lint.file, lint.status.label()))
             }
             RowFormat::Text => print_text(&lint),
             RowFormat::Json => {

@@ -17,7 +17,7 @@ use ptm_conform::reading::Reading;
 use ptm_conform::runner::run::Request;
 use ptm_conform::suite::cases::{Suite, TableSpelling};
 
-/// Reduce a file as long as a decoder fails on it in the same way.
+/// Reduce a file while a decoder still fails on it in the same way.
 ///
 /// The file is decoded, made narrower, shorter and simpler step by step, and written again. A step is kept if the decoder's
 /// response still differs from the reference in the same way: a wrong image, a refusal or a crash.

@@ -77,22 +77,22 @@ pub struct CommandError {
 
 impl CommandError {
     /// Creates an error with an exit status and a message.
-    pub fn new(status: u8, says: &str) -> CommandError {
-        let message = format!("ptm-conform: {says}");
+    pub fn new(status: u8, message: &str) -> CommandError {
+        let message = format!("ptm-conform: {message}");
         CommandError { message, status }
     }
 
     /// Creates an error for a file that is refused.
-    pub fn refused(path: &Path, status: u8, says: &str) -> CommandError {
-        let message = format!("{}: {says}", path.display());
+    pub fn refused(path: &Path, status: u8, message: &str) -> CommandError {
+        let message = format!("{}: {message}", path.display());
         CommandError { message, status }
     }
 }
 
-/// Converts a message about a usage error, or about a file that cannot be read or written.
+/// Creates an error with exit status 2 from a message about a usage error, or about a file that cannot be read or written.
 impl From<String> for CommandError {
-    fn from(says: String) -> CommandError {
-        CommandError::new(2, &says)
+    fn from(message: String) -> CommandError {
+        CommandError::new(2, &message)
     }
 }
 

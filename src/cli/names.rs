@@ -11,7 +11,7 @@ pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Str
 /// Returns at most three names that are similar to `id` or contain it, most similar first.
 pub fn nearest_names<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = id.to_lowercase();
-    let likeness = |name: &str| {
+    let similarity = |name: &str| {
         let (name, is_long) = (name.to_lowercase(), wanted.len() >= 4);
         let least = if is_long && name.contains(&wanted) {
             0.9
@@ -20,8 +20,8 @@ pub fn nearest_names<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<
         };
         strsim::jaro_winkler(&wanted, &name).max(least)
     };
-    let mut near: Vec<(f64, &str)> = known.map(|name| (likeness(name), name)).collect();
-    near.retain(|(likeness, _)| *likeness >= 0.88);
+    let mut near: Vec<(f64, &str)> = known.map(|name| (similarity(name), name)).collect();
+    near.retain(|(similarity, _)| *similarity >= 0.88);
     near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     near.dedup_by_key(|(_, name)| *name);
     near.into_iter().take(3).map(|(_, name)| name).collect()

@@ -15,9 +15,9 @@ use ptm_conform::session::probe::{Reproduction, probe};
 /// Test a new wrapper step by step and say what to fix.
 ///
 /// The decoder is called for ordinary files in every view, for a large file, malformed files and an unknown view, and in serve
-/// mode, if it has one. Wrong images are compared with common wrapper mistakes: flipped rows, BGR, planar samples, wrong byte
-/// order. If nothing is decoded, other ways to call it are tried (the current directory, the file on standard input, FILE before
-/// VIEW). The files that show a fault are kept, along with a command that reproduces each observation.
+/// mode if it supports that mode. Wrong images are compared with common wrapper mistakes: flipped rows, BGR, planar samples,
+/// wrong byte order. If nothing is decoded, other ways to call it are tried (the current directory, the file on standard input,
+/// FILE before VIEW). The files that show a fault are kept, along with a command that reproduces each observation.
 ///
 /// With --writer, the program is a writer, and one file of each format is requested.
 ///

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ptm_conform::kit::yaml;
 use ptm_conform::readers::{
-    OpenedFile, ReaderPrediction, ReaderProfile, Shown, parse_profiles, profiles,
+    OpenedFile, ReaderPrediction, ReaderProfile, Rendering, parse_profiles, profiles,
 };
 use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
 
@@ -52,7 +52,7 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
     let subject = OpenedFile::new(file);
     let predict = |profile: &&ReaderProfile| {
         let mut prediction = subject.predict(profile);
-        if prediction.result != Shown::Right {
+        if prediction.result != Rendering::Right {
             let (dissection, name) = (Dissection::parse(file), &profile.name);
             let says = "write the file again from its source; `lint` lists its errors";
             let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());

@@ -1,5 +1,4 @@
-//! `ptm-conform reference`: the reference decoder in one-shot and serve mode, and its capabilities. This module reads neither
-//! cases nor YAML.
+//! `ptm-conform reference`: the reference decoder in one-shot and serve mode, and its capabilities. Reads no cases and no YAML.
 
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};

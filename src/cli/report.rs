@@ -8,7 +8,7 @@ use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::report::{Report, badge, github, html, junit};
-use ptm_conform::report::{merge::RecordedAnswers, reported::Reported};
+use ptm_conform::report::{merge::RecordedAnswers, reported::Reportable};
 use ptm_conform::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
 use ptm_conform::writers::{cases::WriterCase, fitting::cases::FitCase};
 
@@ -59,8 +59,8 @@ enum ReportCommand {
     Markdown(OutputFormatArgs),
     /// Show what changed between two reports.
     ///
-    /// Lists the cases that began to fail, were fixed, changed in other ways, were added or removed, and changes in the decoder,
-    /// its scores, dialect and causes. If many cases changed, they are grouped by cause and clause.
+    /// Lists the cases that began to fail, were fixed, changed in other ways, or were added or removed, and changes in the
+    /// decoder, its scores, dialect and causes. If many cases changed, they are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.
     #[command(after_help = "Example:\n  ptm-conform report diff old.yaml new.yaml")]
@@ -148,7 +148,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
 }
 
 /// Converts reports on a suite to the requested format and prints or writes the result.
-fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
+fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
     let (suite, report) = (C::suite()?, &reports[0]);
     match command {
         ReportCommand::Junit(args) => args.write(&junit::junit(report)),
@@ -178,7 +178,7 @@ fn convert<C: Reported>(command: &ReportCommand, reports: &[Report]) -> CommandR
     }
 }
 
-fn merge<C: Reported>(args: &MergeArgs) -> CommandResult {
+fn merge<C: Reportable>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
     let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
     let answers = RecordedAnswers::read(&suite, &args.parts)?;

@@ -35,7 +35,7 @@ enum TextureCommand {
 /// Check that the reference gives the expected answer to every case in a file.
 ///
 /// The file has the format of spec-cases/texture/cases: a YAML list of cases, or a document with a list of cases under "cases".
-/// Numbers are compared within 1e-9, or the case's tolerance. Other readings are also computed.
+/// Numbers must agree within 1e-9 or the case's tolerance. Other readings are also computed.
 ///
 /// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]
@@ -51,8 +51,8 @@ struct CasesArgs {
 /// Render a textured plane or sphere under a light, to show the effect of a table entry.
 ///
 /// The map is in the middle of the shape; --around controls how much of the shape is shown around the map, to make boundary
-/// conditions visible. Methods that need a reflection use an eye in front of the shape. The lamp at --light lights the surface; a
-/// PTM is rendered under --ptm-light.
+/// conditions visible. For methods that need a reflection, the eye is in front of the shape. The lamp at --light lights the
+/// surface; a PTM is rendered under --ptm-light.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform texture render -o wrap.png\n  ptm-conform texture render --shape sphere --map coin.ptm --ptm-light 0.4,0.3 -o sphere.png\n  ptm-conform texture render --map coin.ptm --entry '{boundary: [Mirror, Wrap, Wrap], composition: Modulate}' -o mirror.png"

@@ -50,7 +50,7 @@ pub mod jpeg_ls;
 pub use stream_error::{StreamError, StreamFault};
 
 #[cfg(feature = "generate")]
-pub use writer::Encoded;
+pub use writer::EncodedImage;
 
 /// The compression standard of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

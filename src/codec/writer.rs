@@ -16,7 +16,7 @@ use super::markers::{EOI, SOI, SOS};
 
 /// The output of an encoder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Encoded {
+pub struct EncodedImage {
     /// The complete stream, from SOI to EOI.
     pub stream: Vec<u8>,
     /// Samples that an exact decoder returns for the stream, in row order.
@@ -80,7 +80,7 @@ impl Writer {
 /// Writer for the bits of an entropy-coded segment. For `AFTER_FF`, see `bits`.
 pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     stream: &'a mut Vec<u8>,
-    /// Bits that do not fill a byte yet, right-aligned.
+    /// Bits that do not yet fill a byte, right-aligned.
     window: u64,
     count: u32,
     /// Number of data bits in the next byte.

@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     /// Returns the sample at (x, y), with edge replication.
-    fn edge(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    fn replicated_sample(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
         let x = x.clamp(0, i64::from(size.width) - 1);
         let y = y.clamp(0, i64::from(size.height) - 1);
         plane[y as usize * size.width as usize + x as usize]
@@ -103,7 +103,7 @@ mod tests {
                 let (left, first) = (x.div_euclid(2), y.div_euclid(2));
                 let (right, second) = (left + x.rem_euclid(2), first + y.rem_euclid(2));
                 mean([(left, first), (right, first), (left, second), (right, second)]
-                    .map(|(x, y)| edge(plane, size, x, y)))
+                    .map(|(x, y)| replicated_sample(plane, size, x, y)))
             };
             let plain: Vec<u8> = (0..i64::from(height))
                 .flat_map(|y| (0..i64::from(width)).map(move |x| (x, y)))

@@ -1,7 +1,6 @@
 //! §2.2 Format String
 //!
-//! The second line is one of nine names (clause 2.2/1). It determines the content after the biases and the number of
-//! values per texel:
+//! The second line is one of nine names (clause 2.2/1). It determines the number of values per texel and what follows the biases:
 //!
 //! ```text
 //! PTM_FORMAT_RGB                              three blocks of coefficients (§2.7.1)                      18

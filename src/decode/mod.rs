@@ -71,7 +71,7 @@ mod spec;
 pub(crate) use compressed::Streams;
 
 pub use spec::Alternative;
-pub use stored::Stored;
+pub use stored::StoredMap;
 
 use crate::error::{Error, Result};
 use crate::input::Input;
@@ -118,7 +118,7 @@ pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm>
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn open(file: &[u8]) -> Result<Stored<'_>> {
+pub fn open(file: &[u8]) -> Result<StoredMap<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
@@ -126,7 +126,7 @@ pub fn open(file: &[u8]) -> Result<Stored<'_>> {
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<Stored<'a>> {
+pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<StoredMap<'a>> {
     let mut input = Input::new(file);
     let header = read_header(&mut input)?;
     read_values(&header, &mut input, reading, limits)
@@ -157,8 +157,7 @@ pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     (input.into_fields(), outcome)
 }
 
-/// Returns the fields of `file` and the result of [`decode`]. For a compressed file with complete streams, also
-/// returns the decoded streams.
+/// Returns the fields of `file`, the result of [`decode`] and, for a compressed file with complete streams, the decoded streams.
 #[cfg(feature = "tools")]
 pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<'_>>) {
     const SPEC: &Reading = &Reading::SPEC;
@@ -202,7 +201,7 @@ fn read_values<'a>(
     input: &mut Input<'a>,
     reading: &'a Reading,
     limits: &Limits,
-) -> Result<Stored<'a>> {
+) -> Result<StoredMap<'a>> {
     let shape = header.format.shape();
     let shape = shape.with_matrix(|| color_matrix::read(input))?;
     // The nine formats become three shapes. Later code does not use the format.
@@ -214,7 +213,7 @@ fn read_values<'a>(
         }
         Storage::Streams(coding) => compressed::read(header, coding, input, reading, limits)?,
     };
-    Ok(Stored {
+    Ok(StoredMap {
         header: *header,
         shape,
         parts,

@@ -122,8 +122,8 @@ impl<'a> Coded<'a> {
         self.plan.steps.iter().map(blank).collect()
     }
 
-    /// Adds the predictor to `plane`, which contains the residuals of plane `i`. Does nothing if the plane has no
-    /// reference (clause 2.9.5/2).
+    /// Adds the predictor to `plane`, which holds the residuals of plane `i`. Does nothing if the plane has no reference (clause
+    /// 2.9.5/2).
     pub(crate) fn predict(
         &self,
         i: usize,

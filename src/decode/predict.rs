@@ -165,7 +165,8 @@ fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
 
-/// Returns the sample at a position, or the nearest edge sample outside the plane (clause 2.9.3/6, ruling `motion-border`).
+/// Returns the sample at a position, or the nearest edge sample if it is outside the plane (clause 2.9.3/6, ruling
+/// `motion-border`).
 pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]

@@ -10,21 +10,21 @@
 //!                                 └── …
 //! ```
 
-use super::{compressed::Streams, stored::Stored};
+use super::{compressed::Streams, stored::StoredMap};
 use crate::error::Result;
 use crate::ptm::Shape;
 use crate::reading::Reading;
 
 impl Streams<'_> {
     /// Returns the map under a reading that differs from the original one only in steps after the streams are decoded.
-    pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<Stored<'r>> {
+    pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<StoredMap<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).
         let shape = match self.header.format.shape() {
             Shape::Rgb => Shape::Rgb,
             _ => Shape::Lrgb,
         };
-        Ok(Stored {
+        Ok(StoredMap {
             header: self.header,
             shape,
             parts,

@@ -11,8 +11,7 @@
 //!   Earlier stages count rows in stored order, later ones from the top.
 //! - All errors were detected before this stage: no index is out of range, and no byte is missing.
 //!
-//! Rows are assembled on demand, so that a large map needs no more memory than its file, and a compressed map no more
-//! than its planes.
+//! Rows are assembled on demand, so a large map needs no more memory than its file, and a compressed map no more than its planes.
 
 use std::ops::Range;
 
@@ -25,7 +24,7 @@ use crate::reading::Reading;
 const MAX_PIECE_TEXELS: u32 = 1 << 10;
 
 /// A validated map whose texels have not been assembled.
-pub struct Stored<'a> {
+pub struct StoredMap<'a> {
     /// Header (2.1–2.4).
     pub header: Header,
     /// Shape of each texel.
@@ -36,7 +35,7 @@ pub struct Stored<'a> {
     pub(super) reading: &'a Reading,
 }
 
-impl Stored<'_> {
+impl StoredMap<'_> {
     /// Assembles all texels of the map.
     ///
     /// # Errors

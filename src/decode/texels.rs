@@ -67,8 +67,8 @@ pub(crate) fn block_containing(format: Format, channel: usize) -> Option<(usize,
     (blocks(format).iter().enumerate()).find(|(_, block)| contains(block))
 }
 
-/// Returns the index of the stored row for `row`, counted from the top. The bottom row is stored first (clauses
-/// 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4), also in compressed planes (clause 2.9.8/9, ruling `rows`).
+/// Returns the index of the stored row for `row`, counted from the top. The bottom row is stored first (clauses 2.7.1/3, 2.7.2/3,
+/// 2.7.3/3, 2.8.1/5, 2.8.2/4), including in compressed planes (clause 2.9.8/9, ruling `rows`).
 pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
     header.size.height as usize - 1 - row
 }

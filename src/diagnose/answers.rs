@@ -142,7 +142,7 @@ impl Witness<'_> {
 pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> bool {
     let reproduces = |witness: &Witness, answer: &Answer| match witness.observation.response {
         Response::Rejected => *answer == Answer::Rejected,
-        _ => *answer == witness.right,
+        _ => *answer == witness.expected,
     };
     let is_informative =
         |witness: &&Witness| !witness.failed && !reproduces(witness, witness.correct_answer());

@@ -23,7 +23,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
             continue;
         }
         let answer = witness.answer_of_misreadings(assumed);
-        if *answer == witness.right {
+        if *answer == witness.expected {
             continue;
         }
         if is_explained(&witness, &answer, assumed) {

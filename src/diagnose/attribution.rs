@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained images of the same formats are wrong in views before those of all explained images: more than
-/// half as many as are explained. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every explained image: more than
+/// half as many as there are explained images. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -82,8 +82,8 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
 }
 
 /// Returns true if most of the explained failures are images of legal files, but they are fewer than a quarter of the wrong
-/// images of their formats and views that have no other cause. A more general mistake may explain all of these. Images in later
-/// views do not count, because a mistake in a later step may explain them.
+/// images of their formats and views that have no other cause. A more general mistake may explain all of these images. Images in
+/// later views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
@@ -162,9 +162,8 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
         || contradictions > 0 && is_guess()
 }
 
-/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it
-/// explains, one of these mistakes alone reproduces the response, but a decoder with both mistakes would answer
-/// differently.
+/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it explains, one of
+/// these mistakes alone reproduces the response, but a decoder with both mistakes would answer differently.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {

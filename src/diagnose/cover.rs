@@ -49,7 +49,7 @@ impl<T> CoverCandidate<T> {
 }
 
 impl<A> CoverCandidate<&'static Misreading<A>> {
-    /// Converts the candidate into the diagnosis that the decoder makes this mistake.
+    /// Converts the candidate to a diagnosis.
     pub fn diagnosis(self) -> Diagnosis<A> {
         let cause = Cause::Misreading {
             misreading: self.cause,

@@ -54,7 +54,7 @@ pub enum Cause<A: 'static = Hook> {
         misreading: &'static Misreading<A>,
         /// Misreadings that explain the same cases equally well.
         equivalents: Vec<&'static Misreading<A>>,
-        /// Misreadings that affect the same cases as well.
+        /// Other misreadings that also affect these cases.
         accompanying: Vec<&'static Misreading<A>>,
     },
     /// A difference that no misreading in the catalog produces.

@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 use super::learned;
 use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
 use super::scope::{FileScope, separating_scope};
-use super::search::{MistakeId, MistakeSet, REFUSAL_WORTH, Search, interleave_groups};
+use super::search::{MistakeId, MistakeSet, REFUSAL_SCORE, Search, interleave_groups};
 use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
 };
@@ -56,7 +56,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
         let kind = (witness.case.format(), witness.observation.view.name());
         kinds.entry(kind).or_default().push(w);
     }
-    let is_narrow = |w: usize| match &search.witnesses[w].right {
+    let is_narrow = |w: usize| match &search.witnesses[w].expected {
         Answer::Decoded(frame) => frame.width.min(frame.height) < MIN_PROBE_SIZE,
         _ => true,
     };
@@ -175,7 +175,7 @@ fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -
     is_supported.then_some(restricted)
 }
 
-/// Returns the edit of a mistake that consists of a single edit.
+/// Returns the edit if the mistake consists of a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.step {
         Hook::Edits([edit]) => Some(&edit.change),
@@ -194,7 +194,7 @@ fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize])
     let counts = search.par_map(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.set_worth(w, &with) >= REFUSAL_WORTH && search.set_worth(w, set) < REFUSAL_WORTH
+            search.set_score(w, &with) >= REFUSAL_SCORE && search.set_score(w, set) < REFUSAL_SCORE
         };
         sample.iter().filter(explains).count()
     });

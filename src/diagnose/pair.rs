@@ -1,6 +1,6 @@
 //! Pairs of a received and an expected image, and partial credit for a mistake that explains only some of their channels.
 
-use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_WORTH};
+use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_SCORE};
 use super::witness::Witness;
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::suite::compare::is_near;
@@ -46,11 +46,11 @@ impl ImagePair {
     }
 }
 
-/// Returns a fraction of [`PARTIAL_IMAGE_WORTH`], in proportion to the share of wrong channels that `answer` reproduces.
+/// Returns a fraction of [`PARTIAL_IMAGE_SCORE`], in proportion to the share of wrong channels that `answer` reproduces.
 /// Returns 0 if the answer differs from the response in a correct channel.
 pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
-        (witness.wrong_image(), &witness.right, answer)
+        (witness.wrong_image(), &witness.expected, answer)
     else {
         return 0;
     };
@@ -70,6 +70,6 @@ pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
     let wrong = before.iter().filter(|wrong| **wrong).count();
     match breaks_channel || wrong == 0 {
         true => 0,
-        false => (fixed.count() * PARTIAL_IMAGE_WORTH / wrong) as i64,
+        false => (fixed.count() * PARTIAL_IMAGE_SCORE / wrong) as i64,
     }
 }

@@ -60,7 +60,7 @@ impl<'a> File<'a> {
                 _ => None,
             },
             format: witness.case.format(),
-            size: match &witness.right {
+            size: match &witness.expected {
                 Answer::Decoded(frame) => Some((frame.width, frame.height)),
                 _ => None,
             },

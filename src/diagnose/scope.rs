@@ -203,7 +203,7 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
     found
 }
 
-/// Returns the scope that contains the `explained` files and no `refuting` ones: a set of formats, or a property.
+/// Returns the scope that contains the `explained` files and none of the `refuting` files: a set of formats, or a property.
 pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],

@@ -11,11 +11,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-pub(super) use super::tuning::REFUSAL_WORTH;
+pub(super) use super::tuning::REFUSAL_SCORE;
 use super::tuning::{
-    CONTRADICTION_WORTH, CRASH_WORTH, IMAGE_WORTH, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
+    CONTRADICTION_SCORE, CRASH_SCORE, IMAGE_SCORE, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
     MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK, MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES,
-    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_WORTH, REFUSED_IMAGE_WORTH,
+    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_SCORE, REFUSED_IMAGE_SCORE,
     SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
 };
 use super::witness::{Agreement, Witness};
@@ -57,26 +57,26 @@ pub(super) struct Search<'a> {
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, with the mistakes that affected them.
-    probed: HashSet<(usize, MistakeSet)>,
+    probed_files: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
-    /// Effect of each mistake alone on each case, or `None` if the mistake does not change the answer.
-    alone: Vec<Vec<OnceLock<Option<SetEffect>>>>,
+    /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
+    single_effects: Vec<Vec<OnceLock<Option<SetEffect>>>>,
 }
 
 /// The effect of a set of mistakes on one case.
 #[derive(Clone, Copy, PartialEq)]
 struct SetEffect {
-    worth: i64,
+    score: i64,
     agreement: Agreement,
-    /// Hash of the answer. If several answers are possible, the one with the greatest worth is used.
+    /// Hash of the answer. If several answers are possible, the one with the highest score is used.
     answer: u64,
 }
 
 impl SetEffect {
     /// Effect of the reference's answer, which explains no failure.
-    const NONE: SetEffect = SetEffect {
-        worth: 0,
+    const NO_EFFECT: SetEffect = SetEffect {
+        score: 0,
         agreement: Agreement::None,
         answer: 0,
     };
@@ -106,7 +106,7 @@ impl<'a> Search<'a> {
             assumed.iter().any(|other| other.slug == slug)
         };
         Search {
-            alone: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
+            single_effects: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
             assumed: (0..mistakes.len())
                 .filter(|&id| is_assumed(&mistakes[id]))
                 .collect(),
@@ -118,7 +118,7 @@ impl<'a> Search<'a> {
             stop: &run.stop,
             work: &run.work,
             answer_count: AtomicUsize::new(0),
-            probed: HashSet::new(),
+            probed_files: HashSet::new(),
             effects: Mutex::new(HashMap::new()),
             faults: Mutex::new(Vec::new()),
             passing,
@@ -128,14 +128,15 @@ impl<'a> Search<'a> {
     /// Adds a candidate and returns its id.
     pub fn add(&mut self, mistake: Mistake) -> MistakeId {
         self.mistakes.push(mistake);
-        self.alone.push(vec![OnceLock::new(); self.witnesses.len()]);
+        self.single_effects
+            .push(vec![OnceLock::new(); self.witnesses.len()]);
         self.mistakes.len() - 1
     }
 
     /// Returns true on the first call for this case and these mistakes.
     pub fn is_new_probe(&mut self, w: usize, set: &[MistakeId]) -> bool {
         let visible_mistakes = self.visible_mistakes(w, set);
-        self.probed.insert((w, visible_mistakes))
+        self.probed_files.insert((w, visible_mistakes))
     }
 
     /// Returns the indices of the failing cases.
@@ -146,7 +147,7 @@ impl<'a> Search<'a> {
 
     /// Returns the failing cases that `set` does not explain.
     pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
-        self.select(self.failing(), |w| self.set_worth(w, set) < REFUSAL_WORTH)
+        self.select(self.failing(), |w| self.set_score(w, set) < REFUSAL_SCORE)
     }
 
     /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the catalog.
@@ -234,7 +235,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
     pub fn is_refuted(&self, w: usize, set: &[MistakeId]) -> bool {
-        self.set_worth(w, set) == CONTRADICTION_WORTH
+        self.set_score(w, set) == CONTRADICTION_SCORE
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
@@ -303,18 +304,17 @@ impl<'a> Search<'a> {
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.possible_answers(w, set);
         let best = (0..answers.len())
-            .min_by_key(|&i| -self.worth_of_answer(w, &answers[i]))
+            .min_by_key(|&i| -self.score_of_answer(w, &answers[i]))
             .unwrap_or(0);
         answers.swap_remove(best)
     }
 
-    /// Returns all possible answers of a decoder with these mistakes. Mistakes that affect the same decision are
-    /// tried separately.
+    /// Returns all possible answers of a decoder with these mistakes. Mistakes in the same decision are tried separately.
     fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
-    /// Returns true if `set` explains the response, possibly by mistakes that have an effect only in combination.
+    /// Returns true if `set` explains the response, possibly with mistakes that have an effect only in combination.
     pub fn explains(&self, w: usize, set: &[MistakeId]) -> bool {
         if self.agreement(w, set).explains() {
             return true;
@@ -379,7 +379,7 @@ impl<'a> Search<'a> {
         });
         answer.unwrap_or_else(|panic| {
             self.record_panic(&*panic);
-            Cow::Borrowed(&witness.right)
+            Cow::Borrowed(&witness.expected)
         })
     }
 
@@ -457,22 +457,22 @@ impl<'a> Search<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Returns the worth of `set` for case `w`.
-    pub fn set_worth(&self, w: usize, set: &[MistakeId]) -> i64 {
-        self.effect(w, set).worth
+    /// Returns the score of `set` for case `w`.
+    pub fn set_score(&self, w: usize, set: &[MistakeId]) -> i64 {
+        self.effect(w, set).score
     }
 
     /// Returns the effect of `set` on case `w`.
     fn effect(&self, w: usize, set: &[MistakeId]) -> SetEffect {
         if self.is_interrupted() {
-            return SetEffect::NONE;
+            return SetEffect::NO_EFFECT;
         }
         let visible_mistakes = self.visible_mistakes(w, set);
         if let [only] = visible_mistakes[..] {
-            return self.effect_alone(w, only).unwrap_or(SetEffect::NONE);
+            return self.effect_alone(w, only).unwrap_or(SetEffect::NO_EFFECT);
         }
         if visible_mistakes.is_empty() {
-            return SetEffect::NONE;
+            return SetEffect::NO_EFFECT;
         }
         let cache = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, visible_mistakes);
@@ -481,8 +481,8 @@ impl<'a> Search<'a> {
         }
         let answers = self.possible_answers(w, &key.1);
         let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
-        let best = effects.min_by_key(|effect| -effect.worth);
-        let effect = best.unwrap_or(SetEffect::NONE);
+        let best = effects.min_by_key(|effect| -effect.score);
+        let effect = best.unwrap_or(SetEffect::NO_EFFECT);
         cache().insert(key, effect);
         effect
     }
@@ -494,7 +494,7 @@ impl<'a> Search<'a> {
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
         let visible: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
         // A change of the bytes of a file may have an effect only after another change.
-        let is_explained = matches!(visible[..], [(_, effect)] if effect.worth >= REFUSAL_WORTH);
+        let is_explained = matches!(visible[..], [(_, effect)] if effect.score >= REFUSAL_SCORE);
         let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
             visible.iter().any(|(other, _)| other == id)
@@ -507,19 +507,19 @@ impl<'a> Search<'a> {
     fn effect_alone(&self, w: usize, id: MistakeId) -> Option<SetEffect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
-        *self.alone[id][w].get_or_init(|| {
+        *self.single_effects[id][w].get_or_init(|| {
             if !witness.can_affect(mistake) {
                 return None;
             }
             self.count_work(w, 1);
             let answer = self.answer(w, &[mistake]);
-            (*answer != witness.right).then(|| self.answer_effect(w, &answer))
+            (*answer != witness.expected).then(|| self.answer_effect(w, &answer))
         })
     }
 
     fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
         SetEffect {
-            worth: self.worth_of_answer(w, answer),
+            score: self.score_of_answer(w, answer),
             agreement: self.witnesses[w].agreement(answer),
             answer: self.fingerprint(w, answer),
         }
@@ -538,8 +538,8 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the worth of an answer to case `w`.
-    fn worth_of_answer(&self, w: usize, answer: &Answer) -> i64 {
+    /// Returns the score of an answer to case `w`.
+    fn score_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
         let is_lenient = matches!(
             witness.case.expect,
@@ -548,12 +548,12 @@ impl<'a> Search<'a> {
         if witness.failed {
             match witness.agreement(answer) {
                 Agreement::None => partial_credit(witness, answer),
-                agreement => agreement_worth(agreement),
+                agreement => agreement_score(agreement),
             }
         } else if witness.contradicts(answer) {
-            CONTRADICTION_WORTH
+            CONTRADICTION_SCORE
         } else if is_lenient && witness.differs_from_lenient_response(answer) {
-            OTHER_LENIENT_ANSWER_WORTH
+            OTHER_LENIENT_ANSWER_SCORE
         } else {
             0
         }
@@ -562,18 +562,18 @@ impl<'a> Search<'a> {
     /// Returns the mistake with the largest gain when added to `set`, among those that explain a case in `tried`.
     /// Removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
-        let worth: Vec<i64> = tried.iter().map(|&w| self.set_worth(w, set)).collect();
+        let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
         let gains = self.par_map(all, |&id| {
             let union = with_id(set, id);
-            let gain = |(&w, &worth): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.set_worth(w, &union) - worth).max(0),
+            let gain = |(&w, &score): (&usize, &i64)| match self.can_explain(w, id) {
+                true => (self.set_score(w, &union) - score).max(0),
                 false => 0,
             };
-            tried.iter().zip(&worth).map(gain).sum::<i64>()
+            tried.iter().zip(&score).map(gain).sum::<i64>()
         });
         let mut promising: Vec<(i64, MistakeId)> =
             gains.into_iter().zip(all.iter().copied()).collect();
-        promising.retain(|&(gain, _)| gain >= CRASH_WORTH);
+        promising.retain(|&(gain, _)| gain >= CRASH_SCORE);
         // Ties are broken in favor of misreadings of clauses that a failing case tests, then by the order of the catalog.
         promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
@@ -601,15 +601,15 @@ impl<'a> Search<'a> {
         finalists: &MistakeSet,
         tried: &[bool],
     ) -> Option<Member> {
-        let worth: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| if tried[w] { self.set_worth(w, set) } else { 0 })
+        let score: Vec<i64> = (0..self.witnesses.len())
+            .map(|w| if tried[w] { self.set_score(w, set) } else { 0 })
             .collect();
-        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && worth[w] < REFUSAL_WORTH;
-        let left: Vec<usize> = (0..worth.len()).filter(is_left).collect();
+        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && score[w] < REFUSAL_SCORE;
+        let left: Vec<usize> = (0..score.len()).filter(is_left).collect();
         let gains = self.par_map(finalists, |&id| {
             let union = with_id(set, id);
             let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.set_worth(w, &union) - worth[w],
+                true => self.set_score(w, &union) - score[w],
                 false => 0,
             };
             left.iter().map(gain).collect::<Vec<i64>>()
@@ -621,7 +621,7 @@ impl<'a> Search<'a> {
             .collect();
         ranked.sort_by_key(|&(gain, index)| (-gain, index));
         // Explained and passing cases can only contradict a mistake.
-        let explained = (0..worth.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
+        let explained = (0..score.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
         let others: Vec<usize> = explained
             .chain(self.passing.iter().copied())
             .filter(|&w| tried[w])
@@ -629,9 +629,9 @@ impl<'a> Search<'a> {
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();
-            let min_worth = best.map_or(CRASH_WORTH, |best| CRASH_WORTH.max(best - REFUSAL_WORTH));
+            let min_score = best.map_or(CRASH_SCORE, |best| CRASH_SCORE.max(best - REFUSAL_SCORE));
             let totals = self.par_map(batch, |&(gain, index)| {
-                self.total_worth(set, finalists[index], &worth, gain, min_worth, &others)
+                self.total_score(set, finalists[index], &score, gain, min_score, &others)
             });
             let totals = totals.into_iter().zip(batch);
             scored.extend(totals.filter_map(|(total, &(_, index))| Some((total?, index))));
@@ -641,7 +641,7 @@ impl<'a> Search<'a> {
         });
         let &(total, first) = scored.first()?;
         let ties = scored[1..].iter().filter(|&&(other, index)| {
-            total - other < REFUSAL_WORTH && gains[index] == gains[first]
+            total - other < REFUSAL_SCORE && gains[index] == gains[first]
         });
         Some(Member {
             id: finalists[first],
@@ -655,31 +655,30 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total worth of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_worth`.
-    fn total_worth(
+    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_score`.
+    fn total_score(
         &self,
         set: &MistakeSet,
         id: MistakeId,
-        worth: &[i64],
+        score: &[i64],
         gain: i64,
-        min_worth: i64,
+        min_score: i64,
         others: &[usize],
     ) -> Option<i64> {
         let union = with_id(set, id);
         let mut total = gain;
         for &w in others {
-            if total < min_worth {
+            if total < min_score {
                 return None;
             }
             if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.set_worth(w, &union) - worth[w];
+                total += self.set_score(w, &union) - score[w];
             }
         }
-        (total >= min_worth).then_some(total)
+        (total >= min_score).then_some(total)
     }
 
-    /// Returns two mistakes that explain an image only together. Tries pairs of mistakes that change the image, on the
-    /// smallest files.
+    /// Returns two mistakes that explain an image only together. Tries pairs that change the image, on the smallest files.
     fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());
@@ -728,7 +727,7 @@ impl<'a> Search<'a> {
             .collect();
         let explains = |index: usize| {
             let union = [&set[..], &pairs[index]].concat();
-            self.set_worth(w, &union) >= REFUSAL_WORTH
+            self.set_score(w, &union) >= REFUSAL_SCORE
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
@@ -749,7 +748,7 @@ impl<'a> Search<'a> {
         for tried in [&self.sample(left), &all] {
             let totals = self.par_map(&pairs, |&([a, b], _)| {
                 let union = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.set_worth(w, &union) - self.set_worth(w, set);
+                let gain = |&w: &usize| self.set_score(w, &union) - self.set_score(w, set);
                 tried.iter().map(gain).sum::<i64>()
             });
             for (pair, total) in pairs.iter_mut().zip(totals) {
@@ -759,7 +758,7 @@ impl<'a> Search<'a> {
             pairs.truncate(MAX_PAIRS);
         }
         let best = pairs.first();
-        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_WORTH)?;
+        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_SCORE)?;
         let member = |id| Member {
             id,
             equivalents: Vec::new(),
@@ -772,7 +771,7 @@ impl<'a> Search<'a> {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
         let total = |set: &MistakeSet, cases: &[usize]| {
-            let values = self.par_map(cases, |&w| self.set_worth(w, set));
+            let values = self.par_map(cases, |&w| self.set_score(w, set));
             values.iter().sum::<i64>()
         };
         for index in (0..members.len()).rev() {
@@ -780,7 +779,7 @@ impl<'a> Search<'a> {
             let mut rest = all.clone();
             rest.remove(index);
             let is_redundant =
-                |cases: &[usize]| total(&rest, cases) + CRASH_WORTH > total(&all, cases);
+                |cases: &[usize]| total(&rest, cases) + CRASH_SCORE > total(&all, cases);
             if !rest.is_empty() && is_redundant(&small) && is_redundant(&large) {
                 members.remove(index);
             }
@@ -789,13 +788,15 @@ impl<'a> Search<'a> {
 
     /// Selects the cases with a small wrong image of the correct shape.
     pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
-        let has_shape =
-            |w: &usize| match (self.witnesses[*w].wrong_image(), &self.witnesses[*w].right) {
-                (Some(actual), Answer::Decoded(right)) => {
-                    actual.shape() == right.shape() && self.is_small(*w)
-                }
-                _ => false,
-            };
+        let has_shape = |w: &usize| match (
+            self.witnesses[*w].wrong_image(),
+            &self.witnesses[*w].expected,
+        ) {
+            (Some(actual), Answer::Decoded(right)) => {
+                actual.shape() == right.shape() && self.is_small(*w)
+            }
+            _ => false,
+        };
         left.iter().copied().filter(has_shape).collect()
     }
 
@@ -821,7 +822,7 @@ impl<'a> Search<'a> {
 
     /// Returns the number of samples in the correct answer.
     pub fn sample_count(&self, w: usize) -> usize {
-        match &self.witnesses[w].right {
+        match &self.witnesses[w].expected {
             Answer::Decoded(frame) => {
                 frame.width as usize * frame.height as usize * frame.channels as usize
             }
@@ -867,13 +868,13 @@ impl<'a> Search<'a> {
     }
 }
 
-fn agreement_worth(agreement: Agreement) -> i64 {
+fn agreement_score(agreement: Agreement) -> i64 {
     match agreement {
-        Agreement::Image => IMAGE_WORTH,
-        Agreement::Outcome => REFUSAL_WORTH,
-        Agreement::Crash => CRASH_WORTH,
+        Agreement::Image => IMAGE_SCORE,
+        Agreement::Outcome => REFUSAL_SCORE,
+        Agreement::Crash => CRASH_SCORE,
         Agreement::None => 0,
-        Agreement::Contradiction => REFUSED_IMAGE_WORTH,
+        Agreement::Contradiction => REFUSED_IMAGE_SCORE,
     }
 }
 

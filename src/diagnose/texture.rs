@@ -23,7 +23,7 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagn
     let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
     let inferred = CHOICES.apply(&run.judgement.dialect, Rules::SPEC);
     let candidates = all().filter_map(|misreading| {
-        let rules = misreading.change(inferred);
+        let rules = misreading.apply_to(inferred);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
         let would_fail = |i: usize| would_fail(run, &suite.cases[i], &rules);
         CoverCandidate::new(misreading, &failing, explains, &passing, would_fail)

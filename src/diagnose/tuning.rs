@@ -1,20 +1,20 @@
 //! Thresholds, weights and budgets of the diagnosis, with a reason for each.
 
-// Worth of a response that a mistake reproduces
-/// Worth of an explained image. Equal bytes are not a coincidence.
-pub(super) const IMAGE_WORTH: i64 = 16;
-/// Worth of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
-pub(super) const REFUSAL_WORTH: i64 = 8;
-/// Worth of a crash where the mistake implies a refusal. This is also the minimum worth of a reported mistake.
-pub(super) const CRASH_WORTH: i64 = 3;
-/// Maximum worth of a partially explained image. It is less than that of a refusal, because other channels remain wrong.
-pub(super) const PARTIAL_IMAGE_WORTH: usize = 6;
-/// Worth of an image where the mistake implies a refusal. The decoder evidently does not make this mistake.
-pub(super) const REFUSED_IMAGE_WORTH: i64 = -8;
-/// Worth of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
-pub(super) const CONTRADICTION_WORTH: i64 = -16;
-/// Worth of a response to a lenient file that differs from the mistake's answer. Both are correct.
-pub(super) const OTHER_LENIENT_ANSWER_WORTH: i64 = -1;
+// Score of a response that a mistake reproduces
+/// Score of an explained image. Equal bytes are not a coincidence.
+pub(super) const IMAGE_SCORE: i64 = 16;
+/// Score of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
+pub(super) const REFUSAL_SCORE: i64 = 8;
+/// Score of a crash where the mistake implies a refusal. This is also the minimum score of a reported mistake.
+pub(super) const CRASH_SCORE: i64 = 3;
+/// Maximum score of a partially explained image. It is less than that of a refusal, because other channels remain wrong.
+pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
+/// Score of an image where the mistake implies a refusal. The decoder evidently does not make this mistake.
+pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
+/// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
+pub(super) const CONTRADICTION_SCORE: i64 = -16;
+/// Score of a response to a lenient file that differs from the mistake's answer. Both answers are correct.
+pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;
 
 // Extent of the search
 /// Maximum number of mistakes in a result. Real decoders make up to ten detectable mistakes.

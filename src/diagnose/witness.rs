@@ -19,7 +19,7 @@ use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::{Built, Case, Expect, Suite};
 use crate::suite::choices::CHOICES;
 use crate::suite::compare::{Expected, is_close};
-use crate::suite::dialect::{Dialect, Right};
+use crate::suite::dialect::{Dialect, RightDialects};
 use crate::suite::values::Values;
 
 /// A judged case: its file, the decoder's response, and the correct answer.
@@ -37,7 +37,7 @@ pub(super) struct Witness<'a> {
     /// Choices of the decoder to which mistakes are applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
-    pub right: Answer,
+    pub expected: Answer,
     /// The reference's answer under `reading`, if that is a different dialect.
     correct_answer: Option<Answer>,
     /// Fields of the file, up to the first error.
@@ -115,7 +115,7 @@ pub(super) fn witnesses<'a>(
         let counts = legal_files.get(&case.format()).copied();
         let [legal_files, inconclusive_files] = counts.unwrap_or_default();
         let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
-        let (right, correct_answer) = (answer(dialect), reading.map(answer));
+        let (expected, correct_answer) = (answer(dialect), reading.map(answer));
         Some(Witness {
             case_index,
             case,
@@ -125,7 +125,7 @@ pub(super) fn witnesses<'a>(
             legal_files,
             inconclusive_files,
             reading: reading.unwrap_or(dialect),
-            right,
+            expected,
             correct_answer,
             fields: OnceLock::new(),
             facts: OnceLock::new(),
@@ -175,7 +175,7 @@ impl Witness<'_> {
 
     /// Returns the answer of a decoder without mistakes under `reading`.
     pub fn correct_answer(&self) -> &Answer {
-        self.correct_answer.as_ref().unwrap_or(&self.right)
+        self.correct_answer.as_ref().unwrap_or(&self.expected)
     }
 
     /// Returns the answer of a decoder with these mistakes to a modified file.
@@ -234,7 +234,7 @@ impl Witness<'_> {
     pub fn agreement(&self, answer: &Answer) -> Agreement {
         match (&self.observation.response, answer) {
             // A refusal is correct if the reference refuses the file as well.
-            (_, Answer::Rejected) if self.right == Answer::Rejected => Agreement::None,
+            (_, Answer::Rejected) if self.expected == Answer::Rejected => Agreement::None,
             (
                 Response::Image {
                     frame: Some(actual),
@@ -269,10 +269,10 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true unless two similar images may agree only because of the tolerance for colors: all wrong colors are
-    /// near 0 or 255 and not nearly all of them are equal, or all others are off by one in the same direction.
+    /// Returns true unless two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or
+    /// 255 and many of them differ between the images, or all other wrong colors differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
-        let Answer::Decoded(right) = &self.right else {
+        let Answer::Decoded(right) = &self.expected else {
             return true;
         };
         let (Samples::U8(right), Samples::U8(image), Samples::U8(actual)) =
@@ -303,7 +303,8 @@ impl Witness<'_> {
 
     /// Returns true if `image` equals the response, or differs in less than half as many samples as the reference's image.
     fn is_closer_to_response(&self, image: &Frame, actual: &Frame) -> bool {
-        let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.right) else {
+        let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.expected)
+        else {
             return actual == image;
         };
         let count_differences = |other: &Frame| match &other.samples {
@@ -316,13 +317,13 @@ impl Witness<'_> {
 
     /// Returns true if `image` equals the reference's image up to rounding, and therefore explains no failure.
     fn equals_reference(&self, image: &Frame) -> bool {
-        matches!(&self.right, Answer::Decoded(right) if equal_up_to_rounding(right, image))
+        matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
     /// Returns true if a passing case would fail with `answer`. The answer of a decoder without mistakes contradicts nothing,
     /// even if its dialect differs.
     pub fn contradicts(&self, answer: &Answer) -> bool {
-        if std::ptr::eq(answer, &raw const self.right)
+        if std::ptr::eq(answer, &raw const self.expected)
             || self.correct_answer.as_ref() == Some(answer)
         {
             return false;
@@ -349,11 +350,11 @@ impl Witness<'_> {
 
     /// Returns true if a decoder that outputs `image` would fail the case.
     fn would_fail(&self, image: &Frame) -> bool {
-        let right = match (&self.observation.response, &self.right) {
+        let right = match (&self.observation.response, &self.expected) {
             // The image depends on an open question, so the decoder's own dialect determines the correct image.
             (
                 Response::Image {
-                    right: Right::In { .. },
+                    right: RightDialects::In { .. },
                     ..
                 },
                 Answer::Decoded(right),
@@ -405,8 +406,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file, because the file contains the table, matrix or compressed planes that the
-/// clause is about.
+/// Returns true if the misreading can affect the file: it has the table, matrix or compressed planes that the clause is about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

@@ -52,7 +52,7 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
     let (stated, scope) = (&formula.stated().expression, formula.scope());
     let mut all = Vec::new();
     // A value that is never written stays 0.
-    if let Formula::Shown | Formula::FinalCoefficient | Formula::StoredValue = formula {
+    if let Formula::Rendering | Formula::FinalCoefficient | Formula::StoredValue = formula {
         all.push(number(0.0));
     }
     for operator in [

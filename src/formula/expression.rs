@@ -65,9 +65,9 @@ pub enum Function {
     Power,
     /// `sin(a)`, with `a` in radians.
     Sin,
-    /// `at_most(a, b)`: 1 if `a <= b`, or else 0.
+    /// `at_most(a, b)`: 1 if `a <= b`, else 0.
     AtMost,
-    /// `select(condition, a, b)`: `b` if the condition is 0, or else `a`.
+    /// `select(condition, a, b)`: `b` if the condition is 0, else `a`.
     Select,
     /// `invert(plane)`, applied to a whole plane.
     Invert,

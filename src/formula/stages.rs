@@ -388,8 +388,7 @@ impl CompressedPlanes<'_> {
         })
     }
 
-    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, and as coded) and the
-    /// previously decoded plane.
+    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, as coded) and the previous plane.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
         if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
             let plane = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
@@ -626,7 +625,7 @@ pub(crate) fn image(
         }
     };
     let clamp = |value: f64| {
-        let clamped = edits.value_or(Formula::Shown, &[value], || (reading.clamp)(value));
+        let clamped = edits.value_or(Formula::Rendering, &[value], || (reading.clamp)(value));
         // A byte cannot represent NaN.
         if clamped.is_nan() { 0.0 } else { clamped }
     };

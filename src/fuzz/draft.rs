@@ -1,8 +1,7 @@
 //! Randomly generated files, described like cases.
 //!
 //! Files are generated as the `make` record of a case instead of as bytes. A finding is therefore a complete case, and every
-//! simplification removes or simplifies one word. The expected result is known by construction and does not depend on a
-//! lenient ruling.
+//! simplification removes or simplifies one word. The expected result is known by construction and depends on no lenient ruling.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -309,7 +308,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Returns the case of the file. A damaged file has two cases: the undamaged twin `ID-whole`, and the file itself.
+    /// Returns the case of the file. For a damaged file, returns two cases: the undamaged twin `ID-whole`, and the file itself.
     ///
     /// # Errors
     /// Returns the reason why the file cannot be written.

@@ -12,7 +12,7 @@ use crate::protocol::frame::{Answer, Frame, View};
 use crate::reading::Reading;
 use crate::report::document::LikelyCause;
 use crate::runner::run::Request;
-use crate::session::asking::Ask;
+use crate::session::asking::DecoderFn;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
@@ -20,14 +20,14 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Maximum numbers of files that are generated and requested to distinguish suspects.
+/// Maximum number of files that are generated to distinguish suspects; only some of them are requested.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
 /// A decoder with known properties.
 pub struct KnownDecoder<'a> {
     /// Function that sends a request to the decoder.
-    pub ask: &'a Ask<'a>,
+    pub ask: &'a DecoderFn<'a>,
     /// Views and features that the decoder offers.
     pub offer: Offer,
     /// Spelling in which tables are sent.
@@ -132,7 +132,7 @@ impl Explanation {
         }
     }
 
-    /// Returns true if this explanation also explains another failure. If so, removes the suspects that do not.
+    /// Returns true if this explanation also explains another failure. If so, removes the suspects that do not explain it.
     pub(super) fn explains_failure(
         &mut self,
         draft: &Draft,

@@ -1,4 +1,4 @@
-//! Minimization of a generated file: every step removes or simplifies a word of its description.
+//! Minimizes a generated file: every step removes or simplifies a word of its description.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,7 +15,7 @@ pub fn minimize(
     fails: &impl Fn(&Draft) -> bool,
 ) -> Draft {
     let weigh = |draft: &Draft| weight(draft, table);
-    shrink(draft.clone(), weigh, steps, stop, fails)
+    shrink(draft.clone(), weigh, simpler_drafts, stop, fails)
 }
 
 /// Returns the sizes of the file and of its description, in bytes.
@@ -26,7 +26,7 @@ fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
 }
 
 /// Returns all drafts that are one step simpler.
-fn steps(draft: &Draft) -> Vec<Draft> {
+fn simpler_drafts(draft: &Draft) -> Vec<Draft> {
     let (width, height) = (draft.width, draft.height);
     let sizes = smaller_sizes(Size { width, height }).into_iter();
     // A record may be past the new end. The file then cannot be written and is skipped.

@@ -23,7 +23,7 @@ use crate::report::{document::LikelyCause, make::likely_causes};
 use crate::runner::run::Request;
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, check};
-use crate::session::{asking::Ask, outcome::Outcome};
+use crate::session::{asking::DecoderFn, outcome::Outcome};
 use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
 use finding::{Explanation, Finding, KnownDecoder, MAX_WITNESSES};
@@ -78,7 +78,7 @@ pub enum FuzzProgress<'a> {
 pub fn fuzz(
     suite: &Suite,
     plan: &FuzzPlan,
-    ask: &Ask,
+    ask: &DecoderFn,
     report: &(impl Fn(FuzzProgress) + Sync),
 ) -> FuzzResult {
     let requests = AtomicUsize::new(0);
@@ -117,12 +117,12 @@ pub fn fuzz(
     result
 }
 
-fn run(suite: &Suite, plan: &FuzzPlan, ask: &Ask) -> Run {
+fn run(suite: &Suite, plan: &FuzzPlan, ask: &DecoderFn) -> Run {
     let plan = RunPlan {
         views: plan.views.clone(),
         repeat: Repeat::Failures,
         stop: Arc::clone(&plan.stop),
-        ..RunPlan::new(suite, plan.jobs).declared_by(&plan.declared)
+        ..RunPlan::new(suite, plan.jobs).with_capabilities(&plan.declared)
     };
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }

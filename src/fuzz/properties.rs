@@ -303,7 +303,7 @@ pub fn diagnosis(bytes: &[u8]) {
             }
         }
         suite.cases.retain(|case| selected.contains(&case.id));
-        suite.prepared()
+        suite.with_prepared_files()
     });
     let script: Vec<u8> = bytes.iter().copied().take(SUITE.cases.len()).collect();
     let ask = |request: &Request<'_>, _: usize| {

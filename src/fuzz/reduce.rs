@@ -1,4 +1,4 @@
-//! Minimization of an existing file on which a decoder still fails in the same way.
+//! Minimizes an existing file while a decoder still fails on it in the same way.
 //!
 //! The file is converted to the input of a writer and written again after every step, so that sizes and lists are always
 //! consistent. A failure that disappears with the default spelling of the header cannot be minimized.
@@ -17,25 +17,26 @@ use crate::ptm::{Format, Size};
 /// Simplifies `file` step by step while it still `fails`, and returns the smallest file. Returns `None` if `file` is malformed or
 /// does not fail with the default spelling of its header.
 pub fn reduce(file: &[u8], stop: &AtomicBool, fails: &impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
-    let with_file = |parts: Parts| (parts.write(), parts);
-    let start = with_file(Parts::parse(file)?);
+    let with_file = |parts: WriterInput| (parts.write(), parts);
+    let start = with_file(WriterInput::parse(file)?);
     if !fails(&start.0) {
         return None;
     }
     let weigh = |(file, _): &(Vec<u8>, _)| Some(file.len());
-    let steps = |(_, parts): &(_, Parts)| parts.steps().into_iter().map(with_file).collect();
+    let steps =
+        |(_, parts): &(_, WriterInput)| parts.simpler_inputs().into_iter().map(with_file).collect();
     Some(shrink(start, weigh, steps, stop, |(file, _)| fails(file)).0)
 }
 
 /// Input of the writer.
 #[derive(Clone)]
-struct Parts {
+struct WriterInput {
     recipe: Recipe,
     model: Model,
 }
 
 /// Simplifications of a plane of a compressed file.
-const PLANE_SIMPLIFICATIONS: [fn(&mut Parts, usize); 7] = [
+const PLANE_SIMPLIFICATIONS: [fn(&mut WriterInput, usize); 7] = [
     |parts, plane| parts.compressed().planes[plane].records.clear(),
     |parts, plane| {
         let records = &mut parts.compressed().planes[plane].records;
@@ -55,8 +56,8 @@ const PLANE_SIMPLIFICATIONS: [fn(&mut Parts, usize); 7] = [
     |parts, plane| parts.compressed().plan.motion_y[plane] = 0,
 ];
 
-impl Parts {
-    fn parse(file: &[u8]) -> Option<Parts> {
+impl WriterInput {
+    fn parse(file: &[u8]) -> Option<WriterInput> {
         let ptm = decode(file).ok()?;
         let (format, size) = (ptm.header.format, ptm.header.size);
         let mut fields = Fields::default();
@@ -98,7 +99,7 @@ impl Parts {
             let planes = planes.collect::<Option<_>>()?;
             model.compressed = Some(Compressed { plan, planes });
         }
-        Some(Parts { recipe, model })
+        Some(WriterInput { recipe, model })
     }
 
     fn write(&self) -> Vec<u8> {
@@ -106,10 +107,10 @@ impl Parts {
     }
 
     /// Returns all inputs that are one step simpler than this one.
-    fn steps(&self) -> Vec<Parts> {
+    fn simpler_inputs(&self) -> Vec<WriterInput> {
         let sizes = smaller_sizes(self.recipe.size).into_iter();
-        let mut all: Vec<Parts> = sizes.filter_map(|size| self.crop_to(size)).collect();
-        let mut add = |change: &dyn Fn(&mut Parts)| {
+        let mut all: Vec<WriterInput> = sizes.filter_map(|size| self.crop_to(size)).collect();
+        let mut add = |change: &dyn Fn(&mut WriterInput)| {
             let mut simpler = self.clone();
             change(&mut simpler);
             all.push(simpler);
@@ -135,7 +136,7 @@ impl Parts {
     }
 
     /// Crops the map to its top-left corner.
-    fn crop_to(&self, size: Size) -> Option<Parts> {
+    fn crop_to(&self, size: Size) -> Option<WriterInput> {
         let (old, format) = (self.recipe.size, self.recipe.format);
         let mut parts = self.clone();
         (parts.recipe.size, parts.model.size) = (size, size);
@@ -169,7 +170,7 @@ impl Parts {
 
     /// Keeps the first `1 / divisor` of the used entries, and reduces each index modulo their number.
     fn keep_entries(&mut self, divisor: u32) {
-        let Parts { recipe, model } = self;
+        let WriterInput { recipe, model } = self;
         let used_entries = model.indices.iter().max().map_or(1, |&last| last + 1);
         recipe.entries = (used_entries / divisor).max(1);
         (model.table).truncate(recipe.entries as usize * model.format.entry_size());
@@ -218,10 +219,10 @@ mod tests {
         });
         for (i, case) in legal.enumerate() {
             let (id, file) = (&case.id, &case.build(TableSpelling::default()).file);
-            let parts = Parts::parse(file).expect("a legal file");
+            let parts = WriterInput::parse(file).expect("a legal file");
             let planes = |file: &[u8]| decode(file).expect("a legal file").planes;
             assert_eq!(planes(&parts.write()), planes(file), "{id}");
-            for parts in parts.steps().into_iter().filter(|_| i % 20 == 0) {
+            for parts in parts.simpler_inputs().into_iter().filter(|_| i % 20 == 0) {
                 assert_eq!(planes(&parts.write()).size, parts.recipe.size, "{id}");
             }
         }

@@ -13,7 +13,7 @@ use serde::de::{IntoDeserializer, value};
 
 use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::stand_in::StandIn;
-use super::{model::Model, output::Written};
+use super::{model::Model, output::GeneratedFile};
 use crate::ptm::{Coding, Format, Size};
 
 /// A named edit that damages a valid file.
@@ -46,8 +46,9 @@ pub struct Damage {
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<TexelPlace, Index>,
-    /// True if compressed sizes and side information sizes are adjusted to the edited planes.
-    fit: bool,
+    /// True to adjust the sizes of streams and side information to the edited planes.
+    #[serde(rename = "fit")]
+    adjusts_sizes: bool,
     reads_as: Option<DamageChange>,
 }
 
@@ -99,7 +100,7 @@ impl Damage {
     ///
     /// # Errors
     /// Returns an error if the file lacks a place that the damage edits.
-    pub fn apply(&self, written: &Written, model: &Model) -> Result<Vec<u8>, String> {
+    pub fn apply(&self, written: &GeneratedFile, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = NamedPlaces { written, model };
         let mut splices = self.insertions(&file)?;
@@ -111,7 +112,7 @@ impl Damage {
         for (&texel, &index) in &self.index {
             splices.push(set_index(&file, texel, index)?);
         }
-        if self.fit {
+        if self.adjusts_sizes {
             splices.extend(size_edits(&file, &splices));
         }
         apply_splices(&written.bytes, splices)

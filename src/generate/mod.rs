@@ -75,7 +75,7 @@ mod stand_in;
 #[cfg(feature = "harness")]
 pub use damage::Damage;
 pub use model::Model;
-pub use output::Written;
+pub use output::GeneratedFile;
 pub use plan::Compression;
 pub use recipe::{Numbers, Recipe};
 pub use scene::Scene;
@@ -86,7 +86,7 @@ use output::Output;
 
 /// Writes the file of `recipe` with the values of `model`.
 #[must_use]
-pub fn write(recipe: &Recipe, model: &Model) -> Written {
+pub fn write(recipe: &Recipe, model: &Model) -> GeneratedFile {
     let mut out = Output::new(&recipe.spelling);
     write_header(recipe, &mut out);
     write_planes(recipe, model, &mut out);

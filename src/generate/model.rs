@@ -30,7 +30,7 @@ pub struct Model {
     pub matrix: [f64; 16],
     /// The streams of a compressed format.
     pub compressed: Option<Compressed>,
-    /// Maximum difference of each sample between the results of inverse DCTs, modulo 256; empty if they all agree.
+    /// For each sample, the maximum difference between the results of inverse DCTs, modulo 256; empty if they all agree.
     pub slack: Vec<u8>,
 }
 
@@ -46,15 +46,14 @@ impl Model {
             model.compress(recipe);
         } else if recipe.format.has_table() {
             model.paint_table(recipe);
-        } else if let Some(first) = recipe.first {
+        } else if let Some(first) = recipe.first_byte {
             // The payload begins with a0 of the bottom left texel.
             model.samples[(texels - recipe.size.width as usize) * channels] = first;
         }
         model
     }
 
-    /// Creates the values of a file with the header and format of `recipe` and with the existing `samples`, laid out as in
-    /// [`Model::samples`].
+    /// Creates the values of a file with the header of `recipe` and the given `samples`, laid out as in [`Model::samples`].
     ///
     /// The table contains the distinct texels in stored order. After lossy compression, the model contains the decoded samples.
     ///
@@ -128,7 +127,7 @@ impl Model {
         self.table = (0..recipe.entries as usize * size)
             .map(|i| sample(recipe, i / size, i % size))
             .collect();
-        if let Some(first) = recipe.first {
+        if let Some(first) = recipe.first_byte {
             self.table[0] = first;
         }
         self.indices = (0..self.size.texels())
@@ -182,13 +181,13 @@ impl Model {
         colors.map(|value| value.clamp(0.0, 255.0)).collect()
     }
 
-    /// Returns the maximum difference of each final value between inverse DCTs, or an empty list if they all agree.
+    /// Returns, for each final value, the maximum difference between inverse DCTs, or an empty list if they all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
         self.final_values(&self.slack, |slack, i| slack * self.scale[i].abs())
     }
 
-    /// Returns the maximum difference of each color between inverse DCTs, or an empty list if they all agree.
+    /// Returns, for each color, the maximum difference between inverse DCTs, or an empty list if they all agree.
     #[must_use]
     pub fn color_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];

@@ -5,7 +5,7 @@ use crate::ptm::Field;
 
 /// A written file and its fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct GeneratedFile {
     /// The file.
     pub bytes: Vec<u8>,
     /// Fields in file order, which describe the meaning of each byte.
@@ -33,9 +33,9 @@ impl<'a> Output<'a> {
         }
     }
 
-    pub fn into_written(self) -> Written {
+    pub fn into_written(self) -> GeneratedFile {
         let payload = self.payload.unwrap_or(self.bytes.len());
-        Written {
+        GeneratedFile {
             bytes: self.bytes,
             fields: self.fields,
             payload,

@@ -3,7 +3,7 @@
 use super::recipe::{Indices, Recipe};
 use super::scene::Scene;
 
-/// Returns the painted byte of a channel of a texel, or of an entry.
+/// Returns the painted value of one channel of a texel or of a table entry.
 #[expect(
     clippy::match_same_arms,
     reason = "a table is easier to read with one line per row"
@@ -61,7 +61,7 @@ fn alternating_byte(seed: u32, position: usize, channel: usize) -> u8 {
     }
 }
 
-/// Returns the entry of a texel.
+/// Returns the number of the table entry for a texel.
 pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
     let entries = recipe.entries;
     let random = hash(recipe.seed ^ 0x5bd1, texel, 99);

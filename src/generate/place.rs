@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::str::FromStr;
 
-use super::{model::Model, output::Written};
+use super::{model::Model, output::GeneratedFile};
 
 /// A place: a field or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
@@ -23,7 +23,7 @@ enum Selector {
     All,
     /// The field of the predicted plane with the highest rank.
     Predicted,
-    /// The field of the reference of that plane.
+    /// The field of the plane from which the `Predicted` plane is predicted.
     Reference,
     /// The field of the plane with the lowest rank.
     First,
@@ -44,7 +44,7 @@ enum StreamPart {
     Data,
 }
 
-/// A position in a field. The place extends from it to the end of the field.
+/// A position in a field, from which the place extends to the end of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Offset {
     Forward(usize),
@@ -197,7 +197,7 @@ impl Spot {
 
 /// A file with named places.
 pub(super) struct NamedPlaces<'a> {
-    pub written: &'a Written,
+    pub written: &'a GeneratedFile,
     pub model: &'a Model,
 }
 

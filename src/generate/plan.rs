@@ -32,7 +32,7 @@ pub struct Compression {
     /// Encoding options of the streams.
     pub stream: Stream,
     /// True if only planes 0, 2, 4 … use these options. The other planes use [`Stream::PLAIN`].
-    pub alternates: bool,
+    pub even_planes_only: bool,
 }
 
 /// Choices that JPEG and JPEG-LS leave to an encoder.
@@ -233,7 +233,7 @@ impl Compression {
             records: Vec::new(),
             residuals,
             stream: Stream::PLAIN,
-            alternates: false,
+            even_planes_only: false,
         }
     }
 
@@ -242,7 +242,7 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Assigns the numbers cyclically to the predicted planes, or to all planes. Other planes get 0.
+    /// Returns one number per plane: `numbers` in a cycle for the predicted planes, or for all planes, and 0 for other planes.
     #[must_use]
     pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {

@@ -15,7 +15,7 @@ use std::collections::HashSet;
 use super::plan::{Compression, Residuals, Stream, Texels};
 use super::{headers::rewrite_headers, paint::hash};
 use super::{predict::predictor, recipe::Recipe};
-use crate::codec::{Encoded, jpeg, jpeg_ls};
+use crate::codec::{EncodedImage, jpeg, jpeg_ls};
 use crate::ptm::{Coding, Size};
 
 /// The contents of a compressed file (2.9).
@@ -59,8 +59,8 @@ struct EncodedPlane {
 /// Encodes the planes of `recipe`, each after its reference (clause 2.9.4/2). `scene` contains the values to encode, texel by
 /// texel, top row first.
 ///
-/// Returns the streams, the values that an exact decoder returns, and the maximum difference of each value between inverse DCTs
-/// (empty if they all agree).
+/// Returns the streams, the values that an exact decoder returns, and, for each value, the maximum difference between inverse
+/// DCTs (empty if they all agree).
 pub(super) fn encode(recipe: &Recipe, scene: &[u8]) -> (Compressed, Vec<u8>, Vec<u8>) {
     let count = recipe.format.channels();
     let plan = &recipe.compression;
@@ -237,9 +237,9 @@ fn is_exact_in_every_transform(residual: &[u8], received: &[u8], recipe: &Recipe
     residual == received && (0..residual.len()).all(is_exact)
 }
 
-fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
+fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> EncodedImage {
     let (plan, Size { width, height }) = (&recipe.compression, recipe.size);
-    let stream = match plan.alternates && plane % 2 == 1 {
+    let stream = match plan.even_planes_only && plane % 2 == 1 {
         true => Stream::PLAIN,
         false => plan.stream,
     };
@@ -261,7 +261,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> Encoded {
             },
         ),
     };
-    Encoded {
+    EncodedImage {
         stream: rewrite_headers(&encoded.stream, &stream),
         ..encoded
     }

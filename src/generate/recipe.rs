@@ -76,7 +76,7 @@ pub struct Recipe {
     /// The compression of the planes (2.9), which uncompressed formats ignore.
     pub compression: Compression,
     /// The first byte of the payload, if it is fixed.
-    pub first: Option<u8>,
+    pub first_byte: Option<u8>,
     /// The spelling of the header.
     pub spelling: Spelling,
 }
@@ -103,7 +103,7 @@ impl Recipe {
             entries: 7,
             indices: Indices::Any,
             compression: Compression::ordinary(format),
-            first: None,
+            first_byte: None,
             spelling: Spelling::default(),
         }
     }
@@ -115,7 +115,7 @@ impl Recipe {
     pub fn check(&self) -> Result<(), String> {
         if self.format.coding().is_some() {
             self.compression.check(self.size)?;
-            if self.first.is_some() {
+            if self.first_byte.is_some() {
                 return Err(
                     "a compressed format cannot have `first_byte`, because the payload begins with a stream".to_owned(),
                 );

@@ -7,37 +7,37 @@ use std::str::FromStr;
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Line {
-    /// Format version (2.1)
+    /// The version (2.1).
     Version,
-    /// Format name (2.2)
+    /// The format (2.2).
     Format,
-    /// Width (2.3), if it is on its own line
+    /// The width, if it is on its own line (2.3).
     Width,
-    /// Height, or width and height (2.3)
+    /// The height, or width and height (2.3).
     Height,
-    /// Scales (2.4), if they are on their own line
+    /// The scales, if they are on their own line (2.4).
     Scale,
-    /// Biases, or scales and biases (2.4)
+    /// The biases, or scales and biases (2.4).
     Bias,
-    /// Number of table entries (2.5)
+    /// The number of table entries (2.5).
     Count,
-    /// Color matrix (2.6)
+    /// The color matrix (2.6).
     Matrix,
-    /// Compression parameter (2.9.1)
+    /// The compression parameter (2.9.1).
     Parameter,
-    /// Transforms (2.9.2)
+    /// The transforms (2.9.2).
     Transforms,
-    /// Horizontal motion (2.9.3)
+    /// The horizontal motion (2.9.3).
     MotionX,
-    /// Vertical motion, or all motion vectors (2.9.3)
+    /// The vertical motion (2.9.3).
     MotionY,
-    /// Ranks of the planes (2.9.4)
+    /// The ranks of the planes (2.9.4).
     Order,
-    /// References (2.9.5)
+    /// The references (2.9.5).
     References,
-    /// Sizes of the streams (2.9.6)
+    /// The sizes of the streams (2.9.6).
     Sizes,
-    /// Sizes of the side information (2.9.7)
+    /// The sizes of the side information (2.9.7).
     SideSizes,
 }
 
@@ -66,12 +66,12 @@ impl Line {
 /// The spelling of the number of table entries (ruling `lut-count`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Count {
-    /// The number, then a word: `256 N_LUT_ENTRIES`
+    /// `256 N_LUT_ENTRIES`
     #[default]
     NumberWord,
-    /// The number alone: `256`
+    /// `256`
     Number,
-    /// A word, then the number: `nentries 256`
+    /// `nentries 256`
     WordNumber,
 }
 

@@ -1,4 +1,4 @@
-//! Reading and writing of YAML.
+//! Reads and writes YAML.
 //!
 //! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so that every
 //! error names its line. Size and depth are limited. Anchors, aliases and tags are rejected.

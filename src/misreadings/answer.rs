@@ -54,7 +54,7 @@ pub(crate) fn read(
 /// Applies these mistakes to `reading`.
 pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
     misreadings.iter().fold(reading, |reading, misreading| {
-        misreading.step.change(reading)
+        misreading.step.apply_to(reading)
     })
 }
 

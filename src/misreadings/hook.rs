@@ -11,7 +11,7 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
-/// Steps by slug, in the order of `spec-cases/misreadings.yaml`. Returns `None` for the slugs of other sections.
+/// Function that returns the step for each slug of a section, in the order of `misreadings.yaml`, or `None` for other slugs.
 pub(super) type Steps = fn(slug: &str) -> Option<Hook>;
 
 /// The step that a mistake changes, and the function that replaces it.
@@ -60,7 +60,7 @@ pub enum Hook {
 
 impl Hook {
     /// Applies the mistake to `reading` if it is a decision of [`Reading`].
-    pub(crate) fn change(self, reading: Reading) -> Reading {
+    pub(crate) fn apply_to(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {
             Hook::Bytes(_) | Hook::Planes(_) | Hook::Edits(_) => {}
@@ -158,7 +158,7 @@ impl Hook {
             Hook::LumMatrix(_) => vec![Formula::MatrixRow],
             Hook::StoredRow(_) => vec![Formula::StoredRow],
             Hook::Modulate(_) => vec![Formula::Color],
-            Hook::Clamp(_) => vec![Formula::Shown],
+            Hook::Clamp(_) => vec![Formula::Rendering],
             Hook::Index(_) => vec![Formula::Index],
             Hook::Invert(_) => vec![Formula::Inversion],
             Hook::MotionHalf(_) => vec![Formula::MeanOfTwo, Formula::MeanOfFour],

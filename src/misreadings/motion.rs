@@ -46,7 +46,7 @@ pub(super) const STEPS: Steps = |slug| {
             displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
                 let first = at + (d >> 1);
                 let limit = if axis.is_x {
-                    axis.other.min(axis.length)
+                    axis.other_length.min(axis.length)
                 } else {
                     axis.length
                 };
@@ -86,14 +86,14 @@ struct PlaneAxis {
     /// Number of samples along this axis.
     length: i64,
     /// Number of samples along the other axis.
-    other: i64,
+    other_length: i64,
 }
 
 /// Returns the positions of the two samples that are averaged along an axis, given the position and the displacements
 /// along this and the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
-/// Displaces a reference by the correct rule, except that `taps` determines the positions of the four averaged samples.
+/// Displaces a reference according to the correct rule, except that `taps` determines the positions of the four averaged samples.
 fn displace_with_taps<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -110,10 +110,10 @@ fn displace_with_taps<'a>(
     let mx = limit_displacement((reading.motion_sign)(step.motion.0));
     let my = (reading.motion_sign)((reading.motion_vertical)(step.motion.1));
     let my = limit_displacement(my);
-    let axis = |is_x, length, other| PlaneAxis {
+    let axis = |is_x, length, other_length| PlaneAxis {
         is_x,
         length,
-        other,
+        other_length,
     };
     let (x_axis, y_axis) = (axis(true, width, height), axis(false, height, width));
     let texel = |i: i64| {

@@ -119,8 +119,7 @@ fn change_references_unchecked(lists: &RawLists, change: impl Fn(i64) -> i64) ->
     Ok(Plan { sequence, ..plan })
 }
 
-/// Returns the plan of a decoder that ignores ranks and decodes planes in index order. References that are not
-/// decoded yet contain zeros.
+/// Returns the plan of a decoder that ignores ranks and decodes in index order. References not yet decoded contain zeros.
 fn plan_without_ranks(lists: &RawLists) -> Result<Plan> {
     let mut plan = compressed::make_plan(&with_references(lists, |_| -1))?;
     for (step, reference) in plan.steps.iter_mut().zip(&lists.references) {

@@ -10,8 +10,8 @@ use super::misreading::{Misreading, load_catalog};
 use crate::texture::compose::{mix, multiply};
 use crate::texture::parameterize::{dot, length};
 use crate::texture::{
-    Boundary, Channel, ClampMethod, Color, Composition, Entry, Fetched, Frequency, InteriorStyle,
-    Interpolation, LitPrimitive, Parameterization, RenderingControl, Rules, SampleMethod,
+    Boundary, Channel, ClampMethod, Color, Composition, Entry, Frequency, InteriorStyle,
+    Interpolation, LitPrimitive, MapValue, Parameterization, RenderingControl, Rules, SampleMethod,
     Selection, Shade, Site, Texel,
 };
 use crate::texture::{primitive::Terms, stage::is_split};
@@ -22,7 +22,7 @@ pub type Change = fn(&mut Rules);
 impl Misreading<Change> {
     /// Applies this mistake to `rules`.
     #[must_use]
-    pub fn change(&self, rules: Rules) -> Rules {
+    pub fn apply_to(&self, rules: Rules) -> Rules {
         with_change(rules, self.step)
     }
 }
@@ -88,9 +88,9 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             r.fallback_values = || entry_with(|e| e.frequency = [0.0; 3]);
         },
         // ---------------------------------------------------------------- indices
-        "index-zero-accepted" => |r| r.valid_index = |i| (0..=65535).contains(&i),
-        "index-unbounded" => |r| r.valid_index = |i| i >= 1,
-        "index-65535-refused" => |r| r.valid_index = |i| (1..65535).contains(&i),
+        "index-zero-accepted" => |r| r.is_valid_index = |i| (0..=65535).contains(&i),
+        "index-unbounded" => |r| r.is_valid_index = |i| i >= 1,
+        "index-65535-refused" => |r| r.is_valid_index = |i| (1..65535).contains(&i),
         "undefined-entry-is-fallback-values" => |r| {
             r.undefined_entry = |_, rules| (rules.fallback_values)();
         },
@@ -345,7 +345,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         },
         "list-order-over-stages" => |r| {
             r.stage = |maps, lit, i, f, rules| {
-                let control = |(entry, _): &(Entry, Fetched)| entry.rendering_control;
+                let control = |(entry, _): &(Entry, MapValue)| entry.rendering_control;
                 let first = maps.first().map_or(PostLight, control);
                 (SPEC.stage)(&with_rendering_control(maps, first), lit, i, f, rules)
             };
@@ -366,7 +366,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "split-multiplies-twice" => |r| {
             r.stage = |maps, lit, i, f, rules| {
                 let shade = (SPEC.stage)(maps, lit, i, f, rules);
-                let is_pre = |(entry, _): &(Entry, Fetched)| entry.rendering_control == PreLight;
+                let is_pre = |(entry, _): &(Entry, MapValue)| entry.rendering_control == PreLight;
                 if !(maps.iter().any(is_pre) && is_split(i, f)) {
                     return shade;
                 }
@@ -682,11 +682,11 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         "one-condition-for-all" => |r| r.condition = |entry, _| entry.boundary[0],
         "discontinue-is-black" => |r| {
             r.clamp = |entry| match (SPEC.clamp)(entry) {
-                Fetched::Discontinued => Fetched::Texel(Texel::rgb([0.0; 3])),
+                MapValue::Discontinued => MapValue::Texel(Texel::rgb([0.0; 3])),
                 other => other,
             };
         },
-        "clamp-color-ignored" => |r| r.clamp = |_| Fetched::Discontinued,
+        "clamp-color-ignored" => |r| r.clamp = |_| MapValue::Discontinued,
         "clamp-color-is-background" => |r| {
             r.clamp = |entry| {
                 (SPEC.clamp)(&with_change(entry.clone(), |e| {
@@ -695,7 +695,7 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             };
         },
         "clamp-color-always" => |r| {
-            r.clamp = |entry| Fetched::Clamped(Texel::rgb(entry.clamp_color));
+            r.clamp = |entry| MapValue::Clamped(Texel::rgb(entry.clamp_color));
         },
         // ---------------------------------------------------------------- a PTM as a map
         "ptm-top-row-first" => |r| r.rows = |picture| picture.values.as_chunks::<3>().0.to_vec(),
@@ -752,9 +752,9 @@ fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
 
 /// Returns the maps with a different rendering control.
 fn with_rendering_control(
-    maps: &[(Entry, Fetched)],
+    maps: &[(Entry, MapValue)],
     control: RenderingControl,
-) -> Vec<(Entry, Fetched)> {
+) -> Vec<(Entry, MapValue)> {
     let mut maps = maps.to_vec();
     for (entry, _) in &mut maps {
         entry.rendering_control = control;
@@ -763,7 +763,7 @@ fn with_rendering_control(
 }
 
 /// Applies the maps to the lit color: multiplies the surface color by the light, then treats the light as white.
-fn apply_to_lit_color(maps: &[(Entry, Fetched)], lit: &LitPrimitive, rules: &Rules) -> Shade {
+fn apply_to_lit_color(maps: &[(Entry, MapValue)], lit: &LitPrimitive, rules: &Rules) -> Shade {
     let diffuse = LitPrimitive {
         surface: with_color(lit.surface, multiply(lit.white, lit.surface.color)),
         white: [1.0; 3],

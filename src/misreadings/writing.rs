@@ -10,7 +10,7 @@ use super::misreading::Misreading;
 use crate::kit::yaml;
 
 /// A mistake of a writer, corresponding to a misreading.
-pub type Miswriting = Misreading<&'static Misreading>;
+pub type WriterMistake = Misreading<&'static Misreading>;
 
 /// A record of the YAML file.
 #[derive(Deserialize)]
@@ -22,12 +22,12 @@ struct WriterMistakeRecord {
 }
 
 /// The catalog, loaded on first use.
-static ALL: LazyLock<Vec<Miswriting>> = LazyLock::new(|| {
+static ALL: LazyLock<Vec<WriterMistake>> = LazyLock::new(|| {
     let yaml = include_str!("../../spec-cases/writers/mistakes.yaml");
     read(yaml).unwrap_or_else(|error| unreachable!("invalid embedded mistakes.yaml: {error}"))
 });
 
-fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
+fn read(yaml: &str) -> Result<Vec<WriterMistake>, String> {
     let records = yaml::records::<WriterMistakeRecord>(yaml)?.into_iter();
     let join = |(line, record): (usize, WriterMistakeRecord)| {
         let misreading = super::find(&record.slug)
@@ -46,12 +46,12 @@ fn read(yaml: &str) -> Result<Vec<Miswriting>, String> {
 }
 
 /// Returns all mistakes of writers, in the order of sections.
-pub fn all() -> impl Iterator<Item = &'static Miswriting> {
+pub fn all() -> impl Iterator<Item = &'static WriterMistake> {
     ALL.iter()
 }
 
 /// Returns the mistake with this slug, if any.
 #[must_use]
-pub fn find(slug: &str) -> Option<&'static Miswriting> {
+pub fn find(slug: &str) -> Option<&'static WriterMistake> {
     all().find(|mistake| mistake.slug == slug)
 }

@@ -1,4 +1,4 @@
-//! Parsing of a response: a PTM1 frame, an image or a NumPy array, distinguished by their first bytes.
+//! Parses a response: a PTM1 frame, an image or a NumPy array, which are distinguished by their first bytes.
 //!
 //! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so the
 //! requested view is assumed. A response in any form must be complete, and no bytes may follow it.

@@ -17,7 +17,7 @@ use data_encoding::HEXLOWER;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::decode::Stored;
+use crate::decode::StoredMap;
 use crate::formula::{self, Edits};
 use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
@@ -476,7 +476,7 @@ impl Frame {
 ///
 /// # Errors
 /// Returns an error if `out` cannot be written.
-pub fn write_view(map: &Stored<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
+pub fn write_view(map: &StoredMap<'_>, view: &View, out: &mut impl Write) -> io::Result<()> {
     for (i, piece) in map.pieces().enumerate() {
         let frame = Frame::render(&piece, view);
         if i == 0 {
@@ -578,8 +578,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns true if both answers are of the same kind. All limits are one kind, because which is reached first depends on the
-    /// machine.
+    /// Returns true if both answers are of the same kind. All limits are one kind, because timing determines which comes first.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {

@@ -103,10 +103,10 @@ impl NpyHeader {
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);
         rest.expect("{")?;
         while !rest.accept("}") {
-            let key = rest.string()?;
+            let key = rest.parse_string()?;
             rest.expect(":")?;
             let is_new = match key {
-                "descr" => descr.replace(rest.string()?.to_owned()).is_none(),
+                "descr" => descr.replace(rest.parse_string()?.to_owned()).is_none(),
                 "fortran_order" => fortran_order.replace(rest.boolean()?).is_none(),
                 "shape" => shape.replace(rest.tuple()?).is_none(),
                 other => return Err(format!("the header has an unknown key {other:?}")),
@@ -153,7 +153,7 @@ impl<'a> DictionaryText<'a> {
     }
 
     /// Parses a quoted string without escapes.
-    fn string(&mut self) -> Result<&'a str, String> {
+    fn parse_string(&mut self) -> Result<&'a str, String> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =
             quote.ok_or_else(|| format!("expected a string in the header, found {self}"))?;

@@ -16,9 +16,9 @@ pub(super) struct ReaderImages {
     /// Width and height of the correct image and of the reader's image.
     sizes: [Size; 2],
     /// For each light, the correct image and the reader's image.
-    lit: Vec<[Vec<u8>; 2]>,
-    /// True for each light under which a color differs by more than rounding explains.
-    differ: [bool; LIGHTS.len()],
+    images: Vec<[Vec<u8>; 2]>,
+    /// True for each light under which a color differs by more than rounding can explain.
+    colors_differ: [bool; LIGHTS.len()],
     /// True if final coefficients differ.
     coefficients_differ: bool,
 }
@@ -29,8 +29,8 @@ impl ReaderImages {
         let sizes = [truth, other].map(|ptm| ptm.planes.size);
         let channels = [truth, other].map(|ptm| ptm.planes.shape.channels());
         let same = sizes[0] == sizes[1] && channels[0] == channels[1];
-        let mut lit = vec![[Vec::new(), Vec::new()]; LIGHTS.len()];
-        let mut differ = [!same; LIGHTS.len()];
+        let mut images = vec![[Vec::new(), Vec::new()]; LIGHTS.len()];
+        let mut colors_differ = [!same; LIGHTS.len()];
         let mut coefficients_differ = !same;
         // Row by row, because coefficients and colors need far more memory than stored values.
         for row in 0..sizes[0].height.max(sizes[1].height) as usize {
@@ -49,31 +49,31 @@ impl ReaderImages {
             }
             for (light, &(lu, lv)) in LIGHTS.iter().enumerate() {
                 let colors = rows.each_ref().map(|row| {
-                    let lit = |(row, reading, edits): &(_, &Reading, Edits)| {
+                    let render = |(row, reading, edits): &(_, &Reading, Edits)| {
                         formula::image(row, lu, lv, reading, *edits)
                     };
-                    row.as_ref().map(lit)
+                    row.as_ref().map(render)
                 });
                 if let [Some(ours), Some(theirs)] = &colors {
                     let mut pairs = ours.values.iter().zip(&theirs.values);
-                    differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING_TOLERANCE);
+                    colors_differ[light] |= pairs.any(|(a, b)| (a - b).abs() > ROUNDING_TOLERANCE);
                 }
-                for (image, row) in lit[light].iter_mut().zip(colors) {
+                for (image, row) in images[light].iter_mut().zip(colors) {
                     image.extend(row.map(|row| row.to_bytes()).unwrap_or_default());
                 }
             }
         }
         ReaderImages {
             sizes,
-            lit,
-            differ,
+            images,
+            colors_differ,
             coefficients_differ,
         }
     }
 
     /// Describes the visible fault of the reader's image, or returns `None` if the image is correct.
     pub(super) fn difference(&self) -> Option<String> {
-        let Some(light) = self.differ.iter().position(|&differs| differs) else {
+        let Some(light) = self.colors_differ.iter().position(|&differs| differs) else {
             let fault =
                 "coefficients differ; the difference is visible only under some lights, if at all";
             return self.coefficients_differ.then(|| fault.to_owned());
@@ -82,7 +82,7 @@ impl ReaderImages {
             let Size { width, height } = self.sizes[1];
             return Some(format!("an image of {width} x {height}"));
         }
-        let [truth, other] = &self.lit[light];
+        let [truth, other] = &self.images[light];
         let fault = self
             .orientation_fault(truth, other)
             .or_else(|| exchanged_channels(truth, other));

@@ -1,7 +1,7 @@
 //! Public readers of PTMs, with predictions of their results.
 //!
 //! A reader is described by a [`ReaderProfile`]: its formats, its misreadings and its other limits, each with evidence. The
-//! profiles are data (`spec-cases/readers.yaml`). For a [`ReaderPrediction`], a file is read as the reader reads it, and the
+//! profiles are data (`spec-cases/readers.yaml`). For a [`ReaderPrediction`], a file is read as the reader would read it, and the
 //! result is compared with the correct one.
 
 mod profile;
@@ -13,5 +13,5 @@ mod difference;
 mod predict;
 
 pub use limits::Limit;
-pub use predict::{OpenedFile, ReaderPrediction, Shown};
+pub use predict::{OpenedFile, ReaderPrediction, Rendering};
 pub use profile::{Evidence, KnownMisreading, ReaderProfile, parse_profiles, profiles};

@@ -15,7 +15,7 @@ use crate::reading::Reading;
 /// The result of opening a file with a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Shown {
+pub enum Rendering {
     /// The correct image under every light.
     Right,
     /// A wrong image, or any image of a damaged file.
@@ -24,14 +24,14 @@ pub enum Shown {
     Nothing,
 }
 
-impl Shown {
+impl Rendering {
     /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Shown::Right => "right",
-            Shown::Wrong => "wrong",
-            Shown::Nothing => "nothing",
+            Rendering::Right => "right",
+            Rendering::Wrong => "wrong",
+            Rendering::Nothing => "nothing",
         }
     }
 }
@@ -43,7 +43,7 @@ pub struct ReaderPrediction {
     pub reader: String,
     /// The result of opening the file.
     #[serde(rename = "shows")]
-    pub result: Shown,
+    pub result: Rendering,
     /// The visible fault of the image, or the reason why there is no image; empty if the image is correct.
     #[serde(rename = "how", skip_serializing_if = "String::is_empty")]
     pub fault: String,
@@ -87,7 +87,7 @@ impl<'a> OpenedFile<'a> {
     }
 
     /// Returns the result of a reader with its description, and the slugs of the responsible misreadings.
-    fn result(&self, profile: &ReaderProfile) -> ((Shown, String), Vec<&'static str>) {
+    fn result(&self, profile: &ReaderProfile) -> ((Rendering, String), Vec<&'static str>) {
         if let Ok(ptm) = &self.truth
             && !profile.reads(ptm.header.format)
         {
@@ -97,7 +97,7 @@ impl<'a> OpenedFile<'a> {
         for known in &profile.limits {
             match known.limit.effect(&self.traits) {
                 Some(Effect::Refused(why)) => {
-                    return ((Shown::Nothing, why.to_owned()), Vec::new());
+                    return ((Rendering::Nothing, why.to_owned()), Vec::new());
                 }
                 Some(Effect::Wrong(how)) => wrong = wrong.or(Some(how)),
                 None => {}
@@ -106,9 +106,9 @@ impl<'a> OpenedFile<'a> {
         let misreadings = profile.active_misreadings();
         let (shows, how) = self.judge(&misreadings, profile);
         match (shows, wrong) {
-            (Shown::Right, Some(how)) => ((Shown::Wrong, how.to_owned()), Vec::new()),
-            (Shown::Right, None) => ((shows, how), Vec::new()),
-            (Shown::Nothing, _) if self.truth.is_err() => ((shows, how), Vec::new()),
+            (Rendering::Right, Some(how)) => ((Rendering::Wrong, how.to_owned()), Vec::new()),
+            (Rendering::Right, None) => ((shows, how), Vec::new()),
+            (Rendering::Nothing, _) if self.truth.is_err() => ((shows, how), Vec::new()),
             _ => {
                 // The causes are the misreadings that alone lead to the same kind of result, or all misreadings if none does.
                 let mut causes = misreadings.clone();
@@ -124,19 +124,22 @@ impl<'a> OpenedFile<'a> {
     }
 
     /// Compares the result of a reader that has these misreadings with the correct result, and describes the fault.
-    fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Shown, String) {
+    fn judge(&self, misreadings: &[&Misreading], profile: &ReaderProfile) -> (Rendering, String) {
         let (mut ptm, reading) = match read(misreadings, Reading::SPEC, self.file) {
             Ok(found) => found,
             // The position in the error may depend on the misreadings.
             Err(Some(error)) if self.truth.is_ok() => {
                 let how = format!("the program refuses the file: {error}");
-                return (Shown::Nothing, how);
+                return (Rendering::Nothing, how);
             }
-            Err(_) => return (Shown::Nothing, "the program refuses the file".to_owned()),
+            Err(_) => {
+                let how = "the program refuses the file".to_owned();
+                return (Rendering::Nothing, how);
+            }
         };
         let Ok(truth) = &self.truth else {
             return match profile.reads(ptm.header.format) {
-                true => (Shown::Wrong, "an image of a damaged file".to_owned()),
+                true => (Rendering::Wrong, "an image of a damaged file".to_owned()),
                 false => unsupported(ptm.header.format),
             };
         };
@@ -145,14 +148,14 @@ impl<'a> OpenedFile<'a> {
         }
         let edits = formula_edits(misreadings);
         match ReaderImages::new(truth, &ptm, &reading, Edits(&edits)).difference() {
-            None => (Shown::Right, String::new()),
-            Some(how) => (Shown::Wrong, how),
+            None => (Rendering::Right, String::new()),
+            Some(how) => (Rendering::Wrong, how),
         }
     }
 }
 
 /// Returns the result of a reader for a file in a format that it does not read.
-fn unsupported(format: Format) -> (Shown, String) {
+fn unsupported(format: Format) -> (Rendering, String) {
     let how = format!("the program does not read {format}");
-    (Shown::Nothing, how)
+    (Rendering::Nothing, how)
 }

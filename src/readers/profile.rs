@@ -20,7 +20,8 @@ pub struct ReaderProfile {
     /// Version or commit that was examined, if known.
     pub version: Option<String>,
     /// Short names of the supported formats.
-    pub reads: Vec<String>,
+    #[serde(rename = "reads")]
+    pub formats: Vec<String>,
     /// Evidence for the supported formats.
     pub evidence: Evidence,
     /// Misreadings of the reader.
@@ -89,7 +90,7 @@ impl ReaderProfile {
     /// Returns true if the reader supports a format.
     #[must_use]
     pub fn reads(&self, format: Format) -> bool {
-        self.reads.iter().any(|name| name == format.short_name())
+        self.formats.iter().any(|name| name == format.short_name())
     }
 
     /// Returns the misreadings in the order in which they affect a file.
@@ -100,7 +101,7 @@ impl ReaderProfile {
 
     fn check(&self) -> Result<(), String> {
         let fail = |why: String| Err(format!("{}: {why}", self.name));
-        for name in &self.reads {
+        for name in &self.formats {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
                 return fail(format!("unknown format {name}"));
             }

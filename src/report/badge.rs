@@ -11,8 +11,8 @@ const LETTER_WIDTH: usize = 59;
 /// Margin to the left and right of each label, in pixels.
 const MARGIN: usize = 4;
 
-/// Renders a report as an SVG badge, 20 pixels high and at most 140 wide. The badge contains the verdict and the correctness
-/// score; below them, three bars represent correctness, breadth and robustness. The title of the image lists all scores.
+/// Renders a report as an SVG badge, 20 pixels high and at most 140 pixels wide. The badge contains the verdict and the
+/// correctness score; below them, three bars represent correctness, breadth and robustness. Its title lists all scores.
 #[must_use]
 pub fn badge(report: &Report) -> String {
     let label = match report.suite {

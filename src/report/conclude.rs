@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use crate::diagnose::Causes;
 use crate::report::document::{LikelyCause, Report};
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::report::{make::likely_causes, reported::Reported};
+use crate::report::{make::likely_causes, reported::Reportable};
 use crate::session::{plan::RunPlan, remark::Remark, run::Run};
 use crate::suite::{cases::Suite, test_case::TestCase};
 
@@ -17,7 +17,7 @@ use crate::suite::{cases::Suite, test_case::TestCase};
 ///
 /// # Errors
 /// Returns the errors of [`verdicts`].
-pub fn conclude<C: Reported>(
+pub fn conclude<C: Reportable>(
     suite: &Suite<C>,
     plan: &RunPlan,
     run: &mut Run<C>,
@@ -35,7 +35,7 @@ pub fn conclude<C: Reported>(
 ///
 /// # Errors
 /// Returns a message that names the first unknown misreading in `circumstances.assumed`.
-pub fn verdicts<C: Reported>(
+pub fn verdicts<C: Reportable>(
     suite: &Suite<C>,
     plan: &RunPlan,
     run: &mut Run<C>,
@@ -53,8 +53,7 @@ pub fn verdicts<C: Reported>(
     Ok(report)
 }
 
-/// Returns the likely causes of the failures so far, sorted by the number of cases that each explains. Returns an empty
-/// list if the search panics.
+/// Returns the likely causes of the failures so far, sorted by the number of cases they explain; empty if the search panics.
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -65,8 +64,8 @@ pub fn first_causes<C: TestCase, A: 'static>(
     causes.unwrap_or_default()
 }
 
-/// Adds the causes that `search` finds to a report. If the search panics or the user interrupts it, adds a remark that
-/// causes may be missing.
+/// Adds the causes that `search` finds to a report. If the search panics or is interrupted, adds a remark that causes may be
+/// missing.
 #[must_use]
 pub fn add_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,

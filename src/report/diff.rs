@@ -1,7 +1,7 @@
 //! Exact differences between two reports. Every change is counted, and equal reports produce an empty result.
 //!
-//! A few changed cases are described in full. A larger number is grouped by kind of change, cause and clause, unless the
-//! caller requests every case.
+//! A few changed cases are described in full. Many cases are grouped by kind of change, cause and clause, unless every case is
+//! requested.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Write};
@@ -174,8 +174,7 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
-/// Describes each cause of a report in one or two lines, with the cases that it explains or, unless `in_full`, the number
-/// of those cases.
+/// Describes each cause of a report in one or two lines, with the cases that it explains or, unless `in_full`, their number.
 fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);

@@ -45,8 +45,8 @@ pub struct Report {
     /// Likely causes, sorted by the number of cases that each explains.
     pub diagnoses: Vec<LikelyCause>,
     /// Digest of all results, if the passing cases are omitted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub results: Option<String>,
+    #[serde(default, rename = "results", skip_serializing_if = "Option::is_none")]
+    pub results_digest: Option<String>,
     /// Results of the selected cases, in suite order.
     pub cases: Vec<CaseResult>,
 }
@@ -186,7 +186,7 @@ impl Report {
     /// # Errors
     /// Returns an error if serialization fails, which does not depend on the report.
     pub fn without_passing_cases(mut self) -> Result<Report, String> {
-        self.results = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
+        self.results_digest = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
         self.cases.retain(|case| case.outcome != Outcome::Pass);
         Ok(self)
     }

@@ -125,7 +125,7 @@ fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) 
 fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut String) -> fmt::Result {
     let (suite, count) = (report.suite, cause.explains.len());
     let [clause, effect, fix] = [&cause.clause, &cause.effect, &cause.fix].map(escape_markdown);
-    let clause = linked(&clause, suite.clause_page(&cause.clause));
+    let clause = link(&clause, suite.clause_page(&cause.clause));
     write!(out, "- **{count} of {all} failures:** the ")?;
     writeln!(out, "{} {effect} (clause {clause}).  ", suite.subject())?;
     writeln!(out, "  Fix: {fix}.")?;
@@ -133,7 +133,7 @@ fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut Strin
         Some(slug) => {
             let command = format!("ptm-conform explain {slug}");
             let page = Some(suite.misreading_page(slug));
-            writeln!(out, "  More: {}", linked(&inline_code(&command), page))
+            writeln!(out, "  More: {}", link(&inline_code(&command), page))
         }
         None => Ok(()),
     }
@@ -141,7 +141,7 @@ fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut Strin
 
 /// Wraps Markdown in a link to a page of the site. Returns the Markdown unchanged if there is no page or its name contains
 /// unexpected characters, since names in a report are untrusted.
-fn linked(markdown: &str, page: Option<String>) -> String {
+fn link(markdown: &str, page: Option<String>) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-./#".contains(c);
     match page.filter(|page| page.chars().all(is_plain)) {
         Some(page) => format!("[{markdown}]({})", published_url(&page)),

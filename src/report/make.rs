@@ -1,4 +1,4 @@
-//! Conversion of a run and its diagnoses to a report.
+//! Converts a run and its diagnoses to a report.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -9,17 +9,18 @@ use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
 };
 use crate::report::leniency::{leniency, passing_case_ids};
-use crate::report::reported::Reported;
+use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
+use crate::suite::compare::LOSSY_TOLERANCE;
 use crate::suite::test_case::{Allowance, TestCase};
-use crate::suite::{cases::Suite, compare::LOSSY_TOLERANCE, dialect::Right, name::SuiteName};
+use crate::suite::{cases::Suite, dialect::RightDialects, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.
     #[must_use]
-    pub fn new<C: Reported>(
+    pub fn new<C: Reportable>(
         suite: &Suite<C>,
         run: &Run<C>,
         command: &[String],
@@ -62,7 +63,7 @@ impl Report {
             lenient: leniency(suite, run),
             baseline: None,
             diagnoses: Vec::new(),
-            results: None,
+            results_digest: None,
             cases: case_results(suite, run),
         }
     }
@@ -101,7 +102,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
 }
 
 /// Returns the decoder's reading of each choice that the run settled, with the cases that demonstrate it.
-fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let mut readings = C::readings_of_files(suite, run);
     for (axis, choice) in C::CHOICES.iter().enumerate() {
         if run.judgement.certainties[axis] != Certainty::Settled {
@@ -111,7 +112,7 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
             let observation = run.observations[i].as_ref();
             matches!(
                 observation.map(|observation| &observation.response),
-                Some(Response::Image { right: Right::In { axes, .. }, .. }) if axes.contains(&axis)
+                Some(Response::Image { right: RightDialects::In { axes, .. }, .. }) if axes.contains(&axis)
             )
         };
         readings.push(FollowedReading {
@@ -127,7 +128,7 @@ fn followed_readings<C: Reported>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     let features = run.judgement.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();
-    for (view, kind) in &run.offer.lacking {
+    for (view, kind) in &run.offer.missing_views {
         let name = format!("{view} of {kind}");
         // The colors of LUM are already listed as a feature.
         if !names.contains(&name) {

@@ -1,4 +1,4 @@
-//! Merging of partial runs. The merged run replays the recorded answers of the parts in place of a decoder.
+//! Merges partial runs. The merged run replays the recorded answers of the parts in place of a decoder.
 //!
 //! All results are therefore computed by the same code as in a whole run: first files, spelling of tables, verdicts,
 //! dialect, diagnoses. For a deterministic decoder, the report equals that of a whole run, byte for byte.
@@ -13,8 +13,8 @@ use serde::de::DeserializeOwned;
 
 use crate::kit::strip_os_error_code;
 use crate::protocol::frame::Answer;
-use crate::report::shards::{self, AnswerRecord, End, OtherRemarks, RecordedAnswer, Shard};
-use crate::report::{conclude::conclude, document::Report, reported::Reported};
+use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
+use crate::report::{conclude::conclude, document::Report, reported::Reportable};
 use crate::runner::run::{Reply, Request};
 use crate::session::run::{Progress, Run, Session};
 use crate::session::{asking::ReplyTo, remark::Remark};
@@ -25,41 +25,42 @@ pub struct RecordedAnswers<C: TestCase> {
     /// Answers by file digest, view, and whether a new process was started for the request.
     known: HashMap<(String, String, bool), RecordedAnswer<C::Output>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
-    whole: End,
+    trailer: Trailer,
 }
 
-impl<C: Reported> RecordedAnswers<C> {
+impl<C: Reportable> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, duplicate or
+    /// Returns a message if a file is damaged or from another run, suite or version, or a part is missing, repeated or
     /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
-        let mut ends: Vec<(&Path, End)> = Vec::new();
+        let mut ends: Vec<(&Path, Trailer)> = Vec::new();
         for report in reports {
             let (answers, end) = read(&shards::answers_path(report))
                 .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
             for reply in answers {
-                known.insert((reply.file.clone(), reply.view.clone(), reply.alone), reply);
+                let key = (reply.file.clone(), reply.view.clone(), reply.new_process);
+                known.insert(key, reply);
             }
             ends.push((report, end));
         }
         check_parts(&ends)?;
         ends.sort_by_key(|(_, end)| end.part.number);
-        let (first, mut whole) = ends.remove(0);
-        if whole.corpus != C::digest(suite) {
+        let (first, mut trailer) = ends.remove(0);
+        if trailer.corpus != C::digest(suite) {
             let says = "made with a different version of the suite";
             return Err(format!("{}: {says}", first.display()));
         }
         for (_, part) in &ends {
-            add_new(&mut whole.remarks.before, &part.remarks.before);
-            add_new(&mut whole.remarks.after, &part.remarks.after);
-            for (all, selected) in whole.plan.selected.iter_mut().zip(&part.plan.selected) {
+            add_new(&mut trailer.remarks.before, &part.remarks.before);
+            add_new(&mut trailer.remarks.after, &part.remarks.after);
+            for (all, selected) in trailer.plan.selected.iter_mut().zip(&part.plan.selected) {
                 *all |= selected;
             }
         }
-        Ok(RecordedAnswers { known, whole })
+        Ok(RecordedAnswers { known, trailer })
     }
 
     /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
@@ -72,8 +73,8 @@ impl<C: Reported> RecordedAnswers<C> {
         jobs: usize,
         progress: &Progress<C>,
     ) -> Result<(Run<C>, Report), String> {
-        let (circumstances, remarks) = (&self.whole.circumstances, &self.whole.remarks);
-        let mut plan = self.whole.plan.clone();
+        let (circumstances, remarks) = (&self.trailer.circumstances, &self.trailer.remarks);
+        let mut plan = self.trailer.plan.clone();
         plan.jobs = jobs;
         let missing = OnceLock::new();
         let ask = |request: &Request<'_, C::View>, _: usize| {
@@ -87,7 +88,7 @@ impl<C: Reported> RecordedAnswers<C> {
         if circumstances.assumed.is_empty() {
             C::undo_common_transforms(suite, &mut session, &mut contact);
         }
-        let observations = session.ask_cases(&contact, progress);
+        let observations = session.request_all(&contact, progress);
         let mut run = session.verdicts(contact, observations, &|_, _| ());
         if let Some(request) = missing.into_inner() {
             return Err(format!(
@@ -113,8 +114,8 @@ impl<C: Reported> RecordedAnswers<C> {
         Some(Reply {
             stderr: record.stderr.clone(),
             exit: record.exit,
-            previous_request: record.after.clone(),
-            served: record.served.clone(),
+            previous_request: record.previous_request.clone(),
+            serve_mode_answer: record.serve_mode_answer.clone(),
             ..answer.into()
         })
     }
@@ -129,7 +130,7 @@ fn add_new(remarks: &mut Vec<Remark>, more: &[Remark]) {
 }
 
 /// Reads the answers of one part and the trailer on the last line.
-fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, End), String> {
+fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, Trailer), String> {
     let file = File::open(path).map_err(|error| {
         let error = strip_os_error_code(&error);
         format!("{error}; check --shard writes this file next to the report")
@@ -139,7 +140,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, End
         let line = line.map_err(|error| error.to_string())?;
         match serde_json::from_str(&line) {
             Ok(AnswerRecord::Answer(answer)) => answers.push(*answer),
-            Ok(AnswerRecord::End(end)) => return Ok((answers, *end)),
+            Ok(AnswerRecord::Trailer(end)) => return Ok((answers, *end)),
             Err(error) => return Err(format!("line {}: {error}", number + 1)),
         }
     }
@@ -147,7 +148,7 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, End
 }
 
 /// Checks that `ends` are the trailers of all parts of one run.
-fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
+fn check_parts(ends: &[(&Path, Trailer)]) -> Result<(), String> {
     let Some((first_path, first)) = ends.first() else {
         return Err("no reports to merge".to_owned());
     };
@@ -157,7 +158,7 @@ fn check_parts(ends: &[(&Path, End)]) -> Result<(), String> {
             let version = &end.version;
             return fault(&format!("written by version {version} of this program"));
         }
-        let run = |end: &End| {
+        let run = |end: &Trailer| {
             let mut end = end.clone();
             end.part.number = 0;
             end.plan.selected.clear();

@@ -24,7 +24,7 @@ use crate::runner::run::Request;
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::{plan::RunPlan, remark::Remark};
-use crate::suite::dialect::Right;
+use crate::suite::dialect::RightDialects;
 use crate::suite::test_case::{Allowance, TestCase};
 
 /// Part of the suite, written as `3/8` for the third of eight.
@@ -38,8 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if the case with the given id belongs to this part. The result depends only on the id, so adding cases
-    /// does not move existing ones.
+    /// Returns true if this part contains the case with the given id. Depends only on the id, so new cases do not move others.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -93,7 +92,7 @@ pub struct OtherRemarks {
 
 /// Trailer of an answer file: the last line, which identifies the run. A file without a trailer belongs to an incomplete run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct End {
+pub struct Trailer {
     /// Version of this program.
     pub version: String,
     /// Digest of the suite.
@@ -121,8 +120,8 @@ pub struct RecordedAnswer<T> {
     /// Requested view.
     pub view: String,
     /// True if a new process was started for the request, to check whether its answer differs.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub alone: bool,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not", rename = "alone")]
+    pub new_process: bool,
     /// Answer, or `None` if it equals the expected image.
     pub answer: Option<Answer<T>>,
     /// Exit status of the process.
@@ -132,11 +131,11 @@ pub struct RecordedAnswer<T> {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub stderr: String,
     /// Name of the request that the same process answered before.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub after: Option<String>,
+    #[serde(default, rename = "after", skip_serializing_if = "Option::is_none")]
+    pub previous_request: Option<String>,
     /// Answer of the serving process, if it failed and a new process answered instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub served: Option<Answer<T>>,
+    #[serde(default, rename = "served", skip_serializing_if = "Option::is_none")]
+    pub serve_mode_answer: Option<Answer<T>>,
 }
 
 /// Line of an answer file.
@@ -144,7 +143,7 @@ pub struct RecordedAnswer<T> {
 #[serde(untagged, bound = "T: DeserializeOwned")]
 pub(super) enum AnswerRecord<T> {
     Answer(Box<RecordedAnswer<T>>),
-    End(Box<End>),
+    Trailer(Box<Trailer>),
 }
 
 /// Returns the path of the answer file next to a report.
@@ -168,7 +167,7 @@ struct RecorderState<T> {
     /// Answers that have not been compared with the expected image yet, by case and view.
     waiting: HashMap<(String, String), RecordedAnswer<T>>,
     /// Error of the first line that could not be written.
-    failed: Option<io::Error>,
+    write_error: Option<io::Error>,
 }
 
 impl<C: TestCase> AnswerRecorder<C> {
@@ -180,7 +179,7 @@ impl<C: TestCase> AnswerRecorder<C> {
         Ok(AnswerRecorder(Mutex::new(RecorderState {
             out: BufWriter::new(File::create(path)?),
             waiting: HashMap::new(),
-            failed: None,
+            write_error: None,
         })))
     }
 
@@ -190,15 +189,15 @@ impl<C: TestCase> AnswerRecorder<C> {
             case: request.name.to_owned(),
             file: digest(request.file),
             view: request.view.to_string(),
-            alone: request.needs_new_process,
+            new_process: request.needs_new_process,
             answer: Some(reply.answer.clone()),
             exit: reply.exit,
             stderr: reply.stderr.clone(),
-            after: reply.previous_request.clone(),
-            served: reply.served.clone(),
+            previous_request: reply.previous_request.clone(),
+            serve_mode_answer: reply.serve_mode_answer.clone(),
         };
         let mut state = self.0.lock().expect("no worker panics");
-        if record.alone {
+        if record.new_process {
             state.write(&record);
         } else {
             let key = (record.case.clone(), record.view.clone());
@@ -213,7 +212,7 @@ impl<C: TestCase> AnswerRecorder<C> {
         let expected = matches!(
             observation.response,
             Response::Image {
-                right: Right::InAll(true),
+                right: RightDialects::InAll(true),
                 difference: None,
                 allowance: Allowance::None,
                 ..
@@ -233,7 +232,7 @@ impl<C: TestCase> AnswerRecorder<C> {
     ///
     /// # Errors
     /// Returns the first error of the file system.
-    pub fn finish(self, end: &End) -> io::Result<()> {
+    pub fn finish(self, end: &Trailer) -> io::Result<()> {
         let mut state = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = state.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
@@ -241,7 +240,7 @@ impl<C: TestCase> AnswerRecorder<C> {
             state.write(&record);
         }
         state.write(end);
-        state.failed.map_or_else(|| state.out.flush(), Err)
+        state.write_error.map_or_else(|| state.out.flush(), Err)
     }
 }
 
@@ -251,7 +250,7 @@ impl<T> RecorderState<T> {
             .map_err(io::Error::other)
             .and_then(|()| self.out.write_all(b"\n"));
         if let Err(error) = written {
-            self.failed.get_or_insert(error);
+            self.write_error.get_or_insert(error);
         }
     }
 }

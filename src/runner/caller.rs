@@ -45,7 +45,7 @@ impl Caller {
     /// Requests a view of a file.
     ///
     /// # Panics
-    /// This does not happen: no request panics while it holds the stream.
+    /// Never panics, because no request panics while it holds the stream.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let mut stream = self.stream.lock().expect("no request panics");
@@ -121,8 +121,7 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply to a request for the stored values of one texel if the answer is `answer`, and true if the run was
-    /// stopped.
+    /// Returns the reply to a request for one texel if the caller sends `answer`, and true if the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

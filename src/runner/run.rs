@@ -28,8 +28,8 @@ use crate::runner::start;
 use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// Maximum time for which a call is repeated because of trouble in this program, before the run stops.
-const MAX_TROUBLE_TIME: Duration = Duration::from_secs(5);
+/// Maximum time for which a call is repeated because of a problem in this program, before the run stops.
+const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
 
 /// A decoder and the limits of its calls.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ pub struct Reply<T = Frame> {
     /// Name of the previous request to the same process.
     pub previous_request: Option<String>,
     /// Failed answer in serve mode. If present, `answer` is the answer of a new process.
-    pub served: Option<Answer<T>>,
+    pub serve_mode_answer: Option<Answer<T>>,
     /// Standard output, up to the read limit.
     pub stdout: Vec<u8>,
 }
@@ -113,14 +113,14 @@ impl<T> From<Answer<T>> for Reply<T> {
             stderr: String::new(),
             exit: None,
             previous_request: None,
-            served: None,
+            serve_mode_answer: None,
             stdout: Vec::new(),
         }
     }
 }
 
 impl<T> Reply<T> {
-    /// Returns true if the reply is a refusal by an exit status that has other meanings as well.
+    /// Returns true if the reply is a refusal with an exit status that has other meanings as well.
     #[must_use]
     pub fn is_ambiguous_refusal(&self) -> bool {
         matches!(self.answer, Answer::Rejected)
@@ -280,7 +280,7 @@ impl Decoder {
                 Err(CallFailure::NotStarted(why)) => return Answer::NotStarted(why).into(),
                 Err(CallFailure::Trouble(trouble)) => trouble.into_text(),
             };
-            if begin.elapsed() > MAX_TROUBLE_TIME {
+            if begin.elapsed() > MAX_RETRY_TIME {
                 let _ = self.trouble.set(trouble.clone());
                 self.stop.store(true, Ordering::Relaxed);
             }

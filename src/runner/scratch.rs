@@ -205,8 +205,7 @@ fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)
 }
 
-/// Returns true if an input is unchanged. A decoder may have replaced it with a pipe, a link or anything else, and
-/// may still change it.
+/// Returns true if an input is unchanged. A decoder may have replaced it with a pipe or a link, and may still change it.
 pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
     let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
     let open = fs::OpenOptions::new()

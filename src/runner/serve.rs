@@ -7,7 +7,7 @@
 //!                   SEQ unsupported FEATURE
 //! ```
 //! Each job has a separate process with one request in flight. A process that exits, hangs or answers out of order is ended. Its
-//! request is repeated with a new process, and the next request starts a new serving process.
+//! request is sent again to a new process, and the next request starts a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -69,9 +69,9 @@ pub struct Servers<'a> {
     scratch: &'a Scratch,
     jobs: Vec<Mutex<Option<Server<'a>>>>,
     /// Number of requests that any process answered.
-    answered: AtomicUsize,
+    answered_count: AtomicUsize,
     /// Number of unanswered requests, counted until the first answer.
-    unanswered: AtomicUsize,
+    unanswered_count: AtomicUsize,
 }
 
 impl<'a> Servers<'a> {
@@ -82,8 +82,8 @@ impl<'a> Servers<'a> {
             decoder,
             scratch,
             jobs: (0..jobs).map(|_| Mutex::default()).collect(),
-            answered: AtomicUsize::new(0),
-            unanswered: AtomicUsize::new(0),
+            answered_count: AtomicUsize::new(0),
+            unanswered_count: AtomicUsize::new(0),
         }
     }
 
@@ -105,7 +105,7 @@ impl<'a> Servers<'a> {
         let previous_request = server.last_request.replace(request.name.to_owned());
         let served = match server.ask(request, self.decoder) {
             Ok(reply) => {
-                self.answered.fetch_add(1, Ordering::Relaxed);
+                self.answered_count.fetch_add(1, Ordering::Relaxed);
                 *place = Some(server);
                 return Reply {
                     previous_request,
@@ -119,8 +119,8 @@ impl<'a> Servers<'a> {
             Err(NotServed::Violation(served)) => served,
         };
         drop(server);
-        if self.answered.load(Ordering::Relaxed) == 0 {
-            self.unanswered.fetch_add(1, Ordering::Relaxed);
+        if self.answered_count.load(Ordering::Relaxed) == 0 {
+            self.unanswered_count.fetch_add(1, Ordering::Relaxed);
         }
         let stopped = self.decoder.stop.load(Ordering::Relaxed);
         let alone = match stopped {
@@ -128,10 +128,10 @@ impl<'a> Servers<'a> {
             false => self.decoder.ask(request, self.scratch),
         };
         // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
-        let served = alone.answer.violation().is_none().then_some(served);
+        let serve_mode_answer = alone.answer.violation().is_none().then_some(served);
         Reply {
             previous_request,
-            served,
+            serve_mode_answer,
             ..alone
         }
     }
@@ -139,7 +139,7 @@ impl<'a> Servers<'a> {
     /// Returns true if serve mode is disabled because the first requests received no answer.
     #[must_use]
     pub fn is_serve_mode_disabled(&self) -> bool {
-        self.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED_REQUESTS
+        self.unanswered_count.load(Ordering::Relaxed) >= MAX_UNANSWERED_REQUESTS
     }
 }
 

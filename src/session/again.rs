@@ -1,4 +1,4 @@
-//! Repetition of failures and of a sample of the other cases, with a new process for each request.
+//! Repeats failures and a sample of the other cases, with a new process for each request.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
@@ -22,7 +22,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Repeats failures and a sample of the other cases. Returns true if a response differed. Similar failures are likely to
     /// recur, so only a few of each kind are repeated, and at most a tenth of the run. If any response differs, the rest are
     /// repeated as well, because a varying response proves nothing about the format.
-    pub(super) fn ask_again(
+    pub(super) fn repeat(
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
@@ -90,7 +90,7 @@ impl<C: TestCase> Session<'_, C> {
         places: &[usize],
         progress: &CountCallback,
     ) -> bool {
-        let served = self.plan.repeat == Repeat::FailuresAndSample;
+        let in_serve_mode = self.plan.repeat == Repeat::FailuresAndSample;
         let state = Mutex::new((observations, 0, false));
         let lock = || state.lock().expect("no worker panics");
         self.run_in_parallel(places.len(), |at, worker| {
@@ -109,8 +109,11 @@ impl<C: TestCase> Session<'_, C> {
             }
             let differs = !alone.response.is_equivalent(&first.response);
             if differs {
-                let message = difference(served, &first, &alone, once_more.as_ref());
-                first.nondeterminism = Some(Nondeterminism { served, message });
+                let message = difference(in_serve_mode, &first, &alone, once_more.as_ref());
+                first.nondeterminism = Some(Nondeterminism {
+                    in_serve_mode,
+                    message,
+                });
             }
             // A serving process may not have printed anything about this file yet.
             if first.stderr.is_empty() {
@@ -129,21 +132,21 @@ impl<C: TestCase> Session<'_, C> {
 
 /// Describes the difference between the responses to one request.
 fn difference<C: TestCase>(
-    served: bool,
+    in_serve_mode: bool,
     first: &Observation<C>,
     alone: &Observation<C>,
     once_more: Option<&Observation<C>>,
 ) -> String {
     let (one, other) = (first.response.describe(), alone.response.describe());
-    let after = previous_request_text(first.after.as_ref());
+    let after = previous_request_text(first.previous_request.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
             "answers with {one}; a repetition in a new process ended with {other}, but the next one repeated the first response"
         ),
-        Some(_) if served => {
+        Some(_) if in_serve_mode => {
             format!("in serve mode{after}, it answers with {one}; in one-shot mode, with {other}")
         }
-        None if served => format!(
+        None if in_serve_mode => format!(
             "in serve mode{after}, it answers with {one}; alone, with {other}: state leaks between files"
         ),
         _ if one == other => format!("two calls returned different responses, each {one}"),

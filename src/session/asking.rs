@@ -14,13 +14,13 @@ use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
 use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::{dialect::Right, test_case::TestCase};
+use crate::suite::{dialect::RightDialects, test_case::TestCase};
 
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 
 /// A decoder: a function from requests to replies. The number identifies the worker that sends the request.
-pub type Ask<'a, C = Case> =
+pub type DecoderFn<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
 /// A progress callback. It receives the number of finished items and the total.
@@ -29,9 +29,9 @@ pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
 pub type UndoFn<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 
-/// A common transform of a view, which has been reported and is undone before images are compared.
+/// A common transform of a view that has been reported and is undone before images are compared.
 #[derive(Clone)]
-pub struct Undo<C: TestCase> {
+pub struct UndoneTransform<C: TestCase> {
     /// The affected view.
     pub view: &'static str,
     /// Maps a received output to the output before the transform.
@@ -43,21 +43,21 @@ pub struct Session<'a, C: TestCase> {
     pub(super) suite: &'a Suite<C>,
     pub(super) plan: &'a RunPlan,
     pub(super) tally: Tally,
-    ask: &'a Ask<'a, C>,
+    ask: &'a DecoderFn<'a, C>,
     /// Common transforms that are undone before images are compared.
-    pub undo: Vec<Undo<C>>,
+    pub undone_transforms: Vec<UndoneTransform<C>>,
 }
 
 impl<'a, C: TestCase> Session<'a, C> {
     /// Creates a session without requests.
     #[must_use]
-    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a Ask<'a, C>) -> Session<'a, C> {
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a DecoderFn<'a, C>) -> Self {
         Session {
             suite,
             plan,
             tally: Tally::default(),
             ask,
-            undo: Vec::new(),
+            undone_transforms: Vec::new(),
         }
     }
 
@@ -99,7 +99,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             _ => 1,
         };
         let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
-        if reply.answer.violation().is_some() || reply.served.is_some() {
+        if reply.answer.violation().is_some() || reply.serve_mode_answer.is_some() {
             self.tally.violations.fetch_add(1, Ordering::Relaxed);
         }
         (observation, reply)
@@ -128,13 +128,14 @@ impl<'a, C: TestCase> Session<'a, C> {
             Answer::Rejected => Response::Rejected,
             Answer::Unsupported => Response::Unsupported,
             Answer::Decoded(output) => {
-                let mut undo = self.undo.iter();
+                let mut undo = self.undone_transforms.iter();
                 let undo = undo.find(|undo| undo.view == C::view_name(view));
                 let output = undo.map_or(Cow::Borrowed(output), |undo| {
                     Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
                 });
                 let result = case.compare(&built, view, &output);
-                let differs = result.right != Right::InAll(true) && result.difference.is_some();
+                let differs =
+                    result.right != RightDialects::InAll(true) && result.difference.is_some();
                 Response::Image {
                     right: result.right,
                     difference: result.difference,
@@ -149,7 +150,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             response,
             weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
-            after: reply.previous_request.clone(),
+            previous_request: reply.previous_request.clone(),
             nondeterminism: serve_mode_failure(&reply),
         };
         (observation, reply)
@@ -174,13 +175,13 @@ impl<'a, C: TestCase> Session<'a, C> {
 
 /// Returns true if a call timed out, even if a new process answered afterward.
 pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
-    let mut answers = reply.served.iter().chain([&reply.answer]);
+    let mut answers = reply.serve_mode_answer.iter().chain([&reply.answer]);
     answers.any(|answer| matches!(answer, Answer::Hung(_)))
 }
 
 /// Returns the failure of a serving process, if a new process answered without reaching a limit.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
-    let served = reply.served.as_ref()?;
+    let served = reply.serve_mode_answer.as_ref()?;
     if served.is_of_kind(&reply.answer) {
         return None;
     }
@@ -188,7 +189,7 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     let (trouble, alone) = (served.describe(), reply.answer.name());
     let says = format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})");
     Some(Nondeterminism {
-        served: true,
+        in_serve_mode: true,
         message: says,
     })
 }

@@ -9,11 +9,11 @@ use crate::session::asking::{ReplyTo, Session, is_hang, serve_mode_failure};
 use crate::session::observation::Response;
 use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::HangWatch};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::{compare::Expected, dialect::Right, test_case::TestCase};
+use crate::suite::{compare::Expected, dialect::RightDialects, test_case::TestCase};
 
-/// The reply of the decoder to a first file.
+/// A first file that was requested in one view, and the reply of the decoder.
 #[derive(Clone, Debug)]
-pub struct First<C: TestCase = Case> {
+pub struct FirstFile<C: TestCase = Case> {
     /// Index of the first file in the suite.
     pub case: usize,
     /// The view in which it was requested.
@@ -22,7 +22,7 @@ pub struct First<C: TestCase = Case> {
     pub reply: ReplyTo<C>,
 }
 
-impl<C: TestCase> First<C> {
+impl<C: TestCase> FirstFile<C> {
     fn is_decoded(&self) -> bool {
         matches!(self.reply.answer, Answer::Decoded(_))
     }
@@ -58,7 +58,7 @@ impl FirstReply<'_> {
 impl Contact {
     /// Returns the replies to the first files with known correct answers.
     pub(super) fn replies<'a>(&'a self, suite: &'a Suite) -> Vec<FirstReply<'a>> {
-        let reply = |first: &'a First| {
+        let reply = |first: &'a FirstFile| {
             let case = &suite.cases[first.case];
             let built = case.build(TableSpelling::default());
             Some(FirstReply {
@@ -77,7 +77,7 @@ impl Contact {
 #[derive(Clone, Debug)]
 pub struct Contact<C: TestCase = Case> {
     /// Replies to the first files.
-    pub first: Vec<First<C>>,
+    pub first: Vec<FirstFile<C>>,
     /// Views and formats that the decoder offers.
     pub offer: Offer<C>,
     /// Spelling in which tables are sent.
@@ -104,7 +104,7 @@ impl<C: TestCase> Session<'_, C> {
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
         // Report the first file that was not answered in serve mode.
-        let trouble = first.iter().find_map(|First { case, view, reply }| {
+        let trouble = first.iter().find_map(|FirstFile { case, view, reply }| {
             let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
             let says = format!("{} in {view}, {}", case.id(), failure.message);
             Some(Remark::failure(says))
@@ -128,8 +128,9 @@ impl<C: TestCase> Session<'_, C> {
             return contact;
         }
         // A decoder that supports only tables may refuse all first files because it expects a different spelling of the count.
-        let is_answer =
-            |first: &First<C>| matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected);
+        let is_answer = |first: &FirstFile<C>| {
+            matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected)
+        };
         let (offer, first) = (&contact.offer, &contact.first);
         let spelling = (first.is_empty() || first.iter().any(is_answer)).then(|| {
             self.table_spelling(offer)
@@ -144,29 +145,30 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel. A
     /// serving process receives all of them in order. After a timeout, the other views of the same file are requested last.
-    fn first_files(&self) -> Vec<First<C>> {
+    fn first_files(&self) -> Vec<FirstFile<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();
-        let first = cases.filter(|&(i, case)| case.is_first() && plan.asks(i) && !plan.precomputed);
+        let first =
+            cases.filter(|&(i, case)| case.is_first() && plan.is_requested(i) && !plan.precomputed);
         let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
         let mut work: Vec<(usize, &C::View)> = in_views.collect();
-        work.retain(|(_, view)| plan.may_ask(C::view_name(view)));
+        work.retain(|(_, view)| plan.allows_view(C::view_name(view)));
         let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
         cases.dedup();
         let watch = HangWatch::new(cases);
         let ask = |(case, view): (usize, &C::View), worker| {
             let (_, reply) =
                 self.observe(&suite.cases[case], view, TableSpelling::default(), worker);
-            watch.note(case, is_hang(&reply), &self.tally);
+            watch.record_answer(case, is_hang(&reply), &self.tally);
             let view = view.clone();
-            First { case, view, reply }
+            FirstFile { case, view, reply }
         };
         let in_order = plan.repeat == Repeat::FailuresAndSample;
-        let mut replies: Vec<First<C>> = Vec::new();
+        let mut replies: Vec<FirstFile<C>> = Vec::new();
         let mut left = Vec::new();
         for (case, view) in work {
-            let hung = |first: &First<C>| first.case == case && is_hang(&first.reply);
-            let decoded = replies.iter().any(First::is_decoded);
+            let hung = |first: &FirstFile<C>| first.case == case && is_hang(&first.reply);
+            let decoded = replies.iter().any(FirstFile::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(hung) {
                 left.push((case, view));
                 continue;
@@ -191,7 +193,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every offered view except
     /// those in which it exited with 69 for every first file of that kind.
-    fn derive_offer(&self, first: &[First<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
+    fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
         let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
@@ -199,7 +201,7 @@ impl<C: TestCase> Session<'_, C> {
             declared: plan.declared_kinds.clone(),
             ..Offer::default()
         };
-        let is_decoded = first.iter().any(First::is_decoded);
+        let is_decoded = first.iter().any(FirstFile::is_decoded);
         // Returns true if a first file in this view (and of this kind, if one is given) was answered with anything but 69.
         let answered = |view: &str, kind: Option<&C::Feature>| {
             first.iter().any(|first| {
@@ -209,13 +211,13 @@ impl<C: TestCase> Session<'_, C> {
             })
         };
         for &view in C::VIEWS {
-            let in_view = |one: &&First<C>| C::view_name(&one.view) == view;
+            let in_view = |one: &&FirstFile<C>| C::view_name(&one.view) == view;
             let mut in_view = first.iter().filter(in_view);
             // A view in which everything is refused is not offered. If no first file is decoded in any view, every view with an
             // answer other than 69 is offered, so that the run can report the errors.
             let is_offered = match is_decoded {
-                true => in_view.any(First::is_decoded),
-                false => !in_view.all(First::is_unsupported),
+                true => in_view.any(FirstFile::is_decoded),
+                false => !in_view.all(FirstFile::is_unsupported),
             };
             if is_offered {
                 offer.views.push(view);
@@ -237,7 +239,7 @@ impl<C: TestCase> Session<'_, C> {
         for kind in kinds {
             let has = |view: &&str| answered(view, Some(&kind));
             if !offer.views.iter().any(has) {
-                let is_of_kind = |one: &First<C>| suite.cases[one.case].kind() == kind;
+                let is_of_kind = |one: &FirstFile<C>| suite.cases[one.case].kind() == kind;
                 if !C::VIEWS.iter().any(has) && first.iter().any(is_of_kind) {
                     offer.unsupported.push(kind);
                 }
@@ -252,7 +254,7 @@ impl<C: TestCase> Session<'_, C> {
                         "its capabilities declare view {view} and {kind}, but it exits with 69 (unsupported) on these files in that view"
                     )));
                 }
-                offer.lacking.push((view, kind.clone()));
+                offer.missing_views.push((view, kind.clone()));
             }
         }
         offer
@@ -275,17 +277,17 @@ impl<C: TestCase> Session<'_, C> {
     /// Returns the first table spelling that the decoder reads correctly.
     pub(super) fn table_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         let cases = self.suite.cases.iter().enumerate();
-        let mut asked = cases.filter(|&(i, _)| self.plan.asks(i));
+        let mut asked = cases.filter(|&(i, _)| self.plan.is_requested(i));
         asked.find_map(|(_, case)| {
             let (spelling, view) = (case.spelling()?, offer.chosen_view(case)?);
             let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
-            let right = Right::InAll(true);
+            let right = RightDialects::InAll(true);
             matches!(observation.response, Response::Image { right: shown, .. } if shown == right)
                 .then_some(spelling)
         })
     }
 
-    /// Returns the table spelling that a decoder reads best if it reads no `spelling` case correctly, judging by small tables.
+    /// Returns the table spelling that a decoder reads best, judged by small tables, if it reads no `spelling` case correctly.
     /// Returns `None` if the evidence is weak.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
@@ -312,7 +314,7 @@ impl<C: TestCase> Session<'_, C> {
                     Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
                     // A wrong image is better evidence than no image: its values may be wrong for a different reason.
                     Response::Image { difference, .. } => {
-                        score += 1.0 + difference.map_or(1.0, |of| C::likeness(&of));
+                        score += 1.0 + difference.map_or(1.0, |of| C::similarity(&of));
                     }
                     _ => {}
                 }
@@ -329,12 +331,12 @@ impl<C: TestCase> Session<'_, C> {
 }
 
 /// Returns the reason why the program that sent these replies is not a decoder, if it is not one.
-fn non_decoder_reason<C: TestCase>(first: &[First<C>]) -> Option<String> {
-    let decoded = first.iter().any(First::is_decoded);
-    let is_refused = |first: &&First<C>| matches!(first.reply.answer, Answer::Rejected);
+fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
+    let decoded = first.iter().any(FirstFile::is_decoded);
+    let is_refused = |first: &&FirstFile<C>| matches!(first.reply.answer, Answer::Rejected);
     let refused = first.iter().filter(is_refused).count();
-    let is_violation = |first: &&First<C>| first.reply.answer.violation().is_some();
-    let First { reply, .. } = first.iter().find(is_violation).or(first.first())?;
+    let is_violation = |first: &&FirstFile<C>| first.reply.answer.violation().is_some();
+    let FirstFile { reply, .. } = first.iter().find(is_violation).or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),
         (_, Some(status @ (126 | 127))) if !decoded => {

@@ -1,7 +1,7 @@
 //! The decoder's dialect (its readings of open questions), derived from observations.
 
 use crate::session::observation::{Observation, Response};
-use crate::suite::dialect::{Axis, Dialect, Right};
+use crate::suite::dialect::{Axis, Dialect, RightDialects};
 use crate::suite::test_case::TestCase;
 
 /// The certainty of the decoder's reading of an open question.
@@ -31,7 +31,7 @@ pub fn dialect_of<C: TestCase>(
     let settled = observed.filter(|observation| observation.nondeterminism.is_none());
     let shown = settled.filter_map(|observation| match &observation.response {
         Response::Image {
-            right: Right::In { axes, combinations },
+            right: RightDialects::In { axes, combinations },
             ..
         } => Some((&axes[..], &combinations[..])),
         _ => None,
@@ -44,7 +44,7 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
     let mut certain = vec![Certainty::Open; dialect.0.len()];
     // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
     // so it is largest if it is largest in every group.
-    for axes in grouped_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
+    for axes in group_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
         for (axis, reading, certainty) in evidence::<C>(&axes, shown) {
             (dialect.0[axis], certain[axis]) = (reading, certainty);
         }
@@ -57,8 +57,9 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();
-    let is_right =
-        |dialect: &Dialect, shown: &ShownChoices| shown.1[C::CHOICES.place(dialect, shown.0)];
+    let is_right = |dialect: &Dialect, shown: &ShownChoices| {
+        shown.1[C::CHOICES.combination_index(dialect, shown.0)]
+    };
     let all = C::CHOICES.combinations(axes);
     let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
     let counts: Vec<usize> = all.iter().map(right_in).collect();
@@ -85,7 +86,7 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
 }
 
 /// Groups choices so that all choices of a set in `sets` are in the same group.
-fn grouped_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+fn group_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
     let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
     for axes in sets {
         let is_joined = |group: &mut Vec<Axis>| group.iter().any(|axis| axes.contains(axis));

@@ -1,4 +1,4 @@
-//! Checks on the user's files, which have no expected output.
+//! Checks the user's files, which have no expected output.
 //!
 //! The decoder is compared with the reference, in the best-matching reading of the open questions, and with itself: other
 //! encodings of the same values must produce the same image.

@@ -7,16 +7,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::session::dialect::{Certainty, dialect_of};
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
-use crate::session::outcome::{Judged, Outcome, ResponseKind, outcome};
+use crate::session::outcome::{Outcome, ResponseKind, Verdict, outcome};
 use crate::suite::cases::{Case, Expect, Suite};
-use crate::suite::dialect::{Dialect, Right};
+use crate::suite::dialect::{Dialect, RightDialects};
 use crate::suite::test_case::TestCase;
 
 /// The judgement of a decoder.
 #[derive(Clone, Debug)]
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
-    pub cases: Vec<Option<Judged>>,
+    pub cases: Vec<Option<Verdict>>,
     /// Reading of each open question: that of the reference, if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
@@ -89,18 +89,18 @@ struct CaseFacts<'a, C: TestCase> {
     spelling_known: bool,
 }
 
-fn verdict(outcome: Outcome, message: impl Into<String>) -> Judged {
+fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
     let message = message.into();
-    Judged { outcome, message }
+    Verdict { outcome, message }
 }
 
-fn fail(says: impl Into<String>) -> Judged {
+fn fail(says: impl Into<String>) -> Verdict {
     verdict(Outcome::Fail, says)
 }
 
 impl<C: TestCase> CaseFacts<'_, C> {
     /// Returns the outcome and the reason, according to the table and the exceptions in docs/protocol.md.
-    fn verdict(&self, offer: &Offer<C>) -> Judged {
+    fn verdict(&self, offer: &Offer<C>) -> Verdict {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
@@ -190,7 +190,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
     }
 
     /// Returns the verdict on a wrong image, or any image of a file that must be refused.
-    fn wrong_image_verdict(&self, right: &Right, differs: String) -> Judged {
+    fn wrong_image_verdict(&self, right: &RightDialects, differs: String) -> Verdict {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
@@ -208,7 +208,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 Outcome::ImplementationDefined,
                 format!("left to the implementation; the reference differs: {differs}"),
             ),
-            (_, Right::In { axes, combinations }) => {
+            (_, RightDialects::In { axes, combinations }) => {
                 let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
                 match dialects.find(|(_, right)| **right) {
                     Some((other, _)) => fail(self.mixed_readings_text(axes, &other) + &differs),
@@ -241,8 +241,8 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
 }
 
 /// Returns the features for which no must-accept file was decoded and most were answered with 69, and those for which a file was
-/// decoded. Not all files must be answered with 69, because a different mistake, perhaps in the header, may cause a refusal
-/// before the feature matters.
+/// decoded. Some files may have a different answer, because another mistake, perhaps in the header, may cause a refusal before
+/// the feature matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

@@ -10,7 +10,7 @@ use crate::generate::{plan::Residuals, spelling::Count};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Coding, Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
-use crate::session::{asking::Ask, offer::Offer};
+use crate::session::{asking::DecoderFn, offer::Offer};
 use crate::suite::features::Feature;
 
 /// Width and height in texels.
@@ -26,7 +26,7 @@ pub struct LitScene {
     /// The view in which it was requested.
     pub view: ViewKind,
     /// Correct image.
-    pub right: Vec<u8>,
+    pub correct: Vec<u8>,
     /// Received image.
     pub received: Vec<u8>,
 }
@@ -40,9 +40,9 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is none or no image is returned.
+/// Requests the scene in a format and a view that the decoder supports. Returns `None` if it supports none or returns no image.
 #[must_use]
-pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitScene> {
+pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| decoded.contains(&Feature::Format(*format)));
     // Prefer formats with the colors of the scene, then lossless ones, then ones without table or compression.
@@ -72,7 +72,7 @@ pub fn ask(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &Ask) -> Option<LitS
         Some(LitScene {
             format,
             view,
-            right: render_scene(&decode(&file).ok()?.coefficients()),
+            correct: render_scene(&decode(&file).ok()?.coefficients()),
             received: frame_to_image(&file, &frame)?,
         })
     })
@@ -187,12 +187,12 @@ mod tests {
     use crate::misreadings::answer;
     use crate::runner::run::Reply;
 
-    fn scene(view: ViewKind, format: Format, decoder: &Ask) -> Option<LitScene> {
+    fn scene(view: ViewKind, format: Format, decoder: &DecoderFn) -> Option<LitScene> {
         let offer = Offer {
             views: vec![view.name()],
             ..Offer::default()
         };
-        ask(&offer, &BTreeSet::from([Feature::Format(format)]), decoder)
+        request(&offer, &BTreeSet::from([Feature::Format(format)]), decoder)
     }
 
     #[test]
@@ -205,8 +205,8 @@ mod tests {
             for view in ViewKind::ALL {
                 let scene = scene(view, format, &reference).expect("a scene");
                 assert_eq!((scene.format, scene.view), (format, view));
-                assert_eq!(scene.right, scene.received);
-                let pairs = wanted.iter().zip(&scene.right);
+                assert_eq!(scene.correct, scene.received);
+                let pairs = wanted.iter().zip(&scene.correct);
                 let far: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
                 // LUM has no green corner, and bluish squares are brighter.
                 let room = if format == Format::Lum { 24 } else { 6 };
@@ -222,6 +222,6 @@ mod tests {
         let frame: Frame = Frame::read(b"PTM1 raw 1 1 9 u8\n123456789").expect("a frame");
         let small = move |_: &Request<'_>, _: usize| Answer::Decoded(frame.clone()).into();
         assert_eq!(scene(ViewKind::Raw, Format::Lrgb, &small), None);
-        assert_eq!(ask(&Offer::default(), &BTreeSet::new(), &small), None);
+        assert_eq!(request(&Offer::default(), &BTreeSet::new(), &small), None);
     }
 }

@@ -1,4 +1,4 @@
-//! Repetition of the first files in a locale with a decimal comma.
+//! Requests the first files again in a locale with a decimal comma.
 //!
 //! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in these locales. Numbers in PTM files have a
 //! decimal point in every locale.
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
-use crate::session::{contact::First, run::Run};
+use crate::session::{contact::FirstFile, run::Run};
 use crate::suite::cases::Suite;
 
 /// Languages for which every locale has a decimal comma.
@@ -46,11 +46,11 @@ pub fn difference(
     locale.clone_into(&mut decoder.locale);
     // The view raw depends on no number except the size, so other views are preferred.
     let preference = |view: &View| (view.kind() == ViewKind::Raw, view.kind() != ViewKind::Coef);
-    let mut first: Vec<&First> = run.first.iter().collect();
+    let mut first: Vec<&FirstFile> = run.first.iter().collect();
     first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
     first.sort_by_key(|first| (first.case, preference(&first.view)));
     first.dedup_by_key(|first| first.case);
-    first.into_iter().find_map(|First { case, view, reply }| {
+    first.into_iter().find_map(|FirstFile { case, view, reply }| {
         let Answer::Decoded(frame) = &reply.answer else {
             return None;
         };

@@ -2,7 +2,7 @@
 
 use crate::protocol::frame::Answer;
 use crate::suite::cases::{Case, Expect};
-use crate::suite::dialect::Right;
+use crate::suite::dialect::RightDialects;
 use crate::suite::test_case::{Allowance, TestCase};
 
 /// The result of one request.
@@ -16,8 +16,8 @@ pub struct Observation<C: TestCase = Case> {
     pub weak: bool,
     /// Beginning of standard error.
     pub stderr: String,
-    /// In serve mode, the case that the same process answered before.
-    pub after: Option<String>,
+    /// In serve mode, the name of the previous request to the same process.
+    pub previous_request: Option<String>,
     /// Difference between two answers to this request, if it was repeated and the answers differ.
     pub nondeterminism: Option<Nondeterminism>,
 }
@@ -27,7 +27,9 @@ impl<C: TestCase> Observation<C> {
     #[must_use]
     pub fn is_wrong_for(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
-            (Response::Image { right, .. }, Expect::Decode) => *right == Right::InAll(false),
+            (Response::Image { right, .. }, Expect::Decode) => {
+                *right == RightDialects::InAll(false)
+            }
             (Response::Violation(_), _)
             | (Response::Rejected, Expect::Decode)
             | (Response::Image { .. }, Expect::Reject | Expect::Refuse) => true,
@@ -40,7 +42,7 @@ impl<C: TestCase> Observation<C> {
 #[derive(Clone, Debug)]
 pub struct Nondeterminism {
     /// True if one of the answers is from a serving process.
-    pub served: bool,
+    pub in_serve_mode: bool,
     /// Description of the difference.
     pub message: String,
 }
@@ -51,7 +53,7 @@ pub enum Response<C: TestCase = Case> {
     /// An image, or another answer to the question.
     Image {
         /// The dialects in which it is right.
-        right: Right,
+        right: RightDialects,
         /// The difference from the output of the reference, if any.
         difference: Option<C::Difference>,
         /// The tolerance that was applied.

@@ -12,7 +12,7 @@ pub struct Offer<C: TestCase = Case> {
     /// Views, in order of preference.
     pub views: Vec<&'static str>,
     /// Views that are missing for a kind of case that the decoder decodes in other views.
-    pub lacking: Vec<(&'static str, C::Feature)>,
+    pub missing_views: Vec<(&'static str, C::Feature)>,
     /// Kinds of cases for which every first file resulted in exit status 69 in every view.
     pub unsupported: Vec<C::Feature>,
     /// Names of the kinds of cases that the decoder declares.
@@ -23,7 +23,7 @@ impl<C: TestCase> Default for Offer<C> {
     fn default() -> Self {
         Offer {
             views: Vec::new(),
-            lacking: Vec::new(),
+            missing_views: Vec::new(),
             unsupported: Vec::new(),
             declared: Vec::new(),
         }
@@ -34,7 +34,7 @@ impl<C: TestCase> Offer<C> {
     /// Returns true if the decoder decodes this kind of case only in other views.
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
-        let mut lacking = self.lacking.iter();
+        let mut lacking = self.missing_views.iter();
         lacking.any(|(lacking, of)| *lacking == C::view_name(view) && of == kind)
     }
 
@@ -47,7 +47,7 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the decoder declares this kind of case, but supports no case of it and always answered this one with 69.
+    /// Returns true if the decoder declares cases of this kind, but supports none of them and always answered this one with 69.
     #[must_use]
     pub fn is_broken_by(
         &self,

@@ -8,14 +8,14 @@ use crate::suite::cases::Expect;
 
 /// The verdict on a case, with a reason.
 #[derive(Clone, Debug)]
-pub struct Judged {
-    /// The verdict.
+pub struct Verdict {
+    /// The outcome.
     pub outcome: Outcome,
     /// The reason, in a sentence; empty if there is none.
     pub message: String,
 }
 
-/// The verdict on a case.
+/// The outcome of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {

@@ -32,7 +32,7 @@ pub struct RunPlan {
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.
     pub precomputed: bool,
-    /// Set when the user ends the run.
+    /// Flag that is set when the user ends the run.
     #[serde(skip)]
     pub stop: Arc<AtomicBool>,
 }
@@ -74,13 +74,13 @@ impl RunPlan {
     }
 
     /// Returns true if neither the user nor the declaration of the decoder excludes a view.
-    pub(super) fn may_ask(&self, view: &str) -> bool {
+    pub(super) fn allows_view(&self, view: &str) -> bool {
         let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
         allows(&self.views) && allows(&self.declared_views)
     }
 
     /// Returns true if case `i` is requested.
-    pub(super) fn asks(&self, i: usize) -> bool {
+    pub(super) fn is_requested(&self, i: usize) -> bool {
         self.withheld.get(i).is_none_or(Option::is_none)
     }
 
@@ -106,7 +106,7 @@ impl RunPlan {
 
     /// Returns the plan for a decoder with these capabilities.
     #[must_use]
-    pub fn declared_by(self, capabilities: &Capabilities) -> RunPlan {
+    pub fn with_capabilities(self, capabilities: &Capabilities) -> RunPlan {
         let formats = capabilities.formats.iter().flatten();
         let views = capabilities.views.iter().flatten();
         RunPlan {

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 pub use crate::session::asking::Session;
-use crate::session::asking::{Ask, CountCallback, is_hang};
-use crate::session::contact::{Contact, First};
+use crate::session::asking::{CountCallback, DecoderFn, is_hang};
+use crate::session::contact::{Contact, FirstFile};
 use crate::session::judge::{Judgement, judge};
 use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
@@ -24,7 +24,7 @@ pub struct Run<C: TestCase = Case> {
     /// The verdicts.
     pub judgement: Judgement<C>,
     /// The decoder's replies to the first files.
-    pub first: Vec<First<C>>,
+    pub first: Vec<FirstFile<C>>,
     /// The offer of the decoder.
     pub offer: Offer<C>,
     /// The spelling of tables that are sent to the decoder.
@@ -41,7 +41,7 @@ pub struct Run<C: TestCase = Case> {
     pub not_a_decoder: Option<String>,
     /// A scene for the HTML report, if requested.
     pub scene: Option<LitScene>,
-    /// Set when the user ends the search for causes.
+    /// Flag that is set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
     pub work: Arc<AtomicUsize>,
@@ -57,12 +57,12 @@ pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sy
 pub fn check<C: TestCase>(
     suite: &Suite<C>,
     plan: &RunPlan,
-    ask: &Ask<C>,
+    ask: &DecoderFn<C>,
     progress: &Progress<C>,
 ) -> Run<C> {
     let session = Session::new(suite, plan, ask);
     let contact = session.first_contact();
-    let observations = session.ask_cases(&contact, progress);
+    let observations = session.request_all(&contact, progress);
     session.verdicts(contact, observations, &|_, _| ())
 }
 
@@ -94,7 +94,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Requests some cases once, each in the first of its views that the decoder offers.
     ///
     /// If the run ends because of timeouts, later parallel results are dropped, so that the number of jobs has no effect.
-    pub fn ask_some(
+    pub fn request_cases(
         &self,
         contact: &Contact<C>,
         places: &[usize],
@@ -124,7 +124,7 @@ impl<C: TestCase> Session<'_, C> {
             *done += 1;
             progress(&cases[i], &observation, *done, places.len());
             observations[i] = Some(observation);
-            watch.note(place, is_hang(&reply), &self.tally);
+            watch.record_answer(place, is_hang(&reply), &self.tally);
             true
         });
         let (observations, _) = state.into_inner().expect("no worker panics");
@@ -142,11 +142,11 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests every case on the agenda.
     #[must_use]
-    pub fn ask_cases(&self, contact: &Contact<C>, progress: &Progress<C>) -> Observations<C> {
+    pub fn request_all(&self, contact: &Contact<C>, progress: &Progress<C>) -> Observations<C> {
         let mut observations = vec![None; self.suite.cases.len()];
         let (soonest, others) = self.agenda(contact);
         let all = [soonest, others].concat();
-        self.ask_some(contact, &all, &mut observations, progress);
+        self.request_cases(contact, &all, &mut observations, progress);
         observations
     }
 
@@ -182,7 +182,7 @@ impl<C: TestCase> Session<'_, C> {
             None => (&self.plan.selected, contact.end_reason.or(end_reason)),
         };
         let mut judgement = judge(suite, selected, &observations, &contact.offer);
-        if ended_early.is_none() && self.ask_again(table, &mut observations, &judgement, progress) {
+        if ended_early.is_none() && self.repeat(table, &mut observations, &judgement, progress) {
             judgement = judge(suite, selected, &observations, &contact.offer);
         }
         let reason = || all_unsupported_reason(suite, &observations);
@@ -223,7 +223,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Returns the reason why a program that answered 69 to every must-accept file is not a decoder.
+/// Returns the reason why a program that exited with 69 for every must-accept file is not a decoder.
 fn all_unsupported_reason<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

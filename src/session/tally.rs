@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Number of consecutive legal files with timeouts after which a run ends.
-const HANGS_THAT_END_A_RUN: usize = 3;
+const MAX_CONSECUTIVE_HANGS: usize = 3;
 
 /// Counts of calls so far.
 #[derive(Default)]
@@ -23,7 +23,7 @@ pub(super) struct HangWatch {
     /// True if all requests for a legal file have timed out so far; `None` if none has been answered.
     hung: Mutex<Vec<Option<bool>>>,
     /// The index of the last file that is requested.
-    last: AtomicUsize,
+    last_index: AtomicUsize,
 }
 
 impl HangWatch {
@@ -32,31 +32,31 @@ impl HangWatch {
         HangWatch {
             hung: Mutex::new(vec![None; legal.len()]),
             legal,
-            last: AtomicUsize::new(usize::MAX),
+            last_index: AtomicUsize::new(usize::MAX),
         }
     }
 
     /// Records an answer, and ends the run if the decoder timed out on three consecutive legal files. Files are consecutive by
     /// index, regardless of the order of their answers.
-    pub fn note(&self, place: usize, is_hang: bool, tally: &Tally) {
+    pub fn record_answer(&self, place: usize, is_hang: bool, tally: &Tally) {
         let Ok(rank) = self.legal.binary_search(&place) else {
             return;
         };
         let mut hung = self.hung.lock().expect("no worker panics");
         hung[rank] = Some(is_hang && hung[rank] != Some(false));
-        let near = rank.saturating_sub(HANGS_THAT_END_A_RUN - 1);
-        let rows = hung[near..].windows(HANGS_THAT_END_A_RUN);
-        let mut rows = rows.take(HANGS_THAT_END_A_RUN);
+        let near = rank.saturating_sub(MAX_CONSECUTIVE_HANGS - 1);
+        let rows = hung[near..].windows(MAX_CONSECUTIVE_HANGS);
+        let mut rows = rows.take(MAX_CONSECUTIVE_HANGS);
         if let Some(row) = rows.position(|row| row.iter().all(|hung| *hung == Some(true))) {
-            let last = self.legal[near + row + HANGS_THAT_END_A_RUN - 1];
-            self.last.fetch_min(last, Relaxed);
+            let last = self.legal[near + row + MAX_CONSECUTIVE_HANGS - 1];
+            self.last_index.fetch_min(last, Relaxed);
             tally.hung.store(true, Relaxed);
         }
     }
 
     /// Returns the index of the last file that is requested, or `None` if the run continues.
     pub fn last(&self) -> Option<usize> {
-        Some(self.last.load(Relaxed)).filter(|&last| last < usize::MAX)
+        Some(self.last_index.load(Relaxed)).filter(|&last| last < usize::MAX)
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
             for &place in asked {
                 let is_hang =
                     hanging.contains(&place) && in_time.take_if(|of| *of == place).is_none();
-                watch.note(place, is_hang, &tally);
+                watch.record_answer(place, is_hang, &tally);
             }
             assert_eq!(watch.last(), end);
             assert_eq!(tally.hung.into_inner(), end.is_some());

@@ -8,7 +8,7 @@ use crate::suite::texture::test_case::TextureView;
 
 /// Sends a file with a question and reads a JSON object from standard output.
 #[must_use]
-pub fn ask(
+pub fn send_question(
     decoder: &Decoder,
     request: &Request<'_, TextureView>,
     scratch: &Scratch,

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::protocol::frame::{Frame, ViewKind};
-use crate::session::asking::{Undo, UndoFn};
+use crate::session::asking::{UndoFn, UndoneTransform};
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::curve;
 use crate::session::probe::{Arrangement, ProbeFault, join_texts};
@@ -16,8 +16,8 @@ use crate::suite::cases::{Case, Suite};
 
 /// A change that affects all images of a view.
 pub struct CommonTransform {
-    /// The function that undoes the change in every image of the view before comparison.
-    pub undo: Undo<Case>,
+    /// The view, and the function that undoes the change in all its images before comparison.
+    pub undo: UndoneTransform<Case>,
     /// The effect of the change, and the number of affected first files.
     effect: String,
     /// The suggested fix.
@@ -27,13 +27,12 @@ pub struct CommonTransform {
 /// A reply to a first file, and the frame in it.
 type FirstImage<'a> = (&'a FirstReply<'a>, &'a Frame);
 
-fn is_explained_by(undo: &Undo<Case>, (reply, frame): &FirstImage) -> bool {
+fn is_explained_by(undo: &UndoneTransform<Case>, (reply, frame): &FirstImage) -> bool {
     let undone = (undo.undo)(frame, Some(&reply.expected.frame()));
     reply.expected.compare(&undone).is_none()
 }
 
-/// Returns the changes that the images of all first files share, view by view, if no image is right and one change explains
-/// all.
+/// Returns the changes that the images of all first files share, view by view, if no image is right and one change explains all.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);
@@ -76,7 +75,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     if !enough(wrong.len()) {
         return None;
     }
-    let explained = |undo: &Undo<Case>| {
+    let explained = |undo: &UndoneTransform<Case>| {
         let is_explained = |image: &&&FirstImage| is_explained_by(undo, image);
         let (explained, open): (Vec<&FirstImage>, Vec<&FirstImage>) =
             wrong.iter().partition(is_explained);
@@ -111,7 +110,7 @@ fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
     let change = |(says, next): ProbeFault, undo: Arc<UndoFn<Frame>>| {
         let view = view.name();
         CommonTransform {
-            undo: Undo { view, undo },
+            undo: UndoneTransform { view, undo },
             effect: says,
             next,
         }

@@ -146,14 +146,14 @@ fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
             thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "field" } th scope="col" { "value" } th scope="col" { "first bytes" } } }
             tbody { @for field in inspection.fields.iter().take(MAX_FIELDS) { tr {
                 td.number { (field.offset) } td.number { (field.length) }
-                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.begins) } }
+                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.first_bytes) } }
             } } }
         } }
         @if all > MAX_FIELDS { p.quiet { (all - MAX_FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
         @if let Some(error) = &inspection.error {
             p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.description) }
         }
-        @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " onward do not belong to a field: " code { (rest.begins) } } }
+        @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " onward do not belong to a field: " code { (rest.first_bytes) } } }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Execution of worked examples. A wrong value is an error, so published examples are always correct.
+//! Executes worked examples. A wrong value is an error, so published examples are always correct.
 
 use crate::decode::decode_as;
 use crate::formula::Edits;
@@ -8,22 +8,22 @@ use crate::reading::Reading;
 use crate::site::annotated::{Annotated, AnnotatedClause, Files, WorkedExample};
 use crate::suite::choices::CHOICES;
 
-/// Example that was executed successfully.
+/// Successful execution of an example.
 #[derive(Clone, Debug)]
-pub struct Executed {
+pub struct Execution {
     /// Description and bytes of each part.
     pub parts: Vec<(String, Vec<u8>)>,
     /// Requested view.
     pub view: String,
     /// Result of decoding.
-    pub found: Found,
+    pub found: Decoding,
     /// Results that differ under the other readings of the clause's choice.
-    pub alternatives: Vec<(&'static str, Found)>,
+    pub alternatives: Vec<(&'static str, Decoding)>,
 }
 
 /// Result of a decoder for a file.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Found {
+pub enum Decoding {
     /// Names of the requested channels, and a row per texel with the position and the values.
     Values(Vec<String>, Vec<(String, Vec<f64>)>),
     /// The file is refused. Contains the violated clause and the error message.
@@ -35,14 +35,14 @@ impl WorkedExample {
     ///
     /// # Errors
     /// Returns an error if the requested texel or channel does not exist.
-    pub fn evaluate(&self, file: &[u8]) -> Result<Found, String> {
+    pub fn evaluate(&self, file: &[u8]) -> Result<Decoding, String> {
         self.evaluate_under(file, &Reading::SPEC)
     }
 
-    fn evaluate_under(&self, file: &[u8], reading: &Reading) -> Result<Found, String> {
+    fn evaluate_under(&self, file: &[u8], reading: &Reading) -> Result<Decoding, String> {
         let ptm = match decode_as(file, reading, &Limits::default()) {
             Ok(ptm) => ptm,
-            Err(error) => return Ok(Found::Refused(error.clause(), error.to_string())),
+            Err(error) => return Ok(Decoding::Refused(error.clause(), error.to_string())),
         };
         let view: View = self.requested_view().parse()?;
         let count = view.kind().channels(ptm.planes.shape.channels());
@@ -72,7 +72,7 @@ impl WorkedExample {
             (name, values.collect())
         };
         let names = channels.iter().map(|&i| channel_name(count, i));
-        Ok(Found::Values(names.collect(), texels.map(row).collect()))
+        Ok(Decoding::Values(names.collect(), texels.map(row).collect()))
     }
 
     /// Returns the requested view.
@@ -110,7 +110,7 @@ pub fn execute(
     clause: &AnnotatedClause,
     ruling: Option<&str>,
     files: &Files,
-) -> Result<Vec<Executed>, String> {
+) -> Result<Vec<Execution>, String> {
     if clause.examples.is_empty() {
         return Err(format!("clause {}: no example", clause.clause));
     }
@@ -122,7 +122,7 @@ pub fn execute(
     Ok(executed)
 }
 
-fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Executed, String> {
+fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<Execution, String> {
     let parts = files.parts(&example.file, &example.replacements)?;
     let is_missing = |name: &&String| parts.iter().all(|(part, _)| part != *name);
     if let Some(name) = example.highlighted.iter().find(is_missing) {
@@ -142,7 +142,7 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
             otherwise.push((*says, other));
         }
     }
-    Ok(Executed {
+    Ok(Execution {
         parts,
         view: example.requested_view().to_owned(),
         found,
@@ -151,16 +151,16 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
 }
 
 /// Checks that the result equals the result that the example states.
-fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
+fn check_result(example: &WorkedExample, found: &Decoding) -> Result<(), String> {
     match (found, &example.value, &example.refused) {
-        (Found::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),
-        (Found::Refused(clause, why), _, _) => {
+        (Decoding::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),
+        (Decoding::Refused(clause, why), _, _) => {
             Err(format!("the file is refused (clause {clause}): {why}"))
         }
-        (Found::Values(..), _, Some(expected)) => Err(format!(
+        (Decoding::Values(..), _, Some(expected)) => Err(format!(
             "the file is decoded instead of refused (clause {expected})"
         )),
-        (Found::Values(_, rows), Some(value), None) => {
+        (Decoding::Values(_, rows), Some(value), None) => {
             let found: Vec<f64> = rows.iter().flat_map(|(_, values)| values.clone()).collect();
             let words: Vec<&str> = value.split_whitespace().collect();
             let is_equal = |(word, value): (&&str, &f64)| {
@@ -175,6 +175,8 @@ fn check_result(example: &WorkedExample, found: &Found) -> Result<(), String> {
             let found: Vec<String> = found.iter().map(ToString::to_string).collect();
             Err(format!("expected {value}, found {}", found.join(" ")))
         }
-        (Found::Values(..), None, None) => Err("the example states no expected result".to_owned()),
+        (Decoding::Values(..), None, None) => {
+            Err("the example states no expected result".to_owned())
+        }
     }
 }

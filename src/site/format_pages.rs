@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use maud::{Markup, html};
 
 use super::annotated::{AnnotatedClause, Chapter, WorkedExample};
-use super::example::{Executed, Found, execute};
+use super::example::{Decoding, Execution, execute};
 use super::paper::{PageContext, SiteFile};
 use super::{formula::formula, misreading_pages, overview};
 use super::{readers::readers_with_mistake, ruling_pages};
@@ -122,7 +122,7 @@ fn clause<'a>(
 fn render_example(
     paper: PageContext,
     example: &WorkedExample,
-    executed: &Executed,
+    executed: &Execution,
     number: usize,
     count: usize,
 ) -> Markup {
@@ -153,11 +153,11 @@ fn render_example(
     }
 }
 
-fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
+fn result(asks: &str, found: &Decoding, because: Option<&str>) -> Markup {
     html! {
         @match found {
-            Found::Refused(..) => p.result { (inline_result(found)) "." },
-            Found::Values(names, rows) => div.scroll tabindex="0" { table.values {
+            Decoding::Refused(..) => p.result { (inline_result(found)) "." },
+            Decoding::Values(names, rows) => div.scroll tabindex="0" { table.values {
                 thead { tr { th scope="col" { code { (asks) } } @for name in names { th.number scope="col" { (name) } } } }
                 tbody { @for (texel, values) in rows { tr { th scope="row" { "texel " (texel) } @for value in values { td.number { (value) } } } } }
             } },
@@ -166,12 +166,12 @@ fn result(asks: &str, found: &Found, because: Option<&str>) -> Markup {
     }
 }
 
-fn inline_result(found: &Found) -> Markup {
+fn inline_result(found: &Decoding) -> Markup {
     match found {
-        Found::Refused(clause, why) => {
+        Decoding::Refused(clause, why) => {
             html! { b { "Refused" } " by clause " (clause) ": " code { (why) } }
         }
-        Found::Values(_, rows) => html! {
+        Decoding::Values(_, rows) => html! {
             @for (i, (texel, values)) in rows.iter().enumerate() {
                 @if i > 0 { "; " } "texel " (texel) " is" @for value in values { " " b { (value) } }
             }

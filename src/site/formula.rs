@@ -1,4 +1,4 @@
-//! Conversion of formulas from plain text to `MathML`.
+//! Converts formulas from plain text to `MathML`.
 //!
 //! Letters form names, and digits form numbers. `_` and `^` create subscripts and superscripts, braces form groups, and `√(…)` is
 //! a square root. All other characters are operators.

@@ -50,7 +50,7 @@ impl Library {
     pub(super) fn open(annotated: Option<Annotated>, jobs: usize) -> Result<Library, String> {
         let annotated = annotated.map_or_else(|| Annotated::read(CHAPTERS, FILES), Ok)?;
         execute_all(&annotated)?;
-        let suite = Suite::load()?.prepared();
+        let suite = Suite::load()?.with_prepared_files();
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,

@@ -63,7 +63,7 @@ fn list(paper: PageContext) -> SiteFile {
                 tr {
                     td { (paper.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.dated_version()) } @else { "–" } }
-                    td { @if let Some(profile) = profile(reader) { (profile.reads.join(", ")) } @else { "–" } }
+                    td { @if let Some(profile) = profile(reader) { (profile.formats.join(", ")) } @else { "–" } }
                     td { (mistakes(reader).len()) }
                 }
             } }
@@ -100,7 +100,7 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
         h2 { "Supported files" }
         dl.facts {
             @if let Some(version) = &profile.version { dt { "Examined version" } dd { (version) } }
-            dt { "Formats" } dd { (profile.reads.join(", ")) " (" (basis(profile.evidence)) ")" }
+            dt { "Formats" } dd { (profile.formats.join(", ")) " (" (basis(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
                 dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.behavior) " (" (basis(known.evidence)) ")." } } } }
             }

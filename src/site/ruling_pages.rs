@@ -27,7 +27,7 @@ pub(super) fn describe_ruling(paper: PageContext, ruling: &Ruling) -> Markup {
     html! {
         p { b { "Question: " } (paper.prose(ruling.question.trim())) }
         p { b { "Our reading: " } (paper.prose(ruling.reading.trim())) }
-        @for also in &ruling.also { p { b { "Also correct: " } (paper.prose(also)) } }
+        @for also in &ruling.alternatives { p { b { "Also correct: " } (paper.prose(also)) } }
         p { b { "Evidence: " } (paper.prose(ruling.evidence.trim())) }
     }
 }

@@ -108,7 +108,7 @@ fn render_case(paper: PageContext, case: &TextureCase) -> Markup {
             p { (case.because) " " span.quiet { (paper.links(case.clauses.iter().map(String::as_str))) } @if let Some(ruling) = &case.ruling { " Ruling: " (paper.link(ruling)) } }
             pre tabindex="0" { (case.question()) }
             pre tabindex="0" { (case.expect) }
-            @for also in &case.also { p { "Read as " em { (also.reading) } ": " code { (also.expect) } } }
+            @for also in &case.alternatives { p { "Read as " em { (also.reading) } ": " code { (also.expect) } } }
         }
     }
 }

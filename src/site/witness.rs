@@ -1,4 +1,4 @@
-//! Search for the smallest file that reveals each misreading.
+//! Finds the smallest file that reveals each misreading.
 
 use std::collections::HashMap;
 

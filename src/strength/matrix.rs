@@ -46,7 +46,7 @@ pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Ve
 #[must_use]
 pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<Change>> {
     let rows = misreadings::texture::all().map(|misreading| {
-        let rules = misreading.change(Rules::SPEC);
+        let rules = misreading.apply_to(Rules::SPEC);
         let ask = |request: &Request<'_, _>| {
             let case = suite.case(request.name).expect("the case exists");
             case.answer(&rules)

@@ -18,19 +18,19 @@ pub fn published_url(page: &str) -> String {
     format!("{SITE}{page}")
 }
 
-/// Returns the address of the page of a section.
+/// Returns the address of the page for a section.
 #[must_use]
 pub fn chapter(section: &str) -> String {
     format!("format/{section}.html")
 }
 
-/// Returns the address of a lint code.
+/// Returns the address of the page for a lint code.
 #[must_use]
 pub fn code(id: &str) -> String {
     format!("codes/{id}.html")
 }
 
-/// Returns the address of the page of a public reader.
+/// Returns the address of the page for a public reader.
 #[must_use]
 pub fn reader(name: &str) -> String {
     format!("readers/{}.html", slug(name))
@@ -45,13 +45,13 @@ pub(crate) fn slug(name: &str) -> String {
 }
 
 impl SuiteName {
-    /// Returns the address of a case, or `None` for requests to writers, which have no page.
+    /// Returns the address of the page for a case, or `None` for requests to writers, which have no page.
     #[must_use]
     pub fn case_page(self, id: &str) -> Option<String> {
         matches!(self, SuiteName::Ptm | SuiteName::Texture).then(|| self.page("cases", id))
     }
 
-    /// Returns the address of a clause.
+    /// Returns the address of the page for a clause.
     #[must_use]
     pub fn clause_page(self, id: &str) -> Option<String> {
         if self == SuiteName::Texture {
@@ -67,13 +67,13 @@ impl SuiteName {
         Some(format!("{}#c-{}", chapter(longest), id.replace('/', "-")))
     }
 
-    /// Returns the address of a ruling.
+    /// Returns the address of the page for a ruling.
     #[must_use]
     pub fn ruling_page(self, id: &str) -> String {
         self.page("rulings", id)
     }
 
-    /// Returns the address of a misreading.
+    /// Returns the address of the page for a misreading.
     #[must_use]
     pub fn misreading_page(self, slug: &str) -> String {
         self.page("misreadings", slug)

@@ -3,7 +3,7 @@
 //! A case is stored as a recipe. Its bytes and values are generated on demand, so a large suite needs little memory.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex};
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,6 @@ use super::compare::Expected;
 use super::values::{HandValues, Piece, Values};
 use crate::generate::{Damage, Model, Recipe, write};
 use crate::generate::{plan::Compression, spelling::Count};
-use crate::kit::digest::sha256;
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
@@ -70,12 +69,10 @@ pub struct Case {
     /// Id of the valid file from which this one was edited.
     pub twin_of: Option<String>,
     /// Open choices that affect the case, if it declares them.
-    pub(super) shows: Option<Vec<String>>,
+    pub(super) open_choices: Option<Vec<String>>,
     pub(super) source: Source,
     /// File in the default spelling, if it is precomputed.
-    pub(super) prepared: Option<Arc<Built>>,
-    /// Digest of the file in the default spelling, computed at first use.
-    pub(super) digest: OnceLock<String>,
+    pub(super) prepared_file: Option<Arc<Built>>,
 }
 
 #[derive(Clone, Debug)]
@@ -140,7 +137,7 @@ impl Case {
         }
     }
 
-    /// Returns the damage of the file, if it has any.
+    /// Returns the damage to the file, if there is any.
     #[must_use]
     pub fn damage(&self) -> Option<&'static Damage> {
         match &self.source {
@@ -173,8 +170,8 @@ impl Case {
     /// depend on the readings of other choices.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
-        match &self.shows {
-            Some(shows) => shows.iter().map(String::as_str).collect(),
+        match &self.open_choices {
+            Some(choices) => choices.iter().map(String::as_str).collect(),
             None => self.compression().map_or_else(Vec::new, Compression::axes),
         }
     }
@@ -185,27 +182,10 @@ impl Case {
     /// Never panics for a case that [`Suite::load`] returned.
     #[must_use]
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
-        match &self.prepared {
+        match &self.prepared_file {
             Some(built) if table == TableSpelling::default() => Arc::clone(built),
-            _ => {
-                let built = self.make(table);
-                if table == TableSpelling::default() {
-                    self.digest.get_or_init(|| sha256(&built.file));
-                }
-                Arc::new(built)
-            }
+            _ => Arc::new(self.make(table)),
         }
-    }
-
-    /// Returns the digest of the file in the default spelling.
-    ///
-    /// # Panics
-    /// Never panics for a case that [`Suite::load`] returned.
-    #[must_use]
-    pub fn digest(&self) -> String {
-        // Reuse the digest of an earlier request.
-        let known = self.digest.get().cloned();
-        known.unwrap_or_else(|| sha256(&self.build(TableSpelling::default()).file))
     }
 
     fn make(&self, table: TableSpelling) -> Built {
@@ -266,9 +246,9 @@ pub struct Suite<C = Case> {
 impl Suite {
     /// Precomputes all files, which speeds up repeated runs.
     #[must_use]
-    pub fn prepared(mut self) -> Suite {
+    pub fn with_prepared_files(mut self) -> Suite {
         for case in &mut self.cases {
-            case.prepared = Some(Arc::new(case.make(TableSpelling::default())));
+            case.prepared_file = Some(Arc::new(case.make(TableSpelling::default())));
         }
         self
     }

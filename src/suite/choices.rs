@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(all.len(), 12);
         assert_eq!(all[0], CHOICES.reference());
         for (place, dialect) in all.iter().enumerate() {
-            assert_eq!(CHOICES.place(dialect, &some), place);
+            assert_eq!(CHOICES.combination_index(dialect, &some), place);
         }
     }
 }

@@ -47,8 +47,8 @@ pub struct Ruling {
     /// The reading of the reference.
     pub reading: String,
     /// Other readings that are also correct.
-    #[serde(default)]
-    pub also: Vec<String>,
+    #[serde(default, rename = "also")]
+    pub alternatives: Vec<String>,
     /// The behavior of known readers, or properties of real files.
     pub evidence: String,
     /// The effect on verdicts.

@@ -1,4 +1,4 @@
-//! Comparison of expected and received samples.
+//! Compares expected and received samples.
 //!
 //! - raw: equal or, in lossy JPEG planes for which inverse DCTs may differ, within the slack of the model, modulo 256.
 //! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`, plus the slack.
@@ -25,7 +25,7 @@ pub struct Expected {
     pub channels: usize,
     /// `height * width * channels` values; colors are not rounded.
     pub values: Vec<f64>,
-    /// Maximum difference of each value between the results of correct inverse DCTs; empty if there is none.
+    /// For each value, the maximum difference between the results of correct inverse DCTs; empty if they all agree.
     pub slack: Vec<f64>,
 }
 

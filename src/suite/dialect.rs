@@ -33,7 +33,7 @@ pub struct Dialect(pub Vec<usize>);
 
 /// The dialects in which an answer is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Right {
+pub enum RightDialects {
     /// In all dialects or in none, because no choice affects the case.
     InAll(bool),
     /// In dialects with certain readings of the choices that affect the case.
@@ -87,7 +87,7 @@ impl<R> Choices<R> {
 
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
     #[must_use]
-    pub fn place(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
+    pub fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
         let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
         axes.iter().fold(0, step)
     }
@@ -100,10 +100,12 @@ impl<R> Choices<R> {
 
     /// Returns true if an answer is right in a dialect.
     #[must_use]
-    pub fn is_right(&self, right: &Right, dialect: &Dialect) -> bool {
+    pub fn is_right(&self, right: &RightDialects, dialect: &Dialect) -> bool {
         match right {
-            Right::InAll(right) => *right,
-            Right::In { axes, combinations } => combinations[self.place(dialect, axes)],
+            RightDialects::InAll(right) => *right,
+            RightDialects::In { axes, combinations } => {
+                combinations[self.combination_index(dialect, axes)]
+            }
         }
     }
 }

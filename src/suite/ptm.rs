@@ -10,7 +10,7 @@ use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::choices::{CHOICES, pictures, relevant_axes};
 use crate::suite::compare::{Difference, Expected};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::features::Feature;
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::values::Values;
@@ -131,7 +131,7 @@ impl TestCase for Case {
         // Most answers are equal to the expected bytes, and then nothing else has to be compared.
         if axes.is_empty() && built.values.are_the_samples_of(frame) {
             return Comparison {
-                right: Right::InAll(true),
+                right: RightDialects::InAll(true),
                 difference: None,
                 allowance: Allowance::None,
             };
@@ -152,12 +152,12 @@ impl TestCase for Case {
                 let equals = |picture: &Option<Expected>| {
                     (picture.as_ref()).is_some_and(|picture| picture.compare(frame).is_none())
                 };
-                Right::In {
+                RightDialects::In {
                     axes,
                     combinations: pictures.iter().map(equals).collect(),
                 }
             }
-            expected => Right::InAll(
+            expected => RightDialects::InAll(
                 matches!(built.values, Values::Any) || expected.is_some() && difference.is_none(),
             ),
         };
@@ -174,11 +174,11 @@ impl TestCase for Case {
         let axes = relevant_axes(self, view);
         let expected = Expected::new(&built.values, view)?;
         let pictures = pictures(&built, view, expected, &axes);
-        let picture = pictures[CHOICES.place(dialect, &axes)].as_ref();
+        let picture = pictures[CHOICES.combination_index(dialect, &axes)].as_ref();
         picture?.compare(frame)
     }
 
-    fn likeness(difference: &Difference) -> f64 {
+    fn similarity(difference: &Difference) -> f64 {
         match difference {
             Difference::Shape { .. } => 0.0,
             Difference::Samples { wrong, samples, .. } => 1.0 - *wrong as f64 / *samples as f64,

@@ -50,7 +50,7 @@ impl MakeRecord {
         words.set(&mut recipe.matrix, self.matrix.as_ref(), str::parse)?;
         words.set(&mut recipe.entries, self.entries.as_ref(), entries)?;
         words.set(&mut recipe.indices, self.indices.as_ref(), parse_indices)?;
-        words.set(&mut recipe.first, self.first_byte.as_ref(), first)?;
+        words.set(&mut recipe.first_byte, self.first_byte.as_ref(), first)?;
         set_compression(&self.compression, words, &mut recipe.compression)?;
         for (name, text) in &self.spelling {
             set_spelling(&mut recipe.spelling, name, &words.fill(text))?;
@@ -122,7 +122,7 @@ fn set_compression(
             }
             "residuals" => plan.residuals = word(text)?,
             // The settings apply only to the streams of every second plane.
-            "alternates" => plan.alternates = flag(name, text)?,
+            "alternates" => plan.even_planes_only = flag(name, text)?,
             name if FIRST_SETTINGS.contains(&name) => {}
             name => set_stream(&mut plan.stream, name, text)?,
         }

@@ -1,7 +1,6 @@
 //! Cases as they are written in case files.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
 use serde::Deserialize;
 
@@ -59,11 +58,10 @@ impl CaseRecord {
             expect: self.expect,
             views,
             first: self.first,
-            shows: shows.or_else(|| twin?.shows.clone()),
+            open_choices: shows.or_else(|| twin?.open_choices.clone()),
             twin_of: self.twin_of.as_ref().map(|twin| words.id(twin)),
             source,
-            prepared: None,
-            digest: OnceLock::new(),
+            prepared_file: None,
         })
     }
 
@@ -128,7 +126,7 @@ impl CaseRecord {
     }
 }
 
-/// Checks that a case uses only the raw view if a different inverse DCT may turn a sample from 255 to 0. In the raw view, the
+/// Checks that a case uses only the raw view if a different inverse DCT may change a sample from 255 to 0. In the raw view, the
 /// distance between these values is one.
 fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let lossy = recipe.format.coding() == Some(Coding::Jpeg)

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Dialect, RightDialects};
 
 /// A case of any suite.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
@@ -81,7 +81,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn has_table(&self) -> bool {
         false
     }
-    /// Returns the tested spelling of a case of [`Expect::Spelling`].
+    /// Returns the table spelling that a case of [`Expect::Spelling`] tests.
     fn spelling(&self) -> Option<TableSpelling> {
         None
     }
@@ -108,8 +108,8 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     ) -> Option<Self::Difference> {
         None
     }
-    /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if there is no measure.
-    fn likeness(_difference: &Self::Difference) -> f64 {
+    /// Returns the similarity of a wrong output to the correct one, from 0 to 1, or 0 if it cannot be measured.
+    fn similarity(_difference: &Self::Difference) -> f64 {
         0.0
     }
     /// Returns true if two outputs agree in everything that a decoder controls.
@@ -132,7 +132,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
 #[derive(Clone, Debug)]
 pub struct Comparison<C: TestCase> {
     /// Dialects in which the output is right.
-    pub right: Right,
+    pub right: RightDialects,
     /// Difference from the reference's output, if any.
     pub difference: Option<C::Difference>,
     /// Tolerance that was applied.

@@ -13,7 +13,7 @@
 //!   replicated (ruling `explicit-neighbour`).
 
 use super::entry::{Boundary, ClampMethod, Entry, Vector};
-use super::{map::Texel, primitive::Fetched, rules::Rules};
+use super::{map::Texel, primitive::MapValue, rules::Rules};
 
 /// Returns the texel index along one direction for coordinate `t` in a level of `size` texels.
 #[must_use]
@@ -48,11 +48,11 @@ pub(crate) fn is_outside(t: f64) -> bool {
 }
 
 /// Returns the result of the clamp method (R-CLM-03, R-CLM-04).
-pub(crate) fn apply_clamp_method(entry: &Entry) -> Fetched {
+pub(crate) fn apply_clamp_method(entry: &Entry) -> MapValue {
     match entry.clamp_method {
-        ClampMethod::Discontinue => Fetched::Discontinued,
+        ClampMethod::Discontinue => MapValue::Discontinued,
         // clamp-color: the color is composed like a texel without alpha.
-        ClampMethod::Color => Fetched::Clamped(Texel::rgb(entry.clamp_color)),
+        ClampMethod::Color => MapValue::Clamped(Texel::rgb(entry.clamp_color)),
     }
 }
 

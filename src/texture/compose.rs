@@ -19,23 +19,23 @@
 
 use super::entry::{Channel, Color, Composition, Entry};
 use super::map::{Texel, texel_color};
-use super::primitive::{Fetched, Shade, Terms};
+use super::primitive::{MapValue, Shade, Terms};
 use super::rules::Rules;
 
 /// Applies a map to a primitive. `white` is the light on a white surface in the split form, and white in the direct form.
 #[must_use]
 pub fn compose(
     entry: &Entry,
-    fetched: &Fetched,
+    fetched: &MapValue,
     input: Shade,
     white: Color,
     rules: &Rules,
 ) -> Shade {
     match fetched {
         // R-CLM-03
-        Fetched::Discontinued => input,
-        Fetched::Clamped(color) => (rules.clamp_color)(entry, color, input, white, rules),
-        Fetched::Texel(texel) => compose_texel(entry, texel, input, white, rules),
+        MapValue::Discontinued => input,
+        MapValue::Clamped(color) => (rules.clamp_color)(entry, color, input, white, rules),
+        MapValue::Texel(texel) => compose_texel(entry, texel, input, white, rules),
     }
 }
 

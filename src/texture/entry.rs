@@ -1,7 +1,6 @@
 //! Table entries: attributes and their fallback values.
 //!
-//! An entry binds attributes to a texture map resource (R-TBL-01). A field that is not set has its fallback value
-//! (R-TBL-03 … R-TBL-17).
+//! An entry binds attributes to a texture map resource (R-TBL-01). Unset fields have fallback values (R-TBL-03 … R-TBL-17).
 //!
 //! Format notes
 //! - The entry with all fallback values uses a reflection parameterization, so it needs an eye and a normal even on a flat

@@ -40,7 +40,7 @@ pub use map::{Level, Texel, TexelKind, TextureMap};
 
 pub(crate) mod primitive;
 pub use primitive::{
-    Correction, Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection,
+    Correction, Frequency, InteriorStyle, Interpolation, LitPrimitive, MapValue, Point, Selection,
     Shade, Site, SplinePoint, Surface, VertexData,
 };
 

@@ -50,15 +50,15 @@ pub fn interpolate(
 }
 
 /// Interpolates linearly on the screen.
-pub(crate) fn linear(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
+pub(crate) fn interpolate_linearly(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
     [0, 1, 2].map(|c| ts.iter().zip(b).map(|(t, b)| b * t[c]).sum())
 }
 
 /// Interpolates with perspective correction: t is the quotient of t/w and 1/w, which are linear on the screen (R-ORI-04).
-pub(crate) fn hyperbolic(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
+pub(crate) fn interpolate_in_perspective(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
     let weights: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
     let sum: f64 = weights.iter().sum();
-    linear(ts, &weights, w).map(|t| t / sum)
+    interpolate_linearly(ts, &weights, w).map(|t| t / sum)
 }
 
 /// Returns where a texture is sampled: per facet, vertex or pixel (R-CMP-22).

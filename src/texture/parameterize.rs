@@ -19,8 +19,7 @@ use super::no_value::NoValue;
 use super::primitive::{Point, VertexData};
 use super::rules::Rules;
 
-/// Returns the texture coordinates of `point` before orientation. Coordinates beyond `dimensions`, the dimensions of the
-/// map, are arbitrary.
+/// Returns the texture coordinates of `point` before orientation. Coordinates beyond the `dimensions` of the map are arbitrary.
 ///
 /// # Errors
 /// Returns [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25) or the reflection vector is

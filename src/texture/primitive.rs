@@ -166,7 +166,7 @@ enumerants! {
 
 /// Result of sampling a map.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fetched {
+pub enum MapValue {
     /// Sampled texel.
     Texel(Texel),
     /// Clamp color, used instead of a texel.
@@ -175,13 +175,13 @@ pub enum Fetched {
     Discontinued,
 }
 
-impl Fetched {
+impl MapValue {
     /// Returns the components of the texel or clamp color, if there is one.
     #[must_use]
     pub fn components(&self) -> Option<&[f64]> {
         match self {
-            Fetched::Texel(texel) | Fetched::Clamped(texel) => Some(texel.components()),
-            Fetched::Discontinued => None,
+            MapValue::Texel(texel) | MapValue::Clamped(texel) => Some(texel.components()),
+            MapValue::Discontinued => None,
         }
     }
 }

@@ -7,7 +7,7 @@ use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
 use super::map::{CellPair, Texel};
 use super::no_value::NoValue;
 use super::primitive::{
-    Fetched, Frequency, InteriorStyle, Interpolation, LitPrimitive, Point, Selection, Shade, Site,
+    Frequency, InteriorStyle, Interpolation, LitPrimitive, MapValue, Point, Selection, Shade, Site,
     Surface, Terms, VertexData,
 };
 use crate::evaluate::RelitImage;
@@ -18,7 +18,7 @@ use crate::evaluate::RelitImage;
 pub struct Rules {
     // table
     pub(crate) fallback_values: fn() -> Entry,
-    pub(crate) valid_index: fn(i64) -> bool,
+    pub(crate) is_valid_index: fn(i64) -> bool,
     pub(crate) undefined_entry: fn(&Table, &Rules) -> Entry,
     // selection
     pub(crate) uses_back: fn(&Surface) -> bool,
@@ -49,7 +49,7 @@ pub struct Rules {
     pub(crate) site: fn(Interpolation, Frequency) -> Site,
     // composition
     pub(crate) stage:
-        fn(&[(Entry, Fetched)], &LitPrimitive, Interpolation, Frequency, &Rules) -> Shade,
+        fn(&[(Entry, MapValue)], &LitPrimitive, Interpolation, Frequency, &Rules) -> Shade,
     pub(crate) add_specular: fn(Shade, Color) -> Shade,
     pub(crate) light: fn(Shade, &LitPrimitive) -> Shade,
     pub(crate) texel_color: fn(&Texel) -> Color,
@@ -70,7 +70,7 @@ pub struct Rules {
     pub(crate) condition: fn(&Entry, usize) -> Boundary,
     pub(crate) is_clamped: fn(&Entry, Vector, usize, &Rules) -> bool,
     pub(crate) is_outside: fn(f64) -> bool,
-    pub(crate) clamp: fn(&Entry) -> Fetched,
+    pub(crate) clamp: fn(&Entry) -> MapValue,
     pub(crate) clamp_color: fn(&Entry, &Texel, Shade, Color, &Rules) -> Shade,
     pub(crate) wrap: fn(i64, usize) -> usize,
     pub(crate) mirror: fn(i64, usize) -> usize,

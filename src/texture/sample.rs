@@ -12,7 +12,7 @@
 use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{CellPair, Level, Texel, TextureMap};
-use super::{primitive::Fetched, rules::Rules};
+use super::{primitive::MapValue, rules::Rules};
 
 /// Samples `map` at `t` and `depth` with the method of the entry for magnified or minified maps.
 #[must_use]
@@ -23,7 +23,7 @@ pub fn fetch(
     depth: f64,
     magnify: bool,
     rules: &Rules,
-) -> Fetched {
+) -> MapValue {
     if is_clamped(entry, t, map.dimensions(), rules) {
         return (rules.clamp)(entry);
     }
@@ -41,7 +41,7 @@ pub fn fetch(
         Texel::sum(map.kind(), parts.into_iter())
     };
     let closest = (rules.closest_level)(depth, top);
-    Fetched::Texel(match (rules.method)(entry, magnify) {
+    MapValue::Texel(match (rules.method)(entry, magnify) {
         SampleMethod::SingleBase => level(0, closest_texel),
         SampleMethod::WeightedBase => level(0, weighted_average),
         SampleMethod::SingleInMipmap => level(closest, closest_texel),

@@ -1,4 +1,4 @@
-//! Selection of the table entries for a facet.
+//! Selects the table entries for a facet.
 //!
 //! The table is used for surfaces with interior style Texture (R-SEL-01). If facets are distinguished, back-facing facets
 //! have a separate style and list (R-SEL-02). Each index in the active list selects an entry (R-SEL-03). Indices after the

@@ -1,4 +1,4 @@
-//! Rendering control: application of all maps and the light to a primitive, in one of two forms.
+//! Rendering control: applies all maps and the light to a primitive, in one of two forms.
 //!
 //! Each map is applied to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
 //! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but texture
@@ -13,13 +13,13 @@
 
 use super::compose::{compose, multiply};
 use super::entry::{Color, Entry, RenderingControl};
-use super::primitive::{Fetched, Frequency, Interpolation, LitPrimitive, Shade};
+use super::primitive::{Frequency, Interpolation, LitPrimitive, MapValue, Shade};
 use super::rules::Rules;
 
 /// Applies all `maps` and the light to a primitive.
 #[must_use]
 pub fn stage(
-    maps: &[(Entry, Fetched)],
+    maps: &[(Entry, MapValue)],
     lit: &LitPrimitive,
     interpolation: Interpolation,
     frequency: Frequency,
@@ -30,7 +30,7 @@ pub fn stage(
 
 /// Applies `PreLight` maps, the light, and `PostLight` maps.
 pub(crate) fn apply_all_maps(
-    maps: &[(Entry, Fetched)],
+    maps: &[(Entry, MapValue)],
     lit: &LitPrimitive,
     interpolation: Interpolation,
     frequency: Frequency,
@@ -73,7 +73,7 @@ pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
 }
 
 /// Performs the reflectance calculation: CW·C + CS.
-pub(crate) fn light(shade: Shade, lit: &LitPrimitive) -> Shade {
+pub(crate) fn apply_light(shade: Shade, lit: &LitPrimitive) -> Shade {
     let color = multiply(lit.white, shade.color);
     add_specular(Shade { color, ..shade }, lit.specular)
 }

@@ -1,4 +1,4 @@
-//! Lookup of table entries by index.
+//! Looks up table entries by index.
 //!
 //! Valid indices are 1 to 65535. The fallback entry is entry 1 (R-RST-02, R-RST-03).
 //!
@@ -14,7 +14,7 @@ use super::{no_value::NoValue, rules::Rules};
 /// # Errors
 /// Returns [`NoValue::OutOfRange`] if the index is not in 1 … 65535 (R-RST-02).
 pub fn resolve(table: &Table, index: i64, rules: &Rules) -> Result<Entry, NoValue> {
-    if !(rules.valid_index)(index) {
+    if !(rules.is_valid_index)(index) {
         return Err(NoValue::OutOfRange("index-out-of-range"));
     }
     let entry = table.get(&index).cloned();
@@ -22,7 +22,7 @@ pub fn resolve(table: &Table, index: i64, rules: &Rules) -> Result<Entry, NoValu
 }
 
 /// Returns true if the index is from 1 to 65535 (R-RST-02).
-pub(crate) fn valid_index(index: i64) -> bool {
+pub(crate) fn is_valid_index(index: i64) -> bool {
     (1..=65535).contains(&index)
 }
 

@@ -1,4 +1,4 @@
-//! Conversion of a map to another format. The result is written by the generator and verified by reading it back.
+//! Converts a map to another format. The generator writes the result, which is then read back and compared.
 //!
 //! Conversion is lossless or refused with a reason; a map is never changed to fit. The exceptions are JPEG, whose loss
 //! depends on the quality, and near-lossless JPEG-LS, on request.
@@ -30,8 +30,7 @@ impl Target {
     /// Checks that quality and loss apply to the format. The error message begins with the name of the offending parameter.
     ///
     /// # Errors
-    /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for a format other
-    /// than JPEG-LS.
+    /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss outside JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
         let is_jpeg = format.coding() == Some(Coding::Jpeg);
@@ -50,11 +49,11 @@ impl Target {
 
 /// Converted map.
 #[derive(Debug)]
-pub struct Converted {
+pub struct ConvertedMap {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
     /// Largest difference between two stored values after compression; 0 if the conversion is lossless.
-    pub largest: u8,
+    pub max_difference: u8,
     /// Number of entries in the lookup table, if there is one.
     pub entries: Option<usize>,
 }
@@ -63,15 +62,15 @@ pub struct Converted {
 ///
 /// # Errors
 /// Returns a message if the target cannot represent the map, or if the converted file differs when it is read back.
-pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Converted, String> {
+pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
     let model = Model::new(&recipe, &samples);
     let model = model.map_err(|why| format!("{source} into {}: {why}", target.format))?;
     let bytes = write(&recipe, &model).bytes;
-    Ok(Converted {
-        largest: verify(&bytes, ptm, &samples, target)?,
+    Ok(ConvertedMap {
+        max_difference: verify(&bytes, ptm, &samples, target)?,
         bytes,
         entries: (!model.table.is_empty()).then(|| model.entries()),
     })

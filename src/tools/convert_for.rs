@@ -1,12 +1,12 @@
-//! Conversion of a map to a file that the given readers display correctly.
+//! Converts a map to a file that the given readers display correctly.
 //!
 //! Tries lossless conversion to each format that all of the readers support, beginning with the format of the file, and
 //! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts.
 
-use super::convert::{Converted, Target, convert};
+use super::convert::{ConvertedMap, Target, convert};
 use super::{dissection::Dissection, join_texts};
 use crate::ptm::{Coding, Format, Ptm};
-use crate::readers::{OpenedFile, ReaderProfile, Shown};
+use crate::readers::{OpenedFile, ReaderProfile, Rendering};
 
 /// Formats to try after the format of the file, the most widely supported first.
 const FORMATS_TO_TRY: [Format; 7] = [
@@ -27,7 +27,7 @@ pub fn convert_for(
     dissection: &Dissection,
     ptm: &Ptm,
     readers: &[&ReaderProfile],
-) -> Result<(Format, Converted), String> {
+) -> Result<(Format, ConvertedMap), String> {
     let own = ptm.header.format;
     let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let is_supported = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
@@ -58,7 +58,7 @@ fn try_format(
     ptm: &Ptm,
     format: Format,
     readers: &[&ReaderProfile],
-) -> Result<Converted, String> {
+) -> Result<ConvertedMap, String> {
     if format.coding() == Some(Coding::Jpeg) {
         return Err(format!("{format} is lossy"));
     }
@@ -72,7 +72,7 @@ fn try_format(
     let subject = OpenedFile::new(&converted.bytes);
     for reader in readers {
         let prediction = subject.predict(reader);
-        if prediction.result != Shown::Right {
+        if prediction.result != Rendering::Right {
             let (shows, how) = (prediction.result.name(), prediction.fault);
             let reader = prediction.reader;
             return Err(format!("as {format}, {reader} would show {shows} ({how})"));

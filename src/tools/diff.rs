@@ -1,4 +1,4 @@
-//! Comparison of two files: header, planes and encoding.
+//! Compares two files: header, planes and encoding.
 
 use std::fmt::Write as _;
 
@@ -16,7 +16,8 @@ pub struct MapDifference {
     /// Planes that differ, if both maps have the same number of planes and the same size.
     pub planes: Vec<PlaneDifference>,
     /// Differences in encoding that do not change the map.
-    pub written: Vec<String>,
+    #[serde(rename = "written")]
+    pub encoding: Vec<String>,
 }
 
 /// Differences between two versions of a plane.
@@ -58,14 +59,14 @@ pub fn diff(a: (&[u8], &Ptm), b: (&[u8], &Ptm)) -> MapDifference {
     }
     if a.header.format != b.header.format {
         let (a, b) = (a.header.format, b.header.format);
-        difference.written.push(format!("format: {a} and {b}"));
+        difference.encoding.push(format!("format: {a} and {b}"));
     }
     difference.same = difference.header.is_empty() && difference.planes.is_empty();
-    if difference.same && difference.written.is_empty() && a_file != b_file {
+    if difference.same && difference.encoding.is_empty() && a_file != b_file {
         let (a, b) = (a_file.len(), b_file.len());
         let first = a_file.iter().zip(b_file).position(|(a, b)| a != b);
         let first = first.unwrap_or(a.min(b));
-        difference.written.push(format!(
+        difference.encoding.push(format!(
             "{a} and {b} bytes; the first difference is at byte {first}"
         ));
     }
@@ -148,7 +149,7 @@ impl MapDifference {
                 plane.plane, first.x, first.y
             );
         }
-        for line in &self.written {
+        for line in &self.encoding {
             let _ = writeln!(out, "encoded differently: {line}");
         }
         out

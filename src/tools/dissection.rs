@@ -27,8 +27,8 @@ pub struct FilePart {
     /// Value of the part; set by `inspect`.
     pub value: String,
     /// First bytes of the part, if it is not text; set by `inspect`.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub begins: String,
+    #[serde(rename = "begins", skip_serializing_if = "String::is_empty")]
+    pub first_bytes: String,
     /// Entries, segments or records of the part; set by `inspect`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<FilePart>,

@@ -1,4 +1,4 @@
-//! Export of values to OpenEXR, NPY and PNG.
+//! Exports values to OpenEXR, NPY and PNG.
 
 use std::io::Cursor;
 

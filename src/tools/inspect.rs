@@ -72,7 +72,8 @@ pub struct Rest {
     /// Number of bytes.
     pub length: usize,
     /// First bytes in hexadecimal.
-    pub begins: String,
+    #[serde(rename = "begins")]
+    pub first_bytes: String,
 }
 
 /// Dissects `file` and describes every part.
@@ -103,7 +104,7 @@ pub fn inspect(file: &[u8]) -> Inspection {
         rest: (end < file.len()).then(|| Rest {
             offset: end,
             length: file.len() - end,
-            begins: hexadecimal(&file[end..]),
+            first_bytes: hexadecimal(&file[end..]),
         }),
     }
 }
@@ -114,7 +115,7 @@ fn inspect_part(dissection: &Dissection, i: usize) -> FilePart {
     let bytes = &dissection.file[part.range()];
     let mut field = part.clone();
     if part.role.is_payload() {
-        field.begins = hexadecimal(bytes);
+        field.first_bytes = hexadecimal(bytes);
         (field.value, field.parts) = describe(dissection, part, bytes);
     } else {
         field.gap = visible_symbols(dissection.gap_after(i));
@@ -274,7 +275,7 @@ impl Inspection {
             let _ = writeln!(
                 out,
                 "{DIM_STYLE}{:>8} {:>8}{DIM_STYLE:#}  {:<12}  {NAME_STYLE}{label}{NAME_STYLE:#}  {DIM_STYLE}{}{DIM_STYLE:#}",
-                rest.offset, rest.length, "", rest.begins
+                rest.offset, rest.length, "", rest.first_bytes
             );
         }
         out
@@ -328,8 +329,8 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
         );
         space = 0;
     }
-    if !first.begins.is_empty() {
-        let _ = write!(out, "  {DIM_STYLE}{}{DIM_STYLE:#}", first.begins);
+    if !first.first_bytes.is_empty() {
+        let _ = write!(out, "  {DIM_STYLE}{}{DIM_STYLE:#}", first.first_bytes);
     }
     out.push('\n');
 }

@@ -1,4 +1,4 @@
-//! Export of the suite as a corpus for other projects: files, expected arrays and images, a manifest, and instructions.
+//! Exports the suite as a corpus for other projects: files, expected arrays and images, a manifest, and instructions.
 //!
 //! Unlike `corpus/`, which is for the tests of this repository, an exported corpus needs no protocol: a test loads a file,
 //! decodes it, and compares the result with an array. The same version and profile always produce the same bytes.

@@ -1,4 +1,4 @@
-//! Rendering of a map under one light, under many lights, or as surface normals.
+//! Renders a map under one light, under many lights, or as surface normals.
 
 use std::io::Cursor;
 

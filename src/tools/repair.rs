@@ -1,4 +1,4 @@
-//! Repair of faults that have only one possible correction:
+//! Repairs faults that have only one possible correction:
 //!
 //! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones
@@ -18,7 +18,7 @@ use crate::ptm::{Format, Ptm};
 
 /// Repaired file.
 #[derive(Debug)]
-pub struct Repaired {
+pub struct RepairedFile {
     /// Bytes of the repaired file.
     pub bytes: Vec<u8>,
     /// Descriptions of the changes.
@@ -39,7 +39,7 @@ struct LenientHeader<'a> {
 ///
 /// # Errors
 /// Returns a message if there is nothing to repair, or if the faults cannot be repaired without guessing.
-pub fn repair(file: &[u8]) -> Result<Repaired, String> {
+pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
     let before = decode(file);
     let mut changes = Vec::new();
     let mut bytes = file.to_vec();
@@ -69,7 +69,7 @@ pub fn repair(file: &[u8]) -> Result<Repaired, String> {
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
         return Err(format!("the result is a different map; {bug}"));
     }
-    Ok(Repaired { bytes, changes })
+    Ok(RepairedFile { bytes, changes })
 }
 
 impl<'a> LenientHeader<'a> {

@@ -1,4 +1,4 @@
-//! Search for mistakes of a writer that explain its wrong files.
+//! Finds the mistakes of a writer that explain its wrong files.
 //!
 //! A mistake explains a file if only a reader with this misreading sees the right values in the file, or if the file contains
 //! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads
@@ -12,7 +12,7 @@ use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
 use crate::generate::Recipe;
 use crate::kit::parallel::map_in_parallel;
 use crate::misreadings::Misreading;
-use crate::misreadings::writing::{self, Miswriting};
+use crate::misreadings::writing::{self, WriterMistake};
 use crate::ptm::Format;
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
@@ -28,7 +28,7 @@ const MAX_FILE_BYTES: usize = 100_000;
 const SCREENED_FILES: usize = 3;
 
 /// Number of unexplained files for which pairs of mistakes are tried, smallest first.
-const PAIR_SEARCHED_FILES: usize = 4;
+const PAIR_SEARCH_FILES: usize = 4;
 
 /// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
@@ -37,7 +37,7 @@ type WriterDiagnosis = Diagnosis<&'static Misreading>;
 struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.
-    right: Vec<u8>,
+    reference_file: Vec<u8>,
     file: Vec<u8>,
 }
 
@@ -86,13 +86,13 @@ fn attempt(
     index: usize,
 ) -> Option<Attempt> {
     let request = suite.cases[index].request();
-    let right = write_requested_file(&request).ok()?;
+    let reference_file = write_requested_file(&request).ok()?;
     let wrong = wrong_file(run.observations[index].as_ref());
-    let file = wrong.map_or(&right[..], |(file, _)| file).to_vec();
-    let is_small = right.len().max(file.len()) <= MAX_FILE_BYTES;
+    let file = wrong.map_or(&reference_file[..], |(file, _)| file).to_vec();
+    let is_small = reference_file.len().max(file.len()) <= MAX_FILE_BYTES;
     is_small.then_some(Attempt {
         request,
-        right,
+        reference_file,
         file,
     })
 }
@@ -100,7 +100,7 @@ fn attempt(
 /// Returns the attempts of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
 fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a Attempt> {
     let mut smallest: Vec<&Attempt> = failing.iter().filter_map(|i| attempts.get(i)).collect();
-    smallest.sort_by_key(|attempt| attempt.right.len());
+    smallest.sort_by_key(|attempt| attempt.reference_file.len());
     let mut counts: BTreeMap<Format, usize> = BTreeMap::new();
     smallest.retain(|attempt| {
         let count = counts.entry(attempt.request.format).or_default();
@@ -116,15 +116,16 @@ fn single_mistakes(
     failing: &[usize],
     passing: &[usize],
     threads: usize,
-) -> Vec<CoverCandidate<&'static Miswriting>> {
-    let mistakes: Vec<&'static Miswriting> = writing::all().collect();
+) -> Vec<CoverCandidate<&'static WriterMistake>> {
+    let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
     let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |a: &Attempt| explains(&a.request, &a.right, &a.file, mistake.step);
+        let explains = |a: &Attempt| explains(&a.request, &a.reference_file, &a.file, mistake.step);
         // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
-        let contradicts = |Attempt { request, right, .. }: &Attempt| {
-            !MisreadFile::new(right, &[mistake.step]).is_some_and(|seen| seen.is_right(request))
+        let contradicts = |a: &Attempt| {
+            let seen = MisreadFile::new(&a.reference_file, &[mistake.step]);
+            !seen.is_some_and(|seen| seen.is_right(&a.request))
         };
         if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
@@ -142,9 +143,9 @@ fn mistake_pairs(
     attempts: &Attempts,
     failing: &[usize],
     threads: usize,
-) -> Vec<CoverCandidate<(&'static Miswriting, &'static Miswriting)>> {
-    let mistakes: Vec<&'static Miswriting> = writing::all().collect();
-    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&Miswriting; 2]| {
+) -> Vec<CoverCandidate<(&'static WriterMistake, &'static WriterMistake)>> {
+    let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
+    let explains = |Attempt { request, file, .. }: &Attempt, pair: [&WriterMistake; 2]| {
         is_right_only_with(request, file, &pair.map(|mistake| mistake.step))
     };
     let pair = |attempt: &Attempt| {
@@ -163,10 +164,7 @@ fn mistake_pairs(
         CoverCandidate::new((first, second), failing, explains, &[], |_| false)
     };
     let smallest = smallest_attempts(attempts, failing).into_iter();
-    smallest
-        .take(PAIR_SEARCHED_FILES)
-        .filter_map(pair)
-        .collect()
+    smallest.take(PAIR_SEARCH_FILES).filter_map(pair).collect()
 }
 
 /// Describes the failures that no mistake in the catalog explains, grouped by the clause of the first difference.

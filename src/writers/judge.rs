@@ -1,4 +1,4 @@
-//! Comparison of a written file with the requested values.
+//! Compares a written file with the requested values.
 //!
 //! The reference must be able to decode the file, and `lint` must find no error. The header and the planes must match the
 //! request. For planes of lossy formats, the tolerance depends on the compression parameter.

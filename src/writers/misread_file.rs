@@ -1,7 +1,7 @@
-//! Comparison of requested values with a file as seen by a reader with mistakes.
+//! Compares requested values with a file, as a reader with mistakes sees the file.
 //!
-//! A writer can misread a clause in the same way as a reader. Then either only a reader with this mistake sees the right values
-//! in the file, or the file contains the values that this reader sees in the right file.
+//! A writer can misread a clause in the same way as a reader. In that case, either only a reader with this mistake sees the right
+//! values in the file, or the file contains the values that this reader sees in the right file.
 
 use crate::decode::fields;
 use crate::formula::{self, Edit, Edits};
@@ -15,7 +15,7 @@ use crate::writers::request::{WriteRequest, new_map};
 use crate::writers::{judge::is_same_number, lossy::matches_within_loss};
 
 /// Views of four lights; if any coefficient differs, the color differs in at least one of them.
-const LIT_VIEWS: [&str; 4] = [
+const VIEWS: [&str; 4] = [
     "rgb:0.3125,-0.4375",
     "rgb:0,0",
     "rgb:-0.5,0.25",
@@ -54,7 +54,7 @@ fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> b
     }
     // Applying a decoding mistake twice undoes it.
     mistake.step.stage() != Stage::Decoding
-        && requires_mistakes(right, &[mistake], |seen| seen.is_written_as_seen(file))
+        && requires_mistakes(right, &[mistake], |seen| seen.has_values_of(file))
 }
 
 /// Returns true if `predicate` is true for a reader with these mistakes and false for a reader without them.
@@ -103,8 +103,8 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if the values equal those of `request`. Compares stored values, or derived values if a mistake takes
-    /// effect at a later stage.
+    /// Returns true if the values equal those of `request`. Compares stored values, or derived values if a mistake takes effect
+    /// later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
@@ -113,7 +113,7 @@ impl MisreadFile {
     }
 
     /// Returns true if `file`, read without mistakes, contains exactly the values that this reader sees.
-    fn is_written_as_seen(&self, file: &[u8]) -> bool {
+    fn has_values_of(&self, file: &[u8]) -> bool {
         MisreadFile::new(file, &[]).is_some_and(|found| {
             found.ptm.planes.samples == self.ptm.planes.samples
                 && found.has_equal_numbers(self, self.stage)
@@ -125,9 +125,7 @@ impl MisreadFile {
         self.ptm.header.size == other.ptm.header.size
             && match stage {
                 Stage::Coefficients => self.equals_in_view(other, "coef"),
-                Stage::Color => LIT_VIEWS
-                    .iter()
-                    .all(|light| self.equals_in_view(other, light)),
+                Stage::Color => VIEWS.iter().all(|light| self.equals_in_view(other, light)),
                 _ => equal_header_numbers(&self.ptm, &other.ptm),
             }
     }

@@ -21,7 +21,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::load_writer_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
-        let reply = asking::ask(writer, case, 1, scratch);
+        let reply = asking::request_file(writer, case, 1, scratch);
         let format = case.format.short_name();
         match &reply.answer {
             Answer::Decoded(file) => check_file(&mut list, case, file),

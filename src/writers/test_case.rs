@@ -13,12 +13,12 @@ use crate::kit::digest::sha256;
 use crate::misreadings::Misreading;
 use crate::ptm::{Format, Size};
 use crate::report::html::{download, standard_error};
-use crate::report::reported::Reported;
+use crate::report::reported::Reportable;
 use crate::runner::write::Attachment;
 use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
 use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::dialect::{Choices, Right};
+use crate::suite::dialect::{Choices, RightDialects};
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::{features::Feature, name::SuiteName};
 use crate::writers::fault::WriterFault;
@@ -225,7 +225,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
             _ => V::judge(&built.request, self.format, &file.0).err(),
         };
         Comparison {
-            right: Right::InAll(difference.is_none()),
+            right: RightDialects::InAll(difference.is_none()),
             difference,
             allowance: Allowance::None,
         }
@@ -248,7 +248,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     }
 }
 
-impl<V: RequestValues> Reported for FileCase<V> {
+impl<V: RequestValues> Reportable for FileCase<V> {
     const SUITE: SuiteName = V::SUITE;
 
     type MisreadingPoint = &'static Misreading;

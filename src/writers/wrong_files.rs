@@ -1,4 +1,4 @@
-//! Generation of wrong files for tests, as a writer with a misreading would write them.
+//! Generates wrong files for tests, as a writer with a misreading would write them.
 //!
 //! Three rules cover all misreadings. If none of them produces a file that reveals the misreading, no such file exists.
 //!

@@ -65,15 +65,15 @@ impl Workspace {
     }
 
     /// Runs `check --report report.yaml` with the rest of a command line.
-    pub fn check(&self, line: &str) -> Checked {
+    pub fn check(&self, line: &str) -> CheckRun {
         let (status, text) = self.run(&format!("check --report report.yaml {line}"));
-        Checked::new(status, text, &self.path("report.yaml"))
+        CheckRun::new(status, text, &self.path("report.yaml"))
     }
 
     /// Runs `check-writer --report report.yaml` with the rest of a command line.
-    pub fn check_writer(&self, line: &str) -> Checked {
+    pub fn check_writer(&self, line: &str) -> CheckRun {
         let (status, text) = self.run(&format!("check-writer --report report.yaml {line}"));
-        Checked::new(status, text, &self.path("report.yaml"))
+        CheckRun::new(status, text, &self.path("report.yaml"))
     }
 
     /// Writes a file, and creates its directory if necessary.
@@ -136,13 +136,13 @@ pub fn assert_contains(text: &str, parts: &str) {
 
 /// Replaces `find`, which must occur exactly once.
 #[track_caller]
-pub fn edited(text: &str, find: &str, replace: &str) -> String {
+pub fn edit(text: &str, find: &str, replace: &str) -> String {
     assert_eq!(text.matches(find).count(), 1, "{find}");
     text.replace(find, replace)
 }
 
 /// Waits until a condition is true. Returns false if it is still false after the given number of seconds.
-pub fn eventually(seconds: u64, condition: impl Fn() -> bool) -> bool {
+pub fn wait_until(seconds: u64, condition: impl Fn() -> bool) -> bool {
     let deadline = Instant::now() + Duration::from_secs(seconds);
     while !condition() {
         if Instant::now() > deadline {
@@ -178,7 +178,7 @@ pub fn have_proc() -> bool {
 }
 
 /// Result of a `check`.
-pub struct Checked {
+pub struct CheckRun {
     /// Exit status.
     pub status: i32,
     /// Standard output, followed by standard error.
@@ -187,11 +187,11 @@ pub struct Checked {
     pub report: Value,
 }
 
-impl Checked {
-    pub fn new(status: i32, text: String, report: &Path) -> Checked {
+impl CheckRun {
+    pub fn new(status: i32, text: String, report: &Path) -> CheckRun {
         let report = fs::read_to_string(report).ok();
         let report = report.and_then(|text| from_yaml(&text).ok());
-        Checked {
+        CheckRun {
             status,
             text,
             report: report.unwrap_or_default(),
@@ -242,17 +242,17 @@ pub fn program() -> Command {
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_ptm-conform");
 
 /// Runs `check` with the rest of a command line in a new workspace.
-pub fn check(line: &str) -> Checked {
+pub fn check(line: &str) -> CheckRun {
     Workspace::new().check(line)
 }
 
 /// Runs `check-writer` with the rest of a command line in a new workspace.
-pub fn check_writer(line: &str) -> Checked {
+pub fn check_writer(line: &str) -> CheckRun {
     Workspace::new().check_writer(line)
 }
 
 /// Runs a `check` that writes its report to `report`. Also returns the peak memory in KiB, or 0 without /proc.
-pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
+pub fn run_measured(mut command: Command, report: &Path) -> (CheckRun, u64) {
     let mut child = command
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -279,7 +279,7 @@ pub fn run_measured(mut command: Command, report: &Path) -> (Checked, u64) {
         .flat_map(|reader| reader.join().expect("no reader panics"))
         .collect();
     let text = String::from_utf8_lossy(&text).into_owned();
-    (Checked::new(exit.code().unwrap_or(-1), text, report), peak)
+    (CheckRun::new(exit.code().unwrap_or(-1), text, report), peak)
 }
 
 fn read_in_background(mut pipe: impl Read + Send + 'static) -> JoinHandle<Vec<u8>> {
@@ -351,7 +351,7 @@ pub fn repository_text(path: &str) -> String {
 /// Returns true if a program can be started. Prints SKIPPED if not.
 pub fn have(program: &str) -> bool {
     let starts = Command::new(program).arg("--version").output().is_ok();
-    starts || skipped(&format!("{program} is not installed"))
+    starts || skip(&format!("{program} is not installed"))
 }
 
 /// Returns true if the standard library is installed for a compiler target. Prints SKIPPED if not.
@@ -360,7 +360,7 @@ pub fn have_target(target: &str) -> bool {
         .args(["--print", "target-libdir", "--target", target])
         .output();
     libraries.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).exists())
-        || skipped(&format!("rustc has no target {target}"))
+        || skip(&format!("rustc has no target {target}"))
 }
 
 /// Returns true if the packages are installed for python3. Prints SKIPPED if not.
@@ -370,11 +370,11 @@ pub fn have_python(packages: &[&str]) -> bool {
         .args(["-c", &format!("import {imports}")])
         .output();
     imported.is_ok_and(|output| output.status.success())
-        || skipped(&format!("python3 with {imports} is not installed"))
+        || skip(&format!("python3 with {imports} is not installed"))
 }
 
 /// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
-fn skipped(why: &str) -> bool {
+fn skip(why: &str) -> bool {
     println!("SKIPPED: {why}");
     assert!(
         std::env::var_os("PTM_CONFORM_SKIP_NOTHING").is_none(),

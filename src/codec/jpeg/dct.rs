@@ -17,7 +17,7 @@ pub(super) const FRACTION_BITS: u32 = 13;
 /// Number of fractional bits that values keep between the two passes.
 pub(super) const EXTRA_BITS: u32 = 2;
 
-/// Fixed-point numbers in integers of 64 or 32 bits.
+/// Fixed-point numbers, stored in integers of 64 or 32 bits.
 ///
 /// 64 bits suffice for every stream. In 32 bits, sums and products may wrap.
 pub(super) trait FixedPoint:

@@ -20,7 +20,7 @@ use super::quantization::{quantize_image, scaled_steps};
 use super::symbols::{image_symbols, write_symbols};
 use super::zigzag::ZIGZAG;
 use crate::codec::markers::{APP0, DRI};
-use crate::codec::writer::{Encoded, Writer, check_size};
+use crate::codec::writer::{EncodedImage, Writer, check_size};
 
 /// Options of the encoder: the ways of encoding an image that the standard allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,7 +69,7 @@ impl JpegOptions {
 ///
 /// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, or an option is out of range.
 #[must_use]
-pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> Encoded {
+pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> EncodedImage {
     check_size(samples, width, height);
     let (quality, (h, v)) = (options.quality, options.sampling);
     assert!((1..=100).contains(&quality), "quality {quality}");
@@ -103,7 +103,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     stream.write_scan_header(dc << 4 | ac, [0, 63, 0]); // the whole spectrum (Table B.3)
     write_symbols(&mut stream, &symbols, &tables);
     let stream = stream.finish();
-    Encoded { stream, samples }
+    EncodedImage { stream, samples }
 }
 
 /// Returns true if some quantization step does not fit in a byte.
@@ -123,7 +123,7 @@ fn write_quantization(stream: &mut Writer, steps: &[u16; 64], options: &JpegOpti
         }
         content
     };
-    let tables = used_tables(options, 0).map(|(number, is_used)| table(number, is_used));
+    let tables = tables_to_write(options, 0).map(|(number, is_used)| table(number, is_used));
     write_tables(stream, 0xDB, &tables.collect::<Vec<_>>(), options);
 }
 
@@ -136,7 +136,7 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
             symbols: vec![0],
         };
         unused.counts[0] = 1;
-        for (number, is_used) in used_tables(options, 1 + usize::from(class)) {
+        for (number, is_used) in tables_to_write(options, 1 + usize::from(class)) {
             let table = if is_used { used } else { &unused };
             contents.push([&[class << 4 | number], &table.counts[..], &table.symbols].concat());
         }
@@ -145,7 +145,7 @@ fn write_huffman(stream: &mut Writer, tables: &[HuffmanTable; 2], options: &Jpeg
 }
 
 /// Returns the indices of the tables to write, each with a flag that is true if the table is used.
-fn used_tables(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
+fn tables_to_write(options: &JpegOptions, kind: usize) -> impl Iterator<Item = (u8, bool)> {
     let used = options.table_numbers.map(|numbers| numbers[kind]);
     let last = used.map_or(0, |used| used.max(1));
     (0..=last).map(move |number| (number, number == used.unwrap_or(0)))

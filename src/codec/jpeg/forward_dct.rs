@@ -3,7 +3,7 @@
 //! This is the mirror image of `inverse_dct`: it transforms all rows, then all columns, each by the transpose of the
 //! one-dimensional inverse. The results are too large by a factor of eight, which the quantization removes.
 //!
-//! Worked example: 64 samples of 131, which is 3 above gray.
+//! Worked example: 64 samples with the value 131, which is 3 above gray.
 //!
 //! ```text
 //! rows     (8 · 3 · 2¹³) >> 11 = 96 in column 0 of each row
@@ -69,7 +69,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// Checks the worked example above: 64 samples of 3 above gray have the DC coefficient 24.
+    /// Checks the worked example above: 64 samples that are 3 above gray have the DC coefficient 24.
     #[test]
     fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];

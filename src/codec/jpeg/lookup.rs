@@ -26,23 +26,23 @@ const SHORT_BITS: u32 = 10;
 pub(super) struct CodeTable {
     table: HuffmanTable,
     /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or invalid.
-    short: [u16; 1 << SHORT_BITS],
+    short_codes: [u16; 1 << SHORT_BITS],
 }
 
 impl From<&HuffmanTable> for CodeTable {
     fn from(table: &HuffmanTable) -> CodeTable {
-        let mut short = [0; 1 << SHORT_BITS];
+        let mut short_codes = [0; 1 << SHORT_BITS];
         for code in table.codes() {
             if code.length <= SHORT_BITS {
                 // All continuations of the code map to this entry.
                 let free = SHORT_BITS - code.length;
                 let first = (code.code << free) as usize;
                 let entry = (code.length as u16) << 8 | u16::from(code.symbol);
-                short[first..first + (1 << free)].fill(entry);
+                short_codes[first..first + (1 << free)].fill(entry);
             }
         }
         let table = table.clone();
-        CodeTable { table, short }
+        CodeTable { table, short_codes }
     }
 }
 
@@ -53,7 +53,7 @@ impl<'a> ReadSymbols<'a> for BitBuffer<'a, 0> {
     fn read_symbol(&mut self, table: &CodeTable) -> StreamResult<u8> {
         // This suffices for the longest code and for the number after it.
         self.require(16 + 16);
-        let entry = table.short[leading_bits(self.peek_window(), SHORT_BITS) as usize];
+        let entry = table.short_codes[leading_bits(self.peek_window(), SHORT_BITS) as usize];
         if entry == 0 {
             return long_symbol(self, &table.table);
         }

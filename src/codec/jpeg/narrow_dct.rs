@@ -1,9 +1,9 @@
 //! Fast inverse DCT in 32 bits
 //!
-//! With integers of half the width, a SIMD register holds twice as many. Only ten bits of the results of the second
-//! pass are used, starting at bit 18, and these are not affected when sums and products wrap. The first pass must not
-//! wrap, because all bits of its results are used. It does not wrap if coefficients have at most 14 bits, as in the
-//! output of all encoders. Other blocks are delegated to the plain version.
+//! A SIMD register holds twice as many 32-bit integers as 64-bit integers. Only ten bits of the results of the second pass are
+//! used, starting at bit 18, and these are not affected when sums and products wrap. The first pass must not wrap, because all
+//! bits of its results are used. It does not wrap if coefficients have at most 14 bits, as in the output of all encoders. Other
+//! blocks are delegated to the plain version.
 
 use std::num::Wrapping;
 

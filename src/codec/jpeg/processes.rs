@@ -12,7 +12,7 @@
 //! ```
 //!
 //! Format notes
-//! - C4 and C8 are not frame headers, but DHT and a reserved code. CC (DAC) defines arithmetic coding conditions.
+//! - C4 and C8 are not frame headers: C4 is DHT, and C8 is reserved. CC (DAC) defines arithmetic coding conditions.
 
 use crate::codec::markers::{DNL, Marker};
 use crate::codec::stream_error::{StreamError, malformed, unsupported};

@@ -41,8 +41,7 @@ pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     LUMINANCE_STEPS.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
 }
 
-/// Returns the blocks in raster order, with quantized coefficients in zigzag order, and the samples that a decoder
-/// returns for these blocks.
+/// Returns the blocks in raster order, with quantized coefficients in zigzag order, and the samples that a decoder returns.
 pub(super) fn quantize_image(
     samples: &[u8],
     width: usize,

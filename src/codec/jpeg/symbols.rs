@@ -1,7 +1,6 @@
 //! T.81 F.1.2: conversion of quantized blocks to symbols, and of symbols to bits
 //!
-//! This is the mirror image of `decode_block` and `scan`. It takes two steps, because optimized Huffman tables depend on every
-//! symbol.
+//! This is the inverse of `decode_block` and `scan`, in two steps, because optimized Huffman tables depend on all symbols.
 //!
 //! Worked example: the block of `decode_block`: DC −3, then 0 0 5 and sixty zeros.
 //!

@@ -106,8 +106,7 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         Ok(parameters.reconstruct(predicted, sign * error))
     }
 
-    /// Reads the length of a run of samples equal to `a` (A.7.1). It is at most `left`, the number of samples up to the
-    /// end of the line.
+    /// Reads the length of a run of samples equal to `a` (A.7.1). It is at most `left`, the number of samples left in the line.
     fn decode_run_length(&mut self, left: usize) -> StreamResult<usize> {
         let mut run = 0;
         while self.bits.receive(1)? == 1 {

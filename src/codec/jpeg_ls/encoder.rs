@@ -2,7 +2,7 @@
 
 use super::encode_scan::encode_scan;
 use super::parameters::{Parameters, PresetParameters};
-use crate::codec::writer::{Encoded, Writer, check_size};
+use crate::codec::writer::{EncodedImage, Writer, check_size};
 
 /// Options of the JPEG-LS encoder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,7 +20,7 @@ pub struct JpegLsOptions {
 /// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, a sample exceeds
 /// MAXVAL, or an option is out of range.
 #[must_use]
-pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) -> Encoded {
+pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) -> EncodedImage {
     check_size(samples, width, height);
     let parameters = Parameters::new(&options.presets.unwrap_or_default(), 0, options.near, 0)
         .unwrap_or_else(|error| panic!("{error}"));
@@ -37,7 +37,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) 
     stream.write_scan_header(0, [options.near, 0, 0]); // not interleaved, no point transform (C.2.3)
     let samples = encode_scan(&mut stream, &parameters, samples, width);
     let stream = stream.finish();
-    Encoded { stream, samples }
+    EncodedImage { stream, samples }
 }
 
 /// Writes a segment of type 1 with the five parameters (C.2.4.1.1).

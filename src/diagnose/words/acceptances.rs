@@ -55,7 +55,7 @@ pub(in crate::diagnose) fn describe_observation(
     indices: &[usize],
     misreading: &Misreading,
 ) -> Option<Cause> {
-    let is_accepted = |w: &usize| witnesses[*w].right == Answer::Rejected;
+    let is_accepted = |w: &usize| witnesses[*w].expected == Answer::Rejected;
     let expect = |w: &usize| witnesses[*w].case.expect;
     let is_malformed = |w: &usize| matches!(expect(w), Expect::Reject | Expect::Refuse);
     let malformed: Vec<usize> = indices.iter().copied().filter(is_malformed).collect();
@@ -85,7 +85,7 @@ fn list_faults(witnesses: &[Witness], indices: &[usize]) -> String {
     list_first(&faults, "fault")
 }
 
-/// Returns the damage of a file, or the reason for its case.
+/// Returns the damage to a file, or the reason for its case.
 pub(super) fn fault_text(case: &Case) -> &str {
     let because = case.because.trim_end_matches('.');
     case.damage().map_or(because, |damage| &damage.effect)

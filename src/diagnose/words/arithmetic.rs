@@ -34,8 +34,8 @@ fn format_final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     format!(
         "({} − {}) · {}",
         raw[channel],
-        parenthesized(numbers.bias[channel % 6]),
-        parenthesized(numbers.scale[channel % 6])
+        parenthesize(numbers.bias[channel % 6]),
+        parenthesize(numbers.scale[channel % 6])
     )
 }
 
@@ -53,7 +53,7 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
     let terms: Vec<String> = a
         .iter()
         .zip(powers)
-        .map(|(a, power)| format!("{}·{}", parenthesized(*a), parenthesized(power)))
+        .map(|(a, power)| format!("{}·{}", parenthesize(*a), parenthesize(power)))
         .collect();
     let polynomial = format!(
         "a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = {}",
@@ -67,7 +67,7 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
             short_number(sum)
         ),
         Shape::Lum(matrix) => {
-            let row = |column: usize| parenthesized(matrix.0[4 * column + color]);
+            let row = |column: usize| parenthesize(matrix.0[4 * column + color]);
             format!(
                 "{}·Y + {}·Cr + {}·Cb + {} with Y = {}, Cr = {}, Cb = {} and Y = {polynomial}",
                 row(0),
@@ -83,7 +83,7 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
 }
 
 /// Formats a number, in parentheses if it is negative.
-fn parenthesized(value: f64) -> String {
+fn parenthesize(value: f64) -> String {
     match value < 0.0 {
         true => format!("(−{})", short_number(-value)),
         false => short_number(value),

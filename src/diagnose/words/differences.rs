@@ -98,8 +98,8 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that defines the step for formats with different layouts. Their colors are computed from
-    /// the same polynomial, and the number of channels follows from the format.
+    /// Returns the clause that defines the step for all formats, if their layouts do not matter: colors are computed from the
+    /// same polynomial, and the format determines the number of channels.
     fn common_clause(self) -> Option<&'static str> {
         match self {
             Phase::Color => Phase::Color.clause(Format::Rgb),
@@ -127,8 +127,7 @@ impl Phase {
     }
 }
 
-/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes
-/// that were found.
+/// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     // If files without streams also have wrong values, the mistake is in a step after the streams.
@@ -391,7 +390,7 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
         return Phase::Choice;
     };
     let answer = search.best_answer(w, set);
-    let ((Answer::Decoded(frame), _) | (_, Answer::Decoded(frame))) = (&*answer, &witness.right)
+    let ((Answer::Decoded(frame), _) | (_, Answer::Decoded(frame))) = (&*answer, &witness.expected)
     else {
         return Phase::NoReading;
     };
@@ -514,7 +513,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may cause its crash.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may cause the crash.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,

@@ -18,7 +18,8 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
             Some((index, observation.as_ref()?.nondeterminism.as_ref()?))
         })
         .collect();
-    let (served, random): (Vec<_>, Vec<_>) = cases.into_iter().partition(|(_, diff)| diff.served);
+    let (served, random): (Vec<_>, Vec<_>) =
+        cases.into_iter().partition(|(_, diff)| diff.in_serve_mode);
     let is_garbled = |index: usize| {
         let observation = run.observations[index].as_ref();
         observation.is_some_and(|seen| {
@@ -62,13 +63,12 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     all.flatten().collect()
 }
 
-/// Returns true if at least a quarter of the failures differ between calls, so that common properties of their images
-/// are a coincidence.
+/// Returns true if at least a quarter of the failures differ between calls, so that common properties of images are coincidences.
 pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     let differs = |index: &usize| {
         let observation = run.observations[*index].as_ref();
         let difference = observation.and_then(|observation| observation.nondeterminism.as_ref());
-        difference.is_some_and(|difference| !difference.served)
+        difference.is_some_and(|difference| !difference.in_serve_mode)
     };
     let failed: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
     let differing = failed.iter().filter(|index| differs(index)).count();

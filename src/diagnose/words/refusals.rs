@@ -135,7 +135,7 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
 
 impl WholeFormats {
     /// Describes the observed behavior, and lists the misreadings that would have the same effect.
-    pub fn describe(&self, witnesses: &[Witness], alike: Vec<&'static Misreading>) -> Diagnosis {
+    pub fn describe(&self, witnesses: &[Witness], others: Vec<&'static Misreading>) -> Diagnosis {
         let names = self.formats.iter().map(|format| format.short_name());
         let names: Vec<&str> = names.collect();
         let text = CauseText {
@@ -143,12 +143,12 @@ impl WholeFormats {
             fix: "read these formats, or exit with 69 for all of their files".to_owned(),
             example: example(witnesses, &self.cases),
         };
-        let alike = match self.mode {
-            FailureMode::Refuses | FailureMode::Unsupported => alike,
+        let others = match self.mode {
+            FailureMode::Refuses | FailureMode::Unsupported => others,
             _ => Vec::new(),
         };
         Diagnosis::from_description(Category::Refusal, witnesses, &self.cases, text)
-            .with_equivalents(alike)
+            .with_equivalents(others)
             .with_clause("2.2/1")
     }
 }
@@ -166,8 +166,8 @@ pub(in crate::diagnose) fn describe_observation(
     (shared.cases.len() == indices.len()).then(|| refusal_text(witnesses, indices, &mode, effect))
 }
 
-/// Describes the failures on the legal files in `indices` if few of them resulted in an image, so that little evidence
-/// supports the misreading. Returns `None` if the misreading itself predicts the refusals.
+/// Describes the failures on the legal files in `indices` if few of the responses are images, so that little evidence supports
+/// the misreading. Returns `None` if the misreading itself predicts the refusals.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     indices: &[usize],

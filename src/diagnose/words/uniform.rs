@@ -52,8 +52,8 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
         let is_legal =
             |witness: &&Witness| is_of_view(witness) && witness.case.expect == Expect::Decode;
         let legal = witnesses.iter().filter(is_legal).count();
-        let right = &witnesses[first_case].right;
-        let are_equal = (received.iter()).all(|&(w, _)| witnesses[w].right == *right);
+        let right = &witnesses[first_case].expected;
+        let are_equal = (received.iter()).all(|&(w, _)| witnesses[w].expected == *right);
         // A few legal files have a uniform image, and files with equal contents have equal images.
         if are_equal || received.len() < MIN_SUPPORT || !is_most(received.len(), legal) {
             continue;

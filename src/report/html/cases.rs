@@ -6,8 +6,8 @@ use maud::{Markup, html};
 
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
-use crate::report::html::shell::{linked, mark};
-use crate::report::reported::Reported;
+use crate::report::html::shell::{link, mark};
+use crate::report::reported::Reportable;
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, name::SuiteName};
 
@@ -58,7 +58,7 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
 
 /// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
 /// second of every group, and so on.
-pub(super) fn evidence<'a, C: Reported>(
+pub(super) fn evidence<'a, C: Reportable>(
     suite: &Suite<C>,
     run: Option<&Run<C>>,
     groups: &[Group<'a>],
@@ -88,7 +88,7 @@ pub(super) fn evidence<'a, C: Reported>(
 }
 
 /// Renders the section of failing cases and the filter for all cases.
-pub(super) fn failures<C: Reported>(
+pub(super) fn failures<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     groups: &[Group],
@@ -135,7 +135,7 @@ pub(super) fn failures<C: Reported>(
 }
 
 /// Renders the card of a failing case.
-fn card<C: Reported>(
+fn card<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     case: &CaseResult,
@@ -172,7 +172,7 @@ fn card<C: Reported>(
                 pre.command tabindex="0" { (repeat_command(report, &case.id)) }
                 p.quiet {
                     code { "ptm-conform explain " (case.id) }
-                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (linked(report.suite.case_page(&case.id), &html! { "its page" })) }
+                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (link(report.suite.case_page(&case.id), &html! { "its page" })) }
                 }
             }
         }
@@ -182,7 +182,7 @@ fn card<C: Reported>(
 /// Renders clause ids as links to the site.
 fn clauses(suite: SuiteName, ids: &[String]) -> Markup {
     html! {
-        @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (linked(suite.clause_page(id), &html! { (id) })) }
+        @for (i, id) in ids.iter().enumerate() { @if i > 0 { ", " } (link(suite.clause_page(id), &html! { (id) })) }
     }
 }
 

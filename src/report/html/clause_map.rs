@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::report::{document::Report, html::shell::linked};
+use crate::report::{document::Report, html::shell::link};
 use crate::session::outcome::Outcome;
 use crate::suite::clauses::{Clause, ClauseStatus, section_of};
 use crate::suite::name::SuiteName;
@@ -130,7 +130,7 @@ fn table(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTa
                         @let counts = tally(tallies, clause);
                         @let (state, mark) = counts.state();
                         tr {
-                            td { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) }
+                            td { (link(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) }
                             td data-state=(state) { (mark) " " (result(state, clause.status)) }
                             td.number { (counts.passed) } td.number { (counts.failed) } td.number { (counts.open) }
                             td { (clause.rule) }

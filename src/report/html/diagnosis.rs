@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
-use crate::report::html::{cases::Group, shell::linked};
+use crate::report::html::{cases::Group, shell::link};
 use crate::report::words::{call_instructions, details};
 use crate::session::outcome::Outcome;
 use crate::suite::{address::published_url, clauses::Clause};
@@ -47,16 +47,16 @@ fn render_cause(report: &Report, cause: &LikelyCause, group: &Group, clauses: &[
                 p.fix { b { "Fix: " } (cause.fix) "." }
                 @if cause.blames_clause() {
                     p.rule {
-                        b { "Clause " (linked(suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
+                        b { "Clause " (link(suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
                     }
                 }
                 @for (before, name, after, page) in details(cause, suite) {
-                    p { (before) @if !name.is_empty() { (linked(page, &html! { code { (name) } })) } (after) "." }
+                    p { (before) @if !name.is_empty() { (link(page, &html! { code { (name) } })) } (after) "." }
                 }
                 @if let Some(example) = &cause.example { p { "For example " (example.strip_prefix("for example ").unwrap_or(example).trim_end_matches('.')) "." } }
                 p.quiet {
                     a href={ "#" (group.anchor()) } { "See the cases" }
-                    @if let Some(slug) = &cause.misreading { " · " (linked(Some(suite.misreading_page(slug)), &html! { "About this mistake" })) " · " code { "ptm-conform explain " (slug) } }
+                    @if let Some(slug) = &cause.misreading { " · " (link(Some(suite.misreading_page(slug)), &html! { "About this mistake" })) " · " code { "ptm-conform explain " (slug) } }
                 }
             }
         }

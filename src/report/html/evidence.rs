@@ -14,7 +14,7 @@ use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
 use crate::suite::compare::{Difference, Expected};
-use crate::suite::dialect::Right;
+use crate::suite::dialect::RightDialects;
 use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use crate::suite::texture::cases::TextureCase;
 
@@ -31,7 +31,7 @@ pub(crate) fn case_evidence(case: &Case, table: TableSpelling, seen: &Observatio
         _ => render_file_beginning(&built),
     };
     html! {
-        @if let Response::Image { right: Right::In { .. }, .. } = &seen.response {
+        @if let Response::Image { right: RightDialects::In { .. }, .. } = &seen.response {
             p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)

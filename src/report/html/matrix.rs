@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::clause_map::{group_by_section, tallies};
-use crate::report::html::shell::{linked, page_with_head, verdict_mark};
+use crate::report::html::shell::{link, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
 /// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same
@@ -55,7 +55,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                             @for clause in clauses {
                                 @if tallies.iter().any(|tallies| tallies.contains_key(clause.id.as_str())) {
                                     tr {
-                                        th scope="row" { (linked(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
+                                        th scope="row" { (link(suite.clause_page(&clause.id), &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
                                         @for tallies in &tallies { (tallies.get(clause.id.as_str()).copied().unwrap_or_default().cell()) }
                                     }
                                 }

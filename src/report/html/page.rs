@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
-use crate::report::html::shell::{linked, mark, page_with_head, verdict_mark};
+use crate::report::html::shell::{link, mark, page_with_head, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::reported::Reported;
+use crate::report::reported::Reportable;
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
 use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
@@ -15,7 +15,7 @@ use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 ///
 /// # Errors
 /// Returns an error if the embedded clauses or rulings cannot be read, which does not depend on the report.
-pub fn page<C: Reported>(
+pub fn page<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,
     run: Option<&Run<C>>,
@@ -43,7 +43,7 @@ pub fn page<C: Reported>(
     Ok(page_with_head(&title, &body))
 }
 
-fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
+fn header<C: Reportable>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
     html! {
         header.top {
             div.bar {
@@ -70,7 +70,7 @@ fn header<C: Reported>(suite: &Suite<C>, report: &Report, scene: Option<&LitScen
 }
 
 /// Renders the scores and the number of cases with each outcome.
-fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
+fn results<C: Reportable>(suite: &Suite<C>, report: &Report) -> Markup {
     let selected = report.cases.len();
     html! {
         dl.scores {
@@ -82,7 +82,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
             @for outcome in Outcome::ALL {
                 @let count = report.with_outcome(outcome).count();
                 @if count > 0 {
-                    button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (slug(outcome)) } title="Show only these cases" {
+                    button.chip type="button" data-outcome=(outcome.name()) data-filter={ "is:" (filter_value(outcome)) } title="Show only these cases" {
                         (mark(outcome)) " " span.count { (count) } " " (outcome.name())
                     } " "
                 }
@@ -96,7 +96,7 @@ fn results<C: Reported>(suite: &Suite<C>, report: &Report) -> Markup {
 }
 
 /// Returns the filter value for an outcome, without spaces.
-fn slug(outcome: Outcome) -> String {
+fn filter_value(outcome: Outcome) -> String {
     outcome.name().replace(' ', "-")
 }
 
@@ -120,13 +120,13 @@ fn other_cases(report: &Report) -> Markup {
             @for outcome in Outcome::ALL {
                 @let cases: Vec<&CaseResult> = report.with_outcome(outcome).collect();
                 @if outcome != Outcome::Fail && !cases.is_empty() {
-                    details.others data-outcome=(slug(outcome)) {
+                    details.others data-outcome=(filter_value(outcome)) {
                         summary { span.mark { (mark(outcome)) } " " span.count { (cases.len()) } " " (outcome.name()) }
                         table.list {
                             thead { tr { th scope="col" { "case" } th scope="col" { "view" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "remark" } } }
                             tbody {
                                 @for case in cases {
-                                    tr { td { (linked(report.suite.case_page(&case.id), &html! { code { (case.id) } })) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.message) } }
+                                    tr { td { (link(report.suite.case_page(&case.id), &html! { code { (case.id) } })) } td { @if case.view.is_empty() { "–" } @else { (case.view) } } td { (case.expect) @if case.weak { ", weakly" } } td { (case.clauses.join(" ")) } td { (case.message) } }
                                 }
                             }
                         }
@@ -149,7 +149,7 @@ fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
                     tbody {
                         @for known in &report.dialect {
                             tr {
-                                td { (linked(Some(report.suite.ruling_page(&known.ruling)), &html! { code { (known.ruling) } })) }
+                                td { (link(Some(report.suite.ruling_page(&known.ruling)), &html! { code { (known.ruling) } })) }
                                 td { (rulings.iter().find(|ruling| ruling.id == known.ruling).map(|ruling| ruling.question.trim()).unwrap_or_default()) }
                                 td { (known.reading) }
                             }

@@ -72,12 +72,12 @@ impl ImageComparison<'_> {
         let row = |y| self.columns.clone().map(move |x| (x, y));
         let positions = || self.rows.clone().flat_map(row);
         let image = |row: &str| -> Vec<u8> {
-            let color = |(x, y)| [0, 1, 2].map(|channel| self.texel(row, x, y, channel)[0]);
+            let color = |(x, y)| [0, 1, 2].map(|channel| self.texel_color(row, x, y, channel)[0]);
             positions().flat_map(color).collect()
         };
         let worst = |(x, y)| {
-            let apart = (0..3).map(|channel| self.difference_at(x, y, channel));
-            heat_color(apart.fold(0.0, f64::max))
+            let difference = (0..3).map(|channel| self.difference_at(x, y, channel));
+            heat_color(difference.fold(0.0, f64::max))
         };
         let images = ComparedImages {
             width: self.columns.len(),
@@ -190,7 +190,7 @@ impl ImageComparison<'_> {
     }
 
     /// Returns the RGBA color of a sample in the given row of the table.
-    fn texel(&self, row: &str, x: usize, y: usize, channel: usize) -> [u8; 4] {
+    fn texel_color(&self, row: &str, x: usize, y: usize, channel: usize) -> [u8; 4] {
         let i = self.sample_index(x, y, channel);
         let value = match row {
             EXPECTED => self.expected.values[i],
@@ -257,7 +257,7 @@ impl ImageComparison<'_> {
                 if channel > group.start {
                     pixels.extend([0; 4]);
                 }
-                let texel = |x| self.texel(row, x, y, channel);
+                let texel = |x| self.texel_color(row, x, y, channel);
                 pixels.extend(self.columns.clone().flat_map(texel));
             }
         }
@@ -272,13 +272,13 @@ const RECEIVED: &str = "received";
 const DIFFERENCE: &str = "difference";
 
 /// Maps a difference to an RGBA color: transparent for 0, then amber, red and violet, which are visible in light and dark mode.
-fn heat_color(apart: f64) -> [u8; 4] {
-    if apart <= 0.0 {
+fn heat_color(difference: f64) -> [u8; 4] {
+    if difference <= 0.0 {
         return [0; 4];
     }
     let stops = [[250, 178, 60], [226, 62, 48], [124, 30, 150]];
-    let stop = usize::from(apart >= 0.5);
-    let part = apart * 2.0 - stop as f64;
+    let stop = usize::from(difference >= 0.5);
+    let part = difference * 2.0 - stop as f64;
     let [from, to] = [stops[stop], stops[stop + 1]].map(|color| color.map(f64::from));
     let mix = |i: usize| (from[i] + (to[i] - from[i]) * part) as u8;
     [mix(0), mix(1), mix(2), 255]

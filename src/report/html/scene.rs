@@ -14,7 +14,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
     let images = ComparedImages {
         width: side,
         height: side,
-        expected: &scene.right,
+        expected: &scene.correct,
         received: &scene.received,
         difference: None,
     };
@@ -54,7 +54,7 @@ u -v: The image is lit from below, so v points down.
 
 /// Describes the visible mistake of the received image.
 fn describe_fault(scene: &LitScene) -> &'static str {
-    let (right, received) = (&scene.right, &scene.received);
+    let (right, received) = (&scene.correct, &scene.received);
     if right == received {
         return "This decoder shows the scene correctly.";
     }
@@ -104,16 +104,16 @@ mod tests {
     fn visible_faults_are_described() {
         fn times(scene: &LitScene, factor: f64) -> Vec<u8> {
             let times = |&byte: &u8| (f64::from(byte) * factor) as u8;
-            scene.right.iter().map(times).collect()
+            scene.correct.iter().map(times).collect()
         }
         let changes: [(&str, fn(&LitScene) -> Vec<u8>); 6] = [
-            ("correctly.", |scene| scene.right.clone()),
+            ("correctly.", |scene| scene.correct.clone()),
             ("upside down.", |scene| {
-                let rows = scene.right.chunks(3 * SIDE as usize).rev();
+                let rows = scene.correct.chunks(3 * SIDE as usize).rev();
                 rows.flatten().copied().collect()
             }),
             ("Red and blue", |scene| {
-                let texels = scene.right.chunks(3);
+                let texels = scene.correct.chunks(3);
                 texels.flat_map(|rgb| [rgb[2], rgb[1], rgb[0]]).collect()
             }),
             ("lit from below", |scene| scene.render(LIGHT.0, -LIGHT.1)),
@@ -125,10 +125,10 @@ mod tests {
                 let mut scene = LitScene {
                     format,
                     view: ViewKind::Rgb,
-                    right: Vec::new(),
+                    correct: Vec::new(),
                     received: Vec::new(),
                 };
-                scene.right = scene.render(LIGHT.0, LIGHT.1);
+                scene.correct = scene.render(LIGHT.0, LIGHT.1);
                 scene.received = change(&scene);
                 let text = describe_fault(&scene);
                 assert!(text.contains(says), "{format}: {says}: {text}");

@@ -44,7 +44,7 @@ pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
 }
 
 /// Links `words` to a page of the published site, or returns `words` if there is no page. Names in a report are untrusted.
-pub(super) fn linked(page: Option<String>, words: &Markup) -> Markup {
+pub(super) fn link(page: Option<String>, words: &Markup) -> Markup {
     match page {
         Some(page) => html! { a href=(published_url(&page)) { (words) } },
         None => words.clone(),

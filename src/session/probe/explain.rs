@@ -53,7 +53,7 @@ pub(super) fn buffer_size(reply: &Reply) -> Option<usize> {
 }
 
 /// Explains an answer to a malformed file that was not refused.
-pub(super) fn not_refused(reply: &Reply) -> ProbeFault {
+pub(super) fn refusal_fault(reply: &Reply) -> ProbeFault {
     match (&reply.answer, reply.exit) {
         (Answer::Decoded(_), _) => fault("accepted", &[]),
         (Answer::Unsupported, _) => fault("unsupported-malformed", &[]),

@@ -38,15 +38,15 @@ pub fn probe(command: &[OsString], decoder: &Decoder, scratch: &Scratch) -> Chec
         list.add_bad(says, next);
         return list;
     }
-    let Some(first) = one_shot::first_frames(&calls, &mut list) else {
+    let Some(first) = one_shot::find_first_frames(&calls, &mut list) else {
         return list;
     };
     list.has_frames = true;
-    one_shot::other_formats(&calls, &first, &mut list);
-    one_shot::large_frame(&calls, &first, &mut list);
-    one_shot::refusals(&calls, &first, &mut list);
-    one_shot::unknown_view(&calls, &first.sample, &mut list);
-    one_shot::capabilities(&calls, &mut list);
+    one_shot::request_other_formats(&calls, &first, &mut list);
+    one_shot::request_large_frame(&calls, &first, &mut list);
+    one_shot::request_malformed_files(&calls, &first, &mut list);
+    one_shot::request_unknown_view(&calls, &first.sample, &mut list);
+    one_shot::request_capabilities(&calls, &mut list);
     serve::probe_serve_mode(&calls, &first, &mut list);
     list
 }

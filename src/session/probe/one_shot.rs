@@ -9,7 +9,7 @@ use crate::suite::cases::TableSpelling;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};
-use super::explain::{explain, not_refused};
+use super::explain::{explain, refusal_fault};
 use super::message::{Slots, fault};
 use super::{repair::repair, sample::Sample};
 
@@ -85,7 +85,7 @@ impl FileReplies {
 }
 
 /// Finds a format that the decoder reads and judges the images. Returns the replies that are frames.
-pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
+pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let others = Format::ALL.into_iter();
     let others = others.filter(|format| !COMMON_FORMATS.contains(format));
@@ -124,7 +124,7 @@ pub(super) fn first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileRe
 }
 
 /// Requests a file of every other format, which must be decoded or answered with 69.
-pub(super) fn other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
+pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let mut unsupported = Vec::new();
     let mut failed: BTreeMap<String, (Vec<&str>, Reproduction)> = BTreeMap::new();
     let is_other = |format: &Format| *format != first.sample.format;
@@ -192,7 +192,7 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
 }
 
 /// Requests a frame that is larger than the buffer of a pipe.
-pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
+pub(super) fn request_large_frame(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let sample = Sample::large(first.sample.format, first.sample.spelling);
     for (view, _) in &first.replies {
         let reply = calls.ask(view, &sample.file);
@@ -214,7 +214,7 @@ pub(super) fn large_frame(calls: &Calls, first: &FileReplies, list: &mut Checkli
 }
 
 /// Requests files that every decoder must refuse.
-pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
+pub(super) fn request_malformed_files(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let view = &first.replies[0].0;
     for (subject, file_name, file) in malformed(&first.sample.file) {
         let reply = calls.ask(view, file);
@@ -223,7 +223,7 @@ pub(super) fn refusals(calls: &Calls, first: &FileReplies, list: &mut Checklist)
             continue;
         }
         let repeat = Reproduction::one_shot(view, file_name, file);
-        list.add_fault(&subject, not_refused(&reply), repeat);
+        list.add_fault(&subject, refusal_fault(&reply), repeat);
     }
 }
 
@@ -239,7 +239,7 @@ pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3
 }
 
 /// Requests a view that does not exist.
-pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
+pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
     const UNKNOWN_VIEW: &str = "no-such-view";
     let reply = calls.call_with_word(UNKNOWN_VIEW, &["{in}"], &sample.file);
     let fault = match &reply.answer {
@@ -251,7 +251,7 @@ pub(super) fn unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist)
 }
 
 /// Requests the capabilities.
-pub(super) fn capabilities(calls: &Calls, list: &mut Checklist) {
+pub(super) fn request_capabilities(calls: &Calls, list: &mut Checklist) {
     let reply = calls.call_with_word("capabilities", &[], b"");
     let text = String::from_utf8_lossy(&reply.stdout);
     let says_so = text.lines().any(|line| line.trim_end() == "protocol: 1");

@@ -1,4 +1,4 @@
-//! Repair of an answer: known mistakes of wrappers are undone until the image is correct.
+//! Repairs an answer: undoes known mistakes of wrappers until the image is correct.
 
 use crate::protocol::frame::{Frame, View};
 use crate::suite::compare::Expected;
@@ -10,7 +10,7 @@ use super::{arrangement::arrangements, body::interpret_frame};
 pub(super) struct Repair {
     pub(super) mistakes: Vec<ProbeFault>,
     /// True if all samples are right and only their order is wrong.
-    pub(super) only_reorders: bool,
+    pub(super) reorders: bool,
 }
 
 impl Repair {
@@ -36,14 +36,11 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
         };
         for (values, encoded) in values {
             let mistakes = [&mistakes[..], &shape, &encoded].concat();
-            let only_reorders = mistakes.is_empty();
+            let reorders = mistakes.is_empty();
             for (values, arranged) in arrangements(&values, expected) {
                 let mistakes = [&mistakes[..], &arranged].concat();
                 if !mistakes.is_empty() && is_right(&values, expected) {
-                    repairs.push(Repair {
-                        mistakes,
-                        only_reorders,
-                    });
+                    repairs.push(Repair { mistakes, reorders });
                 }
             }
         }

@@ -57,20 +57,22 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let malformed = dialog.write_input("malformed.ptm", MALFORMED);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
     match dialog.ask(1, view, &whole) {
-        Served::Answer(line, bytes) => {
+        ServeResult::Answer(line, bytes) => {
             judge(&line, &bytes, view, right).map_err(|fault| Some((1, fault)))?;
         }
         // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
-        Served::Nothing => match dialog.end() {
-            Served::Answer(line, _) if line.starts_with("1 ") => return after(1, "serve-buffered"),
+        ServeResult::Nothing => match dialog.end() {
+            ServeResult::Answer(line, _) if line.starts_with("1 ") => {
+                return after(1, "serve-buffered");
+            }
             _ => return Err(None),
         },
-        Served::Gone(_) => return Err(None),
-        Served::Wrong(fault) => return Err(Some((1, fault))),
+        ServeResult::Ended(_) => return Err(None),
+        ServeResult::Wrong(fault) => return Err(Some((1, fault))),
     }
     list.add_good("serve: the first request is answered at once, as in one-shot mode");
     match dialog.ask(2, view, &malformed) {
-        Served::Answer(line, _) => {
+        ServeResult::Answer(line, _) => {
             let code = line.trim_end().strip_prefix("2 reject ");
             let code: Option<i32> = code.and_then(|code| code.parse().ok());
             if code.is_none() || code != Some(EXIT_MALFORMED) && code != calls.decoder.reject_exit {
@@ -78,18 +80,18 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
                 return Err(Some((2, fault("serve-wrong-refusal", slots))));
             }
         }
-        Served::Gone(_) => return after(2, "serve-gone"),
-        Served::Nothing | Served::Wrong(_) => return after(2, "serve-no-refusal"),
+        ServeResult::Ended(_) => return after(2, "serve-gone"),
+        ServeResult::Nothing | ServeResult::Wrong(_) => return after(2, "serve-no-refusal"),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
-        Served::Answer(line, bytes) if judge(&line, &bytes, view, right).is_ok() => {}
-        Served::Answer(..) => return after(3, "serve-state"),
+        ServeResult::Answer(line, bytes) if judge(&line, &bytes, view, right).is_ok() => {}
+        ServeResult::Answer(..) => return after(3, "serve-state"),
         _ => return after(3, "serve-third"),
     }
     list.add_good("serve: a refused file does not affect the next response");
     match dialog.end() {
-        Served::Gone(true) => Ok(()),
+        ServeResult::Ended(true) => Ok(()),
         _ => after(3, "serve-end"),
     }
 }
@@ -110,13 +112,13 @@ fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), Pro
 }
 
 /// The behavior of the process while an answer was expected.
-enum Served {
+enum ServeResult {
     /// The line of an answer and the announced bytes.
     Answer(String, Vec<u8>),
     /// No complete answer within the timeout.
     Nothing,
     /// The process ended; true for status 0.
-    Gone(bool),
+    Ended(bool),
     /// Wrong output.
     Wrong(ProbeFault),
 }
@@ -149,28 +151,28 @@ impl<'a> Dialog<'a> {
         path.unwrap_or_else(|_| PathBuf::from(name))
     }
 
-    fn ask(&mut self, sequence: u32, view: &View, path: &Path) -> Served {
+    fn ask(&mut self, sequence: u32, view: &View, path: &Path) -> ServeResult {
         let request = format!("{sequence} {view} {}\n", path.display());
         if let Some(input) = &mut self.call.child.stdin {
             // A process that has ended is noticed below.
             let _ = input.write_all(request.as_bytes());
         }
         match self.wait() {
-            Served::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
+            ServeResult::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
                 let slots: &Slots = &[("sequence", &sequence), ("line", &format!("{line:?}"))];
-                Served::Wrong(fault("serve-sequence", slots))
+                ServeResult::Wrong(fault("serve-sequence", slots))
             }
             served => served,
         }
     }
 
     /// Closes the input of the process and waits for a last answer, or for the end of the process.
-    fn end(&mut self) -> Served {
+    fn end(&mut self) -> ServeResult {
         self.call.child.stdin = None;
         self.wait()
     }
 
-    fn wait(&mut self) -> Served {
+    fn wait(&mut self) -> ServeResult {
         let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
@@ -180,11 +182,11 @@ impl<'a> Dialog<'a> {
             }
             if has_ended {
                 let status = self.call.kill_and_reap(&self.workspace.workplace);
-                return Served::Gone(status.is_ok_and(|status| status.success()));
+                return ServeResult::Ended(status.is_ok_and(|status| status.success()));
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER_BYTES {
-                return Served::Nothing;
+                return ServeResult::Nothing;
             }
             // If there is an error, the next read returns it, too.
             let _ = self.call.wait_for_event(None, left.min(POLL_INTERVAL));
@@ -192,13 +194,13 @@ impl<'a> Dialog<'a> {
     }
 
     /// Removes and returns the first answer in the output, if it is complete.
-    fn take_answer(&mut self) -> Option<Served> {
+    fn take_answer(&mut self) -> Option<ServeResult> {
         let output = &mut self.call.output;
         let end = output.iter().position(|&byte| byte == b'\n')?;
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
         let shown = format!("{line:?}");
-        let wrong = |name| Some(Served::Wrong(fault(name, &[("line", &shown)])));
+        let wrong = |name| Some(ServeResult::Wrong(fault(name, &[("line", &shown)])));
         let size = match words[..] {
             [_, "ok", size] => match size.parse() {
                 Ok(size @ 0..=MAX_ANSWER_BYTES) => size,
@@ -209,7 +211,7 @@ impl<'a> Dialog<'a> {
         };
         let bytes = output.get(end + 1..end + 1 + size)?.to_vec();
         output.drain(..end + 1 + size);
-        Some(Served::Answer(line, bytes))
+        Some(ServeResult::Answer(line, bytes))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Faults of a wrapper, found by `check` before any case is requested. It uses the first files, a large file and malformed files.
+//! Faults of a wrapper that `check` finds before it requests any case, with the first files, a large file and malformed files.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -17,7 +17,7 @@ use crate::suite::cases::{Case, Expect, Suite};
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};
-use super::explain::{buffer_size, explain, not_refused};
+use super::explain::{buffer_size, explain, refusal_fault};
 use super::repair::{Repair, repairs};
 use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
@@ -71,7 +71,9 @@ pub fn wrapper_faults(
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
-        plan.selected[i] && plan.asks(i) && matches!(case.expect, Expect::Reject | Expect::Refuse)
+        plan.selected[i]
+            && plan.is_requested(i)
+            && matches!(case.expect, Expect::Reject | Expect::Refuse)
     };
     let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
     if let (true, Some(&first)) = (judges_refusals, decoded.first()) {
@@ -141,7 +143,7 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     let (_, same) = explained.into_iter().max_by_key(by_count)?;
     let is_common = 2 * same.len() > printed;
     let (reply, repair) = same.into_iter().next()?;
-    (is_common && !repair.only_reorders).then(|| reply.step(repair.fault()))
+    (is_common && !repair.reorders).then(|| reply.step(repair.fault()))
 }
 
 /// Returns the reason why the decoder returned no frame for any first file, from the first reply that reveals it.
@@ -177,5 +179,5 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     let (subject, file_name, file) = files[0];
     let subject = format!("{subject}, and other malformed files");
     let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::bad(&subject, not_refused(&replies[0]), repeat))
+    Some(ProbeStep::bad(&subject, refusal_fault(&replies[0]), repeat))
 }

@@ -45,8 +45,8 @@ pub struct TextureCase {
     /// Expected answer.
     pub expect: Value,
     /// Expected answers under other readings.
-    #[serde(default, alias = "alt")]
-    pub also: Vec<Also>,
+    #[serde(default, rename = "also", alias = "alt")]
+    pub alternatives: Vec<OtherAnswer>,
     /// Tolerance for numbers, if it is not the default.
     pub tol: Option<f64>,
     /// Purpose of the case, usually with the arithmetic.
@@ -57,7 +57,7 @@ pub struct TextureCase {
     pub first: bool,
     /// Parsed question, computed at first use.
     #[serde(skip)]
-    read: OnceLock<Result<Question, Refusal>>,
+    parsed_question: OnceLock<Result<Question, Refusal>>,
     /// Choices whose readings change the answer, computed at first use.
     #[serde(skip)]
     pub(super) relevant_axes: OnceLock<Vec<Axis>>,
@@ -71,7 +71,7 @@ pub enum Basis {
     Text,
     /// Another public PEX text.
     Sibling,
-    /// A lost formula, reconstructed from the chapter and related texts without a known alternative.
+    /// A lost formula without a known alternative, reconstructed from the chapter and related texts.
     Inferred,
     /// One of several readings.
     Reading,
@@ -82,7 +82,7 @@ pub enum Basis {
 /// Expected answer under another reading.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Also {
+pub struct OtherAnswer {
     /// Name of the reading.
     pub reading: String,
     /// Fields that select this reading in the reference.
@@ -145,7 +145,8 @@ impl TextureCase {
     /// Returns an error if the case is not a question.
     pub fn read(&self) -> Result<&Question, Refusal> {
         let read = || Question::from_value(&self.question());
-        self.read.get_or_init(read).as_ref().map_err(Refusal::clone)
+        let question = self.parsed_question.get_or_init(read);
+        question.as_ref().map_err(Refusal::clone)
     }
 }
 

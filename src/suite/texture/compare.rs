@@ -1,4 +1,4 @@
-//! Comparison of an answer with the expected one.
+//! Compares an answer with the expected one.
 //!
 //! Only the expected fields are compared. Numbers may differ by 1e-5 of the larger one plus 1e-6, so that single precision
 //! passes; words may have the prefixes of the chapter. A color may be clamped to 0…1 (ruling `color-range`).

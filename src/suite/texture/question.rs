@@ -13,9 +13,9 @@ use serde_json::{Map, Value, json};
 
 use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
-    self, Boundary, Color, Correction, Entry, Fetched, Footprint, Frequency, Interpolation, Level,
-    LitPrimitive, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint, Surface,
-    Texel, TexelKind, TextureMap, Vector, VertexData,
+    self, Boundary, Color, Correction, Entry, Footprint, Frequency, Interpolation, Level,
+    LitPrimitive, MapValue, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint,
+    Surface, Texel, TexelKind, TextureMap, Vector, VertexData,
 };
 
 /// A question for a texture stage.
@@ -75,7 +75,7 @@ impl Question {
         Ok(Question(Arc::new(step)))
     }
 
-    /// Computes the answer under `rules`, a JSON object.
+    /// Computes the answer, a JSON object, under `rules`.
     ///
     /// # Errors
     /// Returns an error if the question is malformed or not supported.
@@ -383,7 +383,7 @@ impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
-    /// This does not happen: every field was validated when the question was parsed.
+    /// Never panics, because every field was validated when the question was parsed.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();
@@ -584,13 +584,13 @@ enum TexelGiven {
 }
 
 impl TexelGiven {
-    fn fetched(&self) -> Result<Fetched, Refusal> {
+    fn fetched(&self) -> Result<MapValue, Refusal> {
         let texel = match self {
             TexelGiven::Texel(kind, components) => Texel::new(*kind, components),
-            TexelGiven::Word(word) if word == "discontinue" => return Ok(Fetched::Discontinued),
+            TexelGiven::Word(word) if word == "discontinue" => return Ok(MapValue::Discontinued),
             TexelGiven::Word(_) => None,
         };
-        let texel = texel.map(Fetched::Texel);
+        let texel = texel.map(MapValue::Texel);
         texel.ok_or_else(|| malformed("texel: expected [kind, components] or \"discontinue\""))
     }
 }
@@ -634,7 +634,7 @@ struct StageEntry {
 }
 
 impl StageEntry {
-    fn fetched(&self, entry: &Entry, rules: &Rules) -> Result<Fetched, Unanswered> {
+    fn fetched(&self, entry: &Entry, rules: &Rules) -> Result<MapValue, Unanswered> {
         if let Some(texel) = &self.texel {
             return Ok(texel.fetched()?);
         }

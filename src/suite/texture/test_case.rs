@@ -6,7 +6,7 @@ use std::fmt;
 use serde_json::Value;
 
 use crate::suite::cases::{Expect, TableSpelling};
-use crate::suite::dialect::{Choices, Dialect, Right};
+use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::{choices::CHOICES, compare::difference};
@@ -115,9 +115,9 @@ impl TestCase for TextureCase {
         let axes = self.relevant_axes();
         let right = match axes.is_empty() {
             // Any error message is accepted.
-            true if self.must_be_refused() => Right::InAll(answer.get("error").is_some()),
-            true => Right::InAll(difference.is_none()),
-            false => Right::In {
+            true if self.must_be_refused() => RightDialects::InAll(answer.get("error").is_some()),
+            true => RightDialects::InAll(difference.is_none()),
+            false => RightDialects::In {
                 axes: axes.to_vec(),
                 combinations: (CHOICES.combinations(axes).iter())
                     .map(|dialect| difference_in(dialect).is_none())

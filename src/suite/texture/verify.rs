@@ -1,4 +1,4 @@
-//! Comparison of the reference's answers with the expected answers of a case file.
+//! Compares the reference's answers with the expected answers in a case file.
 
 use serde_json::Value;
 
@@ -40,7 +40,7 @@ pub fn verify(case: &TextureCase) -> Vec<VerifiedAnswer> {
     };
     let base = with_readings(&Rules::SPEC, &fixtures::readings(&case.given));
     let mut lines = vec![line(None, &case.expect, base)];
-    for also in &case.also {
+    for also in &case.alternatives {
         let mut readings = fixtures::readings(&also.given);
         if readings.is_empty() {
             readings.push(&also.reading);

@@ -4,7 +4,7 @@
 
 use super::codes::{self, Problem};
 use super::diagnostic::Findings;
-use crate::decode::{Alternative, Stored, Streams, open_as};
+use crate::decode::{Alternative, StoredMap, Streams, open_as};
 use crate::evaluate;
 use crate::ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
 use crate::reading::Reading;
@@ -40,7 +40,8 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them: all readings agree.
+/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them, so that all readings
+/// agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
         let mut planes = 0..dissection.compressed_planes();
@@ -114,7 +115,7 @@ fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
 }
 
 /// Returns one flag per texel: true if the stored values differ.
-fn differing_planes(ptm: &Ptm, other: &Stored) -> Vec<bool> {
+fn differing_planes(ptm: &Ptm, other: &StoredMap) -> Vec<bool> {
     let channels = ptm.planes.shape.channels();
     let mut texels = ptm.planes.samples.chunks(channels);
     let mut differing = Vec::new();

@@ -169,7 +169,7 @@ impl Code {
         self.provoked_by.iter().any(|name| name == damage_or_case)
     }
 
-    /// Returns the error code that a must-reject file with this damage, or the must-reject case with this id, triggers.
+    /// Returns the error code triggered by a must-reject file with this damage, or by the must-reject case with this id.
     #[must_use]
     pub fn for_rejected_file(damage_or_case: &str) -> Option<&'static Code> {
         let mut errors = ALL.iter().filter(|code| code.severity == Severity::Error);

@@ -1,4 +1,4 @@
-//! Classification of errors of the reference decoder into lint codes.
+//! Maps errors of the reference decoder to lint codes.
 
 use super::{codes::Problem, diagnostic::Findings, planes};
 use crate::error::{Class, Error, Kind};
@@ -23,7 +23,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true if they do.
+/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true in that case.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {

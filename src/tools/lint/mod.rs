@@ -1,7 +1,7 @@
 //! Lint for PTM files: errors, problems that some readers may have with a file, and fixes for its writer.
 //!
-//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all
-//! planes are reported. Warnings and infos are about the spelling, the values and the streams of a file, and about
+//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all planes are
+//! reported. Warnings and informational findings are about the spelling, the values and the streams of a file, and about
 //! alternative readings of open questions.
 
 mod choices;
@@ -154,7 +154,7 @@ impl Lint {
             count(self.infos, "info"),
         ];
         let details = self.reason.clone().unwrap_or_else(|| counts.join(", "));
-        format!("{}: {}: {details}\n", self.file, self.status.words())
+        format!("{}: {}: {details}\n", self.file, self.status.label())
     }
 
     /// Formats the predicted results of readers, one per line.

@@ -1,4 +1,4 @@
-//! Escaping of file names, so that no name can move the cursor or forge a line of output.
+//! Escapes file names, so that no name can move the cursor or forge a line of output.
 
 use std::ffi::OsStr;
 use std::fmt::Write as _;

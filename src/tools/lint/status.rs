@@ -34,7 +34,7 @@ impl Status {
 
     /// Returns the human-readable name.
     #[must_use]
-    pub const fn words(self) -> &'static str {
+    pub const fn label(self) -> &'static str {
         match self {
             Status::Sound => "sound",
             Status::NotAPtm => "not a PTM",
@@ -46,7 +46,7 @@ impl Status {
     /// Returns the machine-readable name, as it is serialized.
     #[must_use]
     pub fn name(self) -> String {
-        self.words().to_lowercase().replace(' ', "-")
+        self.label().to_lowercase().replace(' ', "-")
     }
 
     /// Determines the status of a dissected file.

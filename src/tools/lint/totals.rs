@@ -40,7 +40,7 @@ impl Totals {
     #[must_use]
     pub fn to_text(&self) -> String {
         let statuses =
-            Status::ALL.map(|status| format!("{} {}", self.count(status), status.words()));
+            Status::ALL.map(|status| format!("{} {}", self.count(status), status.label()));
         let mut out = format!("{} files: {}\n", self.files, statuses.join(", "));
         let width = self.files.to_string().len();
         for (format, count) in &self.formats {

@@ -23,7 +23,7 @@ impl LeastSquares {
         let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
         let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
-        let (values, vectors) = eigen(normal);
+        let (values, vectors) = eigensystem(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
         let is_significant = |k: &usize| values[*k] > MIN_EIGENVALUE_RATIO * largest;
         let row = |light: &[f64; 6]| {
@@ -52,7 +52,7 @@ impl LeastSquares {
 }
 
 /// Computes the eigenvalues and eigenvectors (as columns) of a symmetric matrix by Jacobi rotations.
-pub(super) fn eigen<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+pub(super) fn eigensystem<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
     for _ in 0..50 {

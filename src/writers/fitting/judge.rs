@@ -1,4 +1,4 @@
-//! Comparison of a fitted map with the photographs.
+//! Compares a fitted map with the photographs.
 //!
 //! Under each light, the root-mean-square error is compared with the error of the least-squares optimum, quantized to the same
 //! format. A tolerance allows for different rounding, and for fits that are better under one light and worse under another.

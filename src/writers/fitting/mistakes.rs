@@ -1,4 +1,4 @@
-//! Detection of mistakes of fitters by reproducing them.
+//! Detects mistakes of fitters by reproducing them.
 //!
 //! - A mistake in the use of photographs or lights leads to a different optimum. A map near that optimum reveals the mistake.
 //! - A mistake in the file format results in a map that is right if its numbers are interpreted differently.
@@ -11,7 +11,7 @@ use serde::Deserialize;
 use crate::decode::decode;
 use crate::kit::yaml::from_yaml;
 use crate::ptm::{Format, Ptm, Shape};
-use crate::writers::fitting::optimum::{Fitted, directions};
+use crate::writers::fitting::optimum::{FittedMap, directions};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 use crate::writers::fitting::{algebra::LeastSquares, judge::max_error};
@@ -54,7 +54,7 @@ pub(super) struct WrongMap {
     format: Format,
     ptm: Ptm,
     found: Polynomials,
-    best: Fitted,
+    best: FittedMap,
 }
 
 impl WrongMap {
@@ -65,7 +65,7 @@ impl WrongMap {
         Some(WrongMap {
             format,
             found: Polynomials::new(&ptm)?,
-            best: Fitted::new(&set, &directions(&set), format),
+            best: FittedMap::new(&set, &directions(&set), format),
             set,
             ptm,
         })
@@ -78,11 +78,11 @@ impl WrongMap {
                 let mut changed = self.set.clone();
                 change(&mut changed);
                 let lights = directions(&changed);
-                self.is_equivalent(&Fitted::new(&changed, &lights, self.format))
+                self.is_near(&FittedMap::new(&changed, &lights, self.format))
             }
             Criterion::Lights(light) => {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
-                self.is_equivalent(&Fitted::new(&self.set, &lights, self.format))
+                self.is_near(&FittedMap::new(&self.set, &lights, self.format))
             }
             Criterion::Numbers(order, value) => self.is_right(order, value),
             Criterion::Map(predicate) => predicate(self),
@@ -90,7 +90,7 @@ impl WrongMap {
     }
 
     /// Returns true if the map is near `other`, relative to its distance from the optimum.
-    fn is_equivalent(&self, other: &Fitted) -> bool {
+    fn is_near(&self, other: &FittedMap) -> bool {
         let other = other.polynomials();
         let from_best = self.found.distance(&self.best.polynomials(), &self.set);
         self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best

@@ -7,14 +7,14 @@
 
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};
-use crate::writers::fitting::algebra::{LeastSquares, eigen};
+use crate::writers::fitting::algebra::{LeastSquares, eigensystem};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
 use crate::writers::request::new_map;
 
 /// Best polynomials before quantization to bytes.
 #[derive(Clone, Debug)]
-pub(super) struct Fitted {
+pub(super) struct FittedMap {
     /// Polynomials with six coefficients: three per texel for RGB, one per texel for LRGB.
     polynomials: Vec<[f64; 6]>,
     /// Color of each texel for LRGB; empty for RGB.
@@ -24,7 +24,7 @@ pub(super) struct Fitted {
 /// Returns the best RGB or LRGB map for `set`.
 #[must_use]
 pub fn optimum(set: &ImageSet, format: Format) -> Ptm {
-    Fitted::new(set, &directions(set), format).quantize(set, format)
+    FittedMap::new(set, &directions(set), format).quantize(set, format)
 }
 
 /// Returns `lu` and `lv` of each light.
@@ -32,11 +32,11 @@ pub(super) fn directions(set: &ImageSet) -> Vec<[f64; 2]> {
     set.photographs.iter().map(Photograph::direction).collect()
 }
 
-impl Fitted {
+impl FittedMap {
     /// Fits the photographs under `lights`, which may differ from the lights of the set.
-    pub fn new(set: &ImageSet, lights: &[[f64; 2]], format: Format) -> Fitted {
+    pub fn new(set: &ImageSet, lights: &[[f64; 2]], format: Format) -> FittedMap {
         let least_squares = LeastSquares::new(lights);
-        let mut fitted = Fitted {
+        let mut fitted = FittedMap {
             polynomials: Vec::new(),
             colors: Vec::new(),
         };
@@ -100,14 +100,14 @@ impl Fitted {
     }
 }
 
-/// Approximates three polynomials by the product of a luminance polynomial and a color that is optimal under `lights`.
+/// Approximates three polynomials as the product of a luminance polynomial and a color that is optimal under `lights`.
 fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let value = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| -> f64 {
         let lights = lights.iter().copied();
         lights.map(|light| value(i, light) * value(j, light)).sum()
     };
-    let (values, vectors) = eigen([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
+    let (values, vectors) = eigensystem([0, 1, 2].map(|i| [0, 1, 2].map(|j| product(i, j))));
     let best = (0..3).max_by(|&i, &j| values[i].total_cmp(&values[j]));
     let best = best.expect("there are three eigenvalues");
     let sign = (0..3).map(|i| vectors[i][best]).sum::<f64>().signum();

@@ -4,8 +4,7 @@ use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 
-/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, the coefficients of the product of
-/// luminance and color.
+/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, the coefficients of luminance times color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 

@@ -10,7 +10,7 @@
 )]
 
 use ptm_conform::codec::jpeg_ls::PresetParameters;
-use ptm_conform::codec::{Encoded, jpeg, jpeg_ls};
+use ptm_conform::codec::{EncodedImage, jpeg, jpeg_ls};
 use ptm_conform::kit::digest::sha256;
 
 use crate::random::Rng;
@@ -164,7 +164,7 @@ fn scan_bytes(stream: &[u8]) -> &[u8] {
 }
 
 #[track_caller]
-fn compare(witness: &Witness, digested: &[u8], encoded: &Encoded, decoded: &[u8]) {
+fn compare(witness: &Witness, digested: &[u8], encoded: &EncodedImage, decoded: &[u8]) {
     let recipe = witness.recipe;
     assert_eq!(sha256(digested), witness.stream, "the stream of {recipe}");
     assert_eq!(sha256(decoded), witness.samples, "the samples of {recipe}");

@@ -89,7 +89,7 @@ const MAX_ANSWERS_PER_CASE: usize = 200;
 
 #[test]
 fn search_ends_for_unrelated_failures() {
-    let mut suite = suite().prepared();
+    let mut suite = suite().with_prepared_files();
     suite.cases.retain(|case| case.format().coding().is_none());
     let run = run_faulty_decoder(&suite, |_, _| {
         Answer::Decoded(Frame {
@@ -112,7 +112,7 @@ fn search_ends_for_unrelated_failures() {
 #[test]
 fn mistake_in_one_channel_names_the_channel() {
     let wraps = misreading("color-wraps");
-    let causes = diagnose_faulty_decoder(&suite().prepared(), |request, answer| {
+    let causes = diagnose_faulty_decoder(&suite().with_prepared_files(), |request, answer| {
         let wrong = answer_with(&[wraps], request);
         match (answer, wrong) {
             (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == ViewKind::Rgb => {
@@ -136,7 +136,7 @@ fn mistake_in_one_channel_names_the_channel() {
 /// A decoder that lacks a format may still refuse some of its files before it reads the format.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {
-    let mut suite = suite().prepared();
+    let mut suite = suite().with_prepared_files();
     let is_wanted = |case: &Case| match case.format() {
         Format::Lum => case.expect == Expect::Decode,
         format => case.first && format == Format::Rgb,
@@ -173,7 +173,7 @@ polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u +
 
 #[test]
 fn formula_mistake_is_described() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     for [formula, expression, view, says] in rows(FORMULA_MISTAKES) {
         println!("{formula} = {expression}");
         let edit = Edit::parse(&formula, &expression).expect("a formula");
@@ -192,7 +192,7 @@ fn formula_mistake_is_described() {
 
 #[test]
 fn mistake_outside_the_formulas_is_described() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let decoders: &[(&str, ChangeAnswer, &[&str])] = &[
         (
             "refuses two formats, which one misreading would also explain",
@@ -308,7 +308,7 @@ fn check_every_misreading(
 }
 
 fn check_in_reference_dialect(first: usize, step: usize) {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let run = |mistake| run_with_mistakes(&suite, &[mistake], &[], jobs(), &right).0;
     check_every_misreading((first, step), &suite, "", run);
@@ -316,7 +316,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
 
 /// Checks misreadings of a decoder whose choice for an open question differs from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     let run = |mistake| {
         run_all(&suite, |request| {
@@ -392,7 +392,7 @@ fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
 /// `min_named` percent of the sets must be among the first causes, and at most `max_false` percent of the sets may have a
 /// false cause that is reported as certain.
 fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let (mut tried, mut named, mut misled) = (0, 0, 0);
     for set in random_sets(count * 4, size) {

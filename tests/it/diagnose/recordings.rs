@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use crate::in_process::{reference_answer, suite};
-use crate::recordings::{digest, folder, recorded};
+use crate::recordings::{digest, folder, recorded_answers};
 use ptm_conform::diagnose::{Cause, diagnose};
 use ptm_conform::kit::yaml;
 use ptm_conform::protocol::frame::Answer;
@@ -65,7 +65,7 @@ impl Forbidden {
 
 /// Replays the recorded run, for all cases whose answers were recorded.
 fn replay(suite: &Suite, reader: &str) -> Run {
-    let answers = recorded(reader);
+    let answers = recorded_answers(reader);
     let is_recorded = |case: &Case| {
         TableSpelling::all().any(|table| {
             let file = digest(&case.build(table).file);
@@ -146,7 +146,7 @@ fn readers() -> Vec<Reader> {
 
 #[test]
 fn mistakes_of_seven_readers_are_named_without_false_statements() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let mut missed = Vec::new();
     for reader in readers() {
         let causes = causes(&suite, &reader.name);
@@ -226,7 +226,7 @@ fn report_text(suite: &Suite, run: &Run) -> String {
 /// `WRITE_REPORTS=1` updates the reports.
 #[test]
 fn reports_of_readers_match_their_recordings() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     for reader in readers() {
         let path = format!(
             "{}/reports/readers/{}.yaml",

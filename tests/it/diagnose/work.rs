@@ -60,7 +60,7 @@ fn with_sizes_in_bytes(request: &Request) -> Answer {
 
 #[test]
 fn search_is_bounded_for_any_decoder() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", with_uniform_samples, ""),
         ("constant image", constant_image, ""),

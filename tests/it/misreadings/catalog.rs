@@ -79,7 +79,7 @@ fn functions_are_in_the_order_of_the_catalog() {
 
 #[test]
 fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let matrix = matrix(&suite, jobs(), &|_, _| ());
     println!("{} misreadings, {} cases", matrix.len(), suite.cases.len());
     assert!(matrix.len() >= 60);
@@ -146,7 +146,7 @@ fn weakness(suite: &Suite, row: &MatrixRow) -> Option<String> {
 
 #[test]
 fn every_clause_is_tested_or_has_a_reason() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let clauses = clauses::clauses().expect("the clauses load");
     let rulings = clauses::rulings().expect("the rulings load");
     for clause in &clauses {

@@ -118,7 +118,7 @@ fn malformed_netpbm_files_are_refused() {
 }
 
 /// Encodes an image of 2 × 2 texels, with alpha if there are four samples per texel.
-fn small(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
+fn small_image(color: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
     let samples: Vec<u8> = match color {
         ExtendedColorType::L8 => vec![7, 80, 160, 250],
         ExtendedColorType::Rgb8 => (1..13).map(|i| i * 20).collect(),
@@ -152,14 +152,14 @@ fn lossless_forms_keep_all_samples() {
             (ExtendedColorType::Rgba8, &alpha),
         ] {
             let expected = frame(ViewKind::Rgb, (2, 2, 3), Samples::U8(samples.clone()));
-            let found = read(&small(kind, format), &rgb(), MAX_DECOMPRESSED_BYTES);
+            let found = read(&small_image(kind, format), &rgb(), MAX_DECOMPRESSED_BYTES);
             assert_eq!(found, Ok(expected), "{name}, {kind:?}");
         }
     }
 }
 
 /// Replaces bytes of a file, at an offset from the first occurrence of `before`.
-fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec<u8> {
+fn patch(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec<u8> {
     let mut windows = file.windows(before.len());
     let at = windows
         .position(|window| window == before)
@@ -171,28 +171,28 @@ fn patched(mut file: Vec<u8>, before: &[u8], offset: usize, bytes: &[u8]) -> Vec
 
 /// Returns short files whose headers announce far more texels than follow.
 fn oversized_frames() -> Vec<(&'static str, Vec<u8>)> {
-    let small = |format| small(ExtendedColorType::Rgb8, format);
+    let small = |format| small_image(ExtendedColorType::Rgb8, format);
     let side = 60_000_u32.to_le_bytes();
     let mut png = Vec::new();
     let writer = png::Encoder::new(&mut png, 60_000, 60_000).write_header();
     let written = writer.and_then(|mut writer| writer.write_chunk(png::chunk::IDAT, &[0x78]));
     written.expect("a start");
-    let tiff = patched(
+    let tiff = patch(
         small(ImageFormat::Tiff),
         &[0, 1, 4, 0, 1, 0, 0, 0, 2],
         8,
         &side,
     );
-    let tiff = patched(tiff, &[1, 1, 4, 0, 1, 0, 0, 0, 2], 8, &side);
-    let bmp = patched(small(ImageFormat::Bmp), b"BM", 18, &[side, side].concat());
+    let tiff = patch(tiff, &[1, 1, 4, 0, 1, 0, 0, 0, 2], 8, &side);
+    let bmp = patch(small(ImageFormat::Bmp), b"BM", 18, &[side, side].concat());
     // VP8L stores each side minus one in fourteen bits.
-    let webp = patched(
+    let webp = patch(
         small(ImageFormat::WebP),
         b"VP8L",
         9,
         &[0xfe, 0xbf, 0xff, 0x0f],
     );
-    let jpeg = patched(small(ImageFormat::Jpeg), &[0xff, 0xc0], 5, &[0xff; 4]);
+    let jpeg = patch(small(ImageFormat::Jpeg), &[0xff, 0xc0], 5, &[0xff; 4]);
     vec![
         ("a PNG", png),
         ("a Netpbm file", b"P5 60000 60000 255 1".to_vec()),
@@ -220,7 +220,7 @@ fn truncated_or_damaged_images_cause_no_panic() {
     let mut forms = LOSSLESS_FORMS.to_vec();
     forms.push((ImageFormat::Jpeg, "a JPEG"));
     for (format, name) in forms {
-        let valid = small(ExtendedColorType::Rgb8, format);
+        let valid = small_image(ExtendedColorType::Rgb8, format);
         let half = &valid[..valid.len() / 2];
         assert_refused(half, name);
         for at in 0..valid.len() {
@@ -253,7 +253,7 @@ fn coarse_jpegs_are_refused() {
     assert_eq!(read_back, frame);
     assert_refused(&jpeg(&samples, (8, 8), 90), "too coarse");
     let fine = jpeg(&samples, (8, 8), 95);
-    let subsampled = patched(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
+    let subsampled = patch(fine.clone(), &[0xff, 0xc0], 11, &[0x22]);
     assert_refused(&subsampled, "several texels share one color");
     assert_refused(&fine[..fine.len() - 2], "does not end");
 }

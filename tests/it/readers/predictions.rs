@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use crate::in_process::suite;
-use crate::recordings::{digest, recorded};
+use crate::recordings::{digest, recorded_answers};
 use crate::table::rows;
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
-use ptm_conform::readers::{OpenedFile, ReaderProfile, Shown, parse_profiles, profiles};
+use ptm_conform::readers::{OpenedFile, ReaderProfile, Rendering, parse_profiles, profiles};
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::compare::Expected;
 use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
@@ -49,8 +49,8 @@ reads: [RGB]↵  likes: all | likes",
 }
 
 /// Returns the recorded result of a reader for each legal file.
-fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
-    let answers = recorded(name);
+fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Rendering)> {
+    let answers = recorded_answers(name);
     let shown = |place: usize| {
         let built = cases[place].build(TableSpelling::default());
         let file = digest(&built.file);
@@ -61,15 +61,15 @@ fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
         })?;
         Some(match &recorded.answer {
             // An image that equals the expected one is not recorded.
-            None => Shown::Right,
+            None => Rendering::Right,
             Some(Answer::Decoded(frame)) => {
                 let expected = Expected::new(&built.values, view).expect("a legal file has values");
                 match expected.compare(frame) {
-                    None => Shown::Right,
-                    Some(_) => Shown::Wrong,
+                    None => Rendering::Right,
+                    Some(_) => Rendering::Wrong,
                 }
             }
-            Some(_) => Shown::Nothing,
+            Some(_) => Rendering::Nothing,
         })
     };
     let places = 0..cases.len();
@@ -82,22 +82,22 @@ fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Shown)> {
 #[derive(Default)]
 struct Tally {
     /// Number of files by prediction and recorded result.
-    pairs: BTreeMap<(Shown, Shown), usize>,
+    pairs: BTreeMap<(Rendering, Rendering), usize>,
 }
 
 impl Tally {
-    fn add(&mut self, predicted: Shown, seen: Shown) {
+    fn add(&mut self, predicted: Rendering, seen: Rendering) {
         *self.pairs.entry((predicted, seen)).or_default() += 1;
     }
 
-    fn count(&self, matches: impl Fn(Shown, Shown) -> bool) -> usize {
+    fn count(&self, matches: impl Fn(Rendering, Rendering) -> bool) -> usize {
         let pairs = self.pairs.iter();
         let pairs = pairs.filter(|((predicted, seen), _)| matches(*predicted, *seen));
         pairs.map(|(_, count)| count).sum()
     }
 
     /// Returns the precision and recall of predicting a result for which `matches` returns true.
-    fn scores(&self, matches: impl Fn(Shown) -> bool) -> (f64, f64) {
+    fn scores(&self, matches: impl Fn(Rendering) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
         let share = |all: usize| both / (all.max(1) as f64);
         (
@@ -142,11 +142,11 @@ fn predictions_match_recorded_readers() {
 
 /// Prints the precision and recall of every kind of prediction, and returns the smaller of the two for each kind.
 fn report(name: &str, tally: &Tally) -> [f64; 4] {
-    let kinds: [(&str, fn(Shown) -> bool); 4] = [
-        ("right", |shown| shown == Shown::Right),
-        ("wrong", |shown| shown == Shown::Wrong),
-        ("nothing", |shown| shown == Shown::Nothing),
-        ("not right", |shown| shown != Shown::Right),
+    let kinds: [(&str, fn(Rendering) -> bool); 4] = [
+        ("right", |shown| shown == Rendering::Right),
+        ("wrong", |shown| shown == Rendering::Wrong),
+        ("nothing", |shown| shown == Rendering::Nothing),
+        ("not right", |shown| shown != Rendering::Right),
     ];
     kinds.map(|(kind, matches)| {
         let (precision, recall) = tally.scores(matches);
@@ -179,7 +179,7 @@ fn files_converted_for_a_reader_keep_the_map() {
                     let back = decode(&made.bytes).expect("a legal file");
                     assert_same_map(ptm, &back, &case.id);
                     let shown = OpenedFile::new(&made.bytes).predict(reader(name)).result;
-                    assert_eq!(shown, Shown::Right, "{} for {name}", case.id);
+                    assert_eq!(shown, Rendering::Right, "{} for {name}", case.id);
                     converted += 1;
                 }
                 Err(why) => {

@@ -21,7 +21,7 @@ pub fn digest(file: &[u8]) -> String {
 }
 
 /// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
-pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
+pub fn recorded_answers(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
     let path = folder().join(format!("{reader}.answers.gz"));
     let mut text = String::new();
     let file = File::open(path).expect("the recording exists");
@@ -32,7 +32,7 @@ pub fn recorded(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|answer: &RecordedAnswer<Frame>| !answer.alone)
+        .filter(|answer: &RecordedAnswer<Frame>| !answer.new_process)
         .map(|answer| ((answer.file.clone(), answer.view.clone()), answer))
         .collect()
 }

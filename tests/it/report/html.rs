@@ -290,7 +290,7 @@ fn colors_are_explained_with_their_arithmetic() {
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
     let mut run = check(&suite, &plan, &halve_red, &|_, _, _, _| ());
-    run.scene = lit_scene::ask(&run.offer, &run.judgement.decoded, &halve_red);
+    run.scene = lit_scene::request(&run.offer, &run.judgement.decoded, &halve_red);
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     save_page("colors.html", &page);
@@ -333,7 +333,7 @@ fn page_of_a_texture_stage_contains_the_questions() {
     let mistake = misreadings::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("a case");
-        Reply::from(case.answer(&mistake.change(Rules::SPEC)))
+        Reply::from(case.answer(&mistake.apply_to(Rules::SPEC)))
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());

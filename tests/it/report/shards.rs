@@ -6,13 +6,13 @@ use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
 use ptm_conform::misreadings::answer;
 use ptm_conform::protocol::frame::Answer;
-use ptm_conform::report::reported::Reported as _;
+use ptm_conform::report::reported::Reportable as _;
 use ptm_conform::report::shards::{
-    AnswerRecorder, Circumstances, End, OtherRemarks, Shard, answers_path,
+    AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
 use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::asking::Ask;
+use ptm_conform::session::asking::DecoderFn;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::run::{Run, Session};
@@ -49,12 +49,12 @@ fn remarks() -> OtherRemarks {
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
 /// Runs a plan as `check` does, and optionally records the answers.
-fn run_plan(suite: &Suite, plan: &RunPlan, ask: &Ask, log: Option<&AnswerRecorder<Case>>) -> Run {
+fn run(suite: &Suite, plan: &RunPlan, ask: &DecoderFn, log: Option<&AnswerRecorder<Case>>) -> Run {
     let mut session = Session::new(suite, plan, ask);
     let mut contact = session.first_contact();
     Case::undo_common_transforms(suite, &mut session, &mut contact);
-    let observations = session.ask_cases(&contact, &|case, observation, _, _| {
-        if let Some(log) = log.filter(|_| session.undo.is_empty()) {
+    let observations = session.request_all(&contact, &|case, observation, _, _| {
+        if let Some(log) = log.filter(|_| session.undone_transforms.is_empty()) {
             log.record_observation(case, observation);
         }
     });
@@ -65,7 +65,7 @@ fn run_plan(suite: &Suite, plan: &RunPlan, ask: &Ask, log: Option<&AnswerRecorde
 fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
     let plan = plan(suite, None);
-    let mut run = run_plan(suite, &plan, &ask, None);
+    let mut run = run(suite, &plan, &ask, None);
     let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
     report.expect("no misreading is assumed")
 }
@@ -80,8 +80,8 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
         reply
     };
     let plan = plan(suite, Some(part));
-    let run = run_plan(suite, &plan, &ask, Some(&recorder));
-    let end = End {
+    let run = run(suite, &plan, &ask, Some(&recorder));
+    let end = Trailer {
         version: tool.version.clone(),
         corpus: tool.corpus.clone(),
         part,
@@ -127,7 +127,7 @@ fn is_sampled(request: &Request, count: u32) -> bool {
 /// For each decoder, verdicts in one part depend on answers in another part.
 #[test]
 fn eight_merged_shards_equal_the_whole_run() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     assert_same_report(&suite, &reference_answer);
     let mistake = misreading("rows-top-down");
     assert_same_report(&suite, &|request| answer_with(&[mistake], request));
@@ -159,7 +159,7 @@ fn eight_merged_shards_equal_the_whole_run() {
 
 #[test]
 fn incomplete_or_foreign_shards_are_not_merged() {
-    let suite = suite().prepared();
+    let suite = suite().with_prepared_files();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = report_of_whole_run(&suite, &reference_answer).tool;
     let run = |number, total| {

@@ -21,8 +21,8 @@ fn document(path: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Formats a number with format_thousands separators, such as `2,114`.
-fn format_thousands(number: usize) -> String {
+/// Formats a number with thousands separators, such as `2,114`.
+fn with_commas(number: usize) -> String {
     match number {
         0..1000 => number.to_string(),
         _ => format!("{},{:03}", number / 1000, number % 1000),
@@ -32,10 +32,7 @@ fn format_thousands(number: usize) -> String {
 #[test]
 fn counts_in_documents_equal_those_of_the_program() {
     let suite = Suite::load().expect("the suite loads");
-    let (cases, misreadings) = (
-        format_thousands(suite.cases.len()),
-        misreadings::all().count(),
-    );
+    let (cases, misreadings) = (with_commas(suite.cases.len()), misreadings::all().count());
     let smoke = smoke::ids().expect("the smoke subset").len();
     let stages = Suite::load_texture()
         .expect("the texture suite")
@@ -46,7 +43,7 @@ fn counts_in_documents_equal_those_of_the_program() {
         texture::rulings().expect("rulings").len(),
     ];
     let profile = |profile: Profile| {
-        let files = format_thousands(profile.cases(&suite).len());
+        let files = with_commas(profile.cases(&suite).len());
         format!("| `{}` | {files}: ", profile.name())
     };
     for (path, claim) in [

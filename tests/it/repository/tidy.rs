@@ -169,7 +169,7 @@ fn types(tokens: TokenStream) -> Vec<String> {
     found
 }
 
-/// Calls `visit` with the remaining tokens at each position, also inside groups. Skips attributes and items for tests.
+/// Calls `visit` with the remaining tokens at each position, including those inside groups. Skips attributes and items for tests.
 pub fn visit_tokens(tokens: TokenStream, visit: &mut dyn FnMut(&[TokenTree])) {
     visit_top_level(tokens, &mut |tokens| {
         visit(tokens);

@@ -1,6 +1,6 @@
 //! Tests programs that do not implement the protocol and are called with a template.
 
-use crate::common::{Checked, PROGRAM, Workspace, assert_contains, rows, run_measured};
+use crate::common::{CheckRun, PROGRAM, Workspace, assert_contains, rows, run_measured};
 
 /// Creates a workspace with the program `viewer LU LV IN OUT`, which writes a pixmap to OUT, or to standard output if OUT is
 /// `-`. For a file that it cannot read, it exits with the status `malformed`.
@@ -17,7 +17,7 @@ fn workspace_with_viewer(malformed: u8) -> Workspace {
 }
 
 /// Runs `check OPTIONS --cmd TEMPLATE` on a few small cases.
-fn check(here: &Workspace, template: &str, options: &str) -> Checked {
+fn check(here: &Workspace, template: &str, options: &str) -> CheckRun {
     let cases = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
     let template = template.replace('\'', "'\\''");
     here.check(&format!("{cases} {options} --cmd '{template}'"))

@@ -7,14 +7,14 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::ptm::Format;
 
 use crate::common::{
-    Checked, PROGRAM, Workspace, assert_conforms, assert_contains, check, have, python_example,
+    CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have, python_example,
     repository, repository_text, zoo,
 };
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
 
 /// Checks a program of the zoo with a few cases.
-fn check_zoo(kind: &str) -> Checked {
+fn check_zoo(kind: &str) -> CheckRun {
     check(&format!("{FEW_CASES} -- {}", zoo(kind)))
 }
 

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    Checked, Load, Workspace, assert_contains, eventually, have_proc, processes, rows,
-    run_measured, zoo,
+    CheckRun, Load, Workspace, assert_contains, have_proc, processes, rows, run_measured,
+    wait_until, zoo,
 };
 
 /// Options that select a few small cases of every kind, so that programs that hang take only seconds.
@@ -160,7 +160,7 @@ fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
             processes(|command, environment| command.contains(&nap) || environment.contains(&mark))
         };
         assert!(
-            eventually(5, || alive().is_empty()),
+            wait_until(5, || alive().is_empty()),
             "{kind}: {:?} survive",
             alive()
         );
@@ -169,7 +169,7 @@ fn check_faulty_decoder(faulty: &FaultyDecoder) -> u64 {
 }
 
 #[track_caller]
-fn judge(faulty: &FaultyDecoder, checked: &Checked) {
+fn judge(faulty: &FaultyDecoder, checked: &CheckRun) {
     let [kind, status, _, fails, says] = faulty;
     let found = checked.status.to_string();
     assert_eq!(found, *status, "{kind}: {}", checked.text);

@@ -1,7 +1,7 @@
 //! The example decoder passes. Each copy with one mistake fails the case for that mistake, but passes a similar case.
 
 use crate::common::{
-    Checked, Workspace, check, edited, have, have_python, python_example, repository_text, rows,
+    CheckRun, Workspace, check, edit, have, have_python, python_example, repository_text, rows,
 };
 
 /// Copies of the decoder, each with one mistake: its name, the text to replace, the replacement, the case for the misread
@@ -124,7 +124,7 @@ fn decoder() -> Option<String> {
 }
 
 /// Checks a Python decoder with the given source text.
-fn check_copy(text: &str, options: &str) -> Checked {
+fn check_copy(text: &str, options: &str) -> CheckRun {
     let here = Workspace::new();
     here.write("copy of decoder.py", text);
     here.check(&format!("{options} -- python3 'copy of decoder.py'"))
@@ -145,7 +145,7 @@ fn python_decoder_passes() {
 fn missing_format_is_unsupported() {
     let Some(decoder) = decoder() else { return };
     let formats = "    b\"PTM_FORMAT_LUM\": read_lum,\n";
-    let text = edited(&decoder, formats, &formats.replace("read_lum", "lacking"));
+    let text = edit(&decoder, formats, &formats.replace("read_lum", "lacking"));
     let table = text[..text.find("lacking").expect("the entry")].rfind("\n\n");
     let (before, after) = text.split_at(table.expect("a blank line") + 2);
     let lacking = "def lacking(*_):\n    raise Unsupported(\"LUM\")\n\n\n";
@@ -177,8 +177,8 @@ fn copies_that_misread_compressed_planes_fail_only_their_case() {
 #[test]
 fn common_transform_is_reported_once_and_undone() {
     let Some(decoder) = decoder() else { return };
-    let text = edited(&decoder, "reversed(range(height))", "range(height)");
-    let text = edited(&text, "(?:[eE][+-]?[0-9]+)?\")", "\")");
+    let text = edit(&decoder, "reversed(range(height))", "range(height)");
+    let text = edit(&text, "(?:[eE][+-]?[0-9]+)?\")", "\")");
     let cases =
         "--case rows-run-upwards-1x2-rgb --case scale-exponents-lrgb --case hand-lrgb-blocks";
     let checked = check_copy(&text, cases);
@@ -198,7 +198,7 @@ fn assert_each_fails(copies: &str, options: &str) -> Vec<(String, Vec<String>)> 
     };
     let diagnosed = |[name, find, replace, fails, passes]: [String; 5]| {
         let options = format!("{options} --case {fails} --case {passes}");
-        let checked = check_copy(&edited(&text, &find, &replace), &options);
+        let checked = check_copy(&edit(&text, &find, &replace), &options);
         let outcomes = (checked.status, checked.cases("fail"), checked.cases("pass"));
         let expected = (1, vec![fails], vec![passes]);
         assert_eq!(outcomes, expected, "{name}: {}", checked.text);

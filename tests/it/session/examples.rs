@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::common::{Checked, Workspace, have, program, repository, stdout};
+use crate::common::{CheckRun, Workspace, have, program, repository, stdout};
 use crate::table::rows;
 
 /// Creates a workspace with the compiled C decoder `ptm_decoder`, or returns `None` without a compiler.
@@ -35,7 +35,7 @@ const MISSING_FEATURES: [&str; 10] = [
 ];
 
 #[track_caller]
-fn assert_passes(checked: &Checked, lacks: &[&str]) {
+fn assert_passes(checked: &CheckRun, lacks: &[&str]) {
     checked.assert_exit(0, "");
     assert_eq!(checked.report["verdict"], "pass");
     let unsupported = &checked.report["decoder"]["unsupported"];
@@ -126,7 +126,7 @@ rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
                 .args(arguments.split_whitespace())
                 .current_dir(here.path("")),
         );
-        let checked = here.check(&format!("--smoke -- {decoder}"));
+        let checked = here.check(&format!("--smoke --timeout 60 -- {decoder}"));
         checked.assert_exit(0, "");
         assert_eq!(checked.report["decoder"]["mode"], "serve", "{language}");
         assert!(checked.cases("pass").len() > 10, "{}", checked.text);

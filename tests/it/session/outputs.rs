@@ -4,10 +4,10 @@ use std::fs;
 
 use serde_json::json;
 
-use crate::common::{Checked, Workspace, assert_contains, rows};
+use crate::common::{CheckRun, Workspace, assert_contains, rows};
 
 /// Judges the answers in the directory `e`.
-fn check(here: &Workspace) -> Checked {
+fn check(here: &Workspace) -> CheckRun {
     here.check("--outputs e")
 }
 

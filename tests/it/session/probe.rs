@@ -1,7 +1,7 @@
 //! Tests each diagnosis of `probe` with a faulty script.
 
 use crate::common::{
-    PROGRAM, Workspace, assert_contains, edited, have, outcome, repository_text, rows,
+    PROGRAM, Workspace, assert_contains, edit, have, outcome, repository_text, rows,
 };
 
 /// Returns a shell script in which `right` calls the reference.
@@ -25,9 +25,9 @@ fn probe(text: &str, options: &str) -> (i32, String) {
 
 /// Probes a decoder, checks the exit status and the output, and returns the output.
 #[track_caller]
-fn assert_probed(text: &str, status: &str, says: &str) -> String {
+fn assert_probed(text: &str, status: &str, parts: &str) -> String {
     let (found, output) = probe(text, "");
-    assert_contains(&output, says);
+    assert_contains(&output, parts);
     assert_eq!(found.to_string(), status, "{output}");
     output
 }
@@ -47,7 +47,7 @@ fn assert_copies_probed(table: &str) {
         return;
     };
     for [status, find, replace, says] in rows(table) {
-        let copy = edited(&decoder, &find, &replace);
+        let copy = edit(&decoder, &find, &replace);
         assert_probed(&copy, &status, &says);
     }
 }
@@ -208,7 +208,7 @@ b"".join(bytes(255 - x for x in t) for t in ptm.texels)
   | the image is wrong: texel (0, 0) && which names the misread clause"#;
     for [samples, says] in rows(&table.replace("ROWS", rows_of_texels)) {
         let samples = format!("samples = {samples}");
-        let copy = edited(&decoder, "samples = b\"\".join(ptm.texels)", &samples);
+        let copy = edit(&decoder, "samples = b\"\".join(ptm.texels)", &samples);
         assert_probed(&copy, "1", &says);
     }
     assert_copies_probed(
@@ -249,7 +249,7 @@ fn wrong_refusals_are_explained() {
     );
 }
 
-/// The first decoder refuses eight formats with 65, the second shows a wrong image in one view of a format.
+/// The first decoder refuses eight formats with 65; the second shows a wrong image in one view of a format.
 #[test]
 fn faults_in_other_formats_are_found() {
     assert_scripts_probed(
@@ -280,7 +280,7 @@ fn serve_mode_faults_are_explained() {
     let Some(decoder) = python_decoder() else {
         return;
     };
-    let copy = edited(&decoder, "answers.flush()", "pass");
+    let copy = edit(&decoder, "answers.flush()", "pass");
     let (status, output) = probe(&copy, "--timeout 8");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
@@ -307,7 +307,7 @@ fn serve_mode_is_compared_with_one_shot_mode() {
 1 | for y in reversed(range(height)) for | for y in range(height) for
   | the rows are upside down && ✓ serve: the first request is answered at once, as in one-shot mode",
     );
-    let copy = edited(
+    let copy = edit(
         &decoder,
         "answer = frame(view, path)",
         "answer = frame(view, path)[:-1] + b'x'",

@@ -239,7 +239,7 @@ fn different_limits_are_not_nondeterminism() {
             match hoards(case) {
                 true if request.needs_new_process => Reply::from(hang()),
                 true => Reply {
-                    served: served.then(hang),
+                    serve_mode_answer: served.then(hang),
                     ..Reply::from(out_of_memory)
                 },
                 false => Reply::from(reference_answer(request)),

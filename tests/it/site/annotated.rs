@@ -2,7 +2,7 @@
 
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
-use ptm_conform::site::example::{Found, execute, execute_all};
+use ptm_conform::site::example::{Decoding, execute, execute_all};
 use ptm_conform::suite::{clauses::clauses, name::SuiteName};
 
 use crate::table::rows;
@@ -11,8 +11,8 @@ fn annotated() -> Annotated {
     Annotated::read(CHAPTERS, FILES).expect("the chapters are read")
 }
 
-/// Returns the annotated format with the first `from`, which must occur, replaced by `to`.
-fn edited(from: &str, to: &str) -> Annotated {
+/// Returns the annotated format after replacing the first occurrence of `from`, which must exist, with `to`.
+fn with_replacement(from: &str, to: &str) -> Annotated {
     let (mut found, mut texts) = (false, Vec::new());
     for (name, text) in CHAPTERS {
         found |= text.contains(from);
@@ -57,7 +57,7 @@ fn wrong_example_names_the_clause() {
 00 00 00 03 e7 | 00 00 00 02 e7 | clause 2.9.8/5, example 1: expected 30 231 10 21
 PTM_FORMAT_lrgb | PTM_FORMAT_LRGB | clause 2.2/1, example 2: the file is decoded",
     ) {
-        let error = build(Some(edited(&from, &to)), None, 1).err();
+        let error = build(Some(with_replacement(&from, &to)), None, 1).err();
         let error = error.expect("no site");
         assert!(error.contains(&message), "{error}");
     }
@@ -97,7 +97,7 @@ fn is_correct(clause: &AnnotatedClause, i: usize, annotated: &Annotated, file: &
     let executed = execute(clause, None, &annotated.files).expect("a correct example");
     let example = &clause.examples[i];
     match (&executed[i].found, example.evaluate(file)) {
-        (Found::Refused(clause, _), Ok(Found::Refused(now, _))) => *clause == now,
+        (Decoding::Refused(clause, _), Ok(Decoding::Refused(now, _))) => *clause == now,
         (expected, Ok(found)) => *expected == found,
         (_, Err(_)) => false,
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use ptm_conform::generate::{Model, Recipe, write};
 use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
 use ptm_conform::ptm::Format;
+use ptm_conform::report::reported::Reportable;
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::corpus::{self, ManifestEntry};
 use ptm_conform::suite::damages::damages;
@@ -46,7 +47,6 @@ fn committed_corpus_is_reproducible_with_any_number_of_threads() {
         }
     }
     let size: usize = committed.values().map(Vec::len).sum();
-    println!("{} files, {size} bytes", committed.len());
     assert!(size <= 3_250_000, "{size} bytes");
 }
 
@@ -59,6 +59,9 @@ fn the_manifest_lists_every_case() {
     for (entry, case) in entries.iter().zip(&suite.cases) {
         assert_eq!((&entry.id, &entry.sha256), (&case.id, &digest(case)));
     }
+    let digests: String = entries.iter().map(|entry| &*entry.sha256).collect();
+    let digest = sha256(digests.as_bytes());
+    assert_eq!(digest, Case::digest(&suite), "spec-cases/corpus.sha256");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Tests that the example texture stage passes, and that each copy with one mistake fails a case about that requirement.
 
-use crate::common::{Workspace, check, edited, have, python_example, repository_text, rows};
+use crate::common::{Workspace, check, edit, have, python_example, repository_text, rows};
 
 /// Returns the source text of the texture stage in Python, if Python is installed.
 fn stage() -> Option<String> {
@@ -67,7 +67,7 @@ fn each_wrong_copy_fails_for_its_requirement() {
     let copies = rows(COPIES);
     assert!(copies.len() >= 20);
     for [name, find, replace, clause] in copies {
-        here.write("stage.py", edited(&text, &find, &replace));
+        here.write("stage.py", edit(&text, &find, &replace));
         // Run only the cases about the misread requirement, which takes seconds instead of minutes.
         let line = format!("--suite texture --clause {clause} -- python3 stage.py");
         let checked = here.check(&line);

@@ -6,10 +6,10 @@ use proptest::sample::select;
 use ptm_conform::evaluate::Coefficients;
 use ptm_conform::ptm::{Shape, Size};
 use ptm_conform::texture::{
-    Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Fetched, Frequency,
-    Interpolation, Level, LitPrimitive, Matrix, Parameterization, Point, RenderingControl,
-    Rounding, Rules, SampleMethod, Shade, Texel, TexelKind, TextureMap, compose, fetch,
-    interpolate, orient, parameterize, stage,
+    Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Frequency,
+    Interpolation, Level, LitPrimitive, MapValue, Matrix, Parameterization, Point,
+    RenderingControl, Rounding, Rules, SampleMethod, Shade, Texel, TexelKind, TextureMap, compose,
+    fetch, interpolate, orient, parameterize, stage,
 };
 
 const RULES: &Rules = &Rules::SPEC;
@@ -142,13 +142,13 @@ proptest! {
         maps in proptest::collection::vec((entry(), texel(), any::<bool>()), 0..5),
         surface in color(), alpha in unit(), white in color(), specular in color(),
     ) {
-        let maps: Vec<(Entry, Fetched)> = maps
+        let maps: Vec<(Entry, MapValue)> = maps
             .into_iter()
             .map(|(mut entry, texel, is_pre_light)| {
                 if is_pre_light {
                     entry.rendering_control = RenderingControl::PreLight;
                 }
-                (entry, Fetched::Texel(texel))
+                (entry, MapValue::Texel(texel))
             })
             .collect();
         let lit = LitPrimitive { surface: Shade { color: surface, alpha }, white, specular };
@@ -249,7 +249,7 @@ proptest! {
         map in luminance_map(), t in [coordinate(), coordinate(), coordinate()], turned in -4..4_i32,
     ) {
         let input = Shade { color: input, alpha: 0.5 };
-        let composed = |entry: &Entry| compose(entry, &Fetched::Texel(texel), input, [0.5; 3], RULES);
+        let composed = |entry: &Entry| compose(entry, &MapValue::Texel(texel), input, [0.5; 3], RULES);
         // Notes c, d and e.
         if entry.composition != Composition::BlendEnvColor {
             let changed = Entry { channel: Channel::Alpha, env_color: other, ..entry.clone() };
@@ -296,7 +296,7 @@ proptest! {
         let by = |composition, kind: TexelKind, values: &[f64]| {
             let entry = Entry { composition, env_color: environment, background_color: background, ..Entry::default() };
             let texel = Texel::new(kind, values).expect("a texel");
-            compose(&entry, &Fetched::Texel(texel), input, white, RULES)
+            compose(&entry, &MapValue::Texel(texel), input, white, RULES)
         };
         let lit = |c: Color| [0, 1, 2].map(|i| white[i] * c[i]);
         let (opaque, clear) = ([t[0], t[1], t[2], 1.0], [t[0], t[1], t[2], 0.0]);
@@ -308,7 +308,7 @@ proptest! {
         prop_assert_eq!(decal, by(Composition::Replace, TexelKind::RGB, &t));
         prop_assert!(is_close(&decal.color, &by(Composition::DecalBackground, TexelKind::RGBA, &opaque).color));
         prop_assert!(is_close(&by(Composition::DecalBackground, TexelKind::RGBA, &clear).color, &lit(background)));
-        let nothing = compose(&Entry::default(), &Fetched::Discontinued, input, white, RULES);
+        let nothing = compose(&Entry::default(), &MapValue::Discontinued, input, white, RULES);
         prop_assert_eq!(nothing, input);
     }
 }

@@ -91,7 +91,7 @@ fn every_misreading_is_diagnosed() {
     let suite = suite();
     let mut unnamed = Vec::new();
     for misreading in misreadings::all() {
-        let rules = misreading.change(Rules::SPEC);
+        let rules = misreading.apply_to(Rules::SPEC);
         let run = run(&suite, |case| case.answer(&rules));
         let diagnoses = diagnose(&suite, &run);
         let first = diagnoses.first().map(|first| match &first.cause {
@@ -271,7 +271,7 @@ fn every_cross_reference_exists_and_agrees() {
         assert!(agrees, "{id}: {:?} under {ruling:?}", case.basis);
         // A case whose answer depends on a choice must declare the choice.
         let is_open = !case.relevant_axes().is_empty();
-        let has_others = !case.also.is_empty() && case.basis != Basis::Impl;
+        let has_others = !case.alternatives.is_empty() && case.basis != Basis::Impl;
         assert_eq!(is_open, case.basis == Basis::Reading, "{id}");
         assert_eq!(is_open, has_others, "{id}");
     }
@@ -279,7 +279,7 @@ fn every_cross_reference_exists_and_agrees() {
         assert!(are_known(&ruling.clauses), "{}", ruling.id);
         let choice = CHOICES.iter().find(|choice| choice.ruling == ruling.id);
         let others = choice.map_or(0, |choice| choice.readings.len() - 1);
-        assert_eq!(others, ruling.also.len(), "{}", ruling.id);
+        assert_eq!(others, ruling.alternatives.len(), "{}", ruling.id);
     }
     let mut slugs = HashSet::new();
     for misreading in misreadings::all() {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use ptm_conform::diagnose::Cause;
-use ptm_conform::misreadings::writing::{self, Miswriting};
+use ptm_conform::misreadings::writing::{self, WriterMistake};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
@@ -16,7 +16,7 @@ use ptm_conform::writers::{
     cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
 };
 
-use crate::common::{Workspace, edited, have, repository_text, rows};
+use crate::common::{Workspace, edit, have, repository_text, rows};
 
 /// Requests for small files, with the files that the reference writes.
 struct Requests {
@@ -48,7 +48,7 @@ impl Requests {
     }
 
     /// Returns the number of wrong files of a writer with this mistake, the first cause, and its equivalents.
-    fn first_cause(&self, mistake: &Miswriting) -> (usize, String, Vec<String>) {
+    fn first_cause(&self, mistake: &WriterMistake) -> (usize, String, Vec<String>) {
         let ask = |query: &Request<'_, WriteView>, _: usize| {
             let (request, correct) = &self.all[query.name];
             let file = write_with_mistake(request, mistake.step).unwrap_or_else(|| correct.clone());
@@ -73,7 +73,7 @@ impl Requests {
     }
 
     /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or one of its equivalents.
-    fn count_named(&self, mistakes: &[&'static Miswriting]) -> (usize, usize, usize) {
+    fn count_named(&self, mistakes: &[&'static WriterMistake]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {
             let (failing, cause, alike) = self.first_cause(mistake);
@@ -91,7 +91,7 @@ impl Requests {
 
 #[test]
 fn every_section_has_writer_mistakes() {
-    let all: Vec<&Miswriting> = writing::all().collect();
+    let all: Vec<&WriterMistake> = writing::all().collect();
     assert!(all.len() >= 150, "{} mistakes", all.len());
     for section in "2.0 2.2 2.3 2.4 2.5 2.6 2.7 2.8 2.9".split(' ') {
         let mut clauses = all.iter().map(|one| one.clause);
@@ -145,7 +145,7 @@ fn unrelated_mistakes_are_not_reported() {
 #[ignore = "tests every mistake of the catalog; takes minutes"]
 fn every_mistake_of_a_wrong_writer_is_named() {
     let requests = Requests::small();
-    let all: Vec<&'static Miswriting> = writing::all().collect();
+    let all: Vec<&'static WriterMistake> = writing::all().collect();
     let (caught, first, matched) = requests.count_named(&all);
     let count = all.len();
     println!(
@@ -219,7 +219,7 @@ payload += block(texels, 9, 6, 3) | payload += b"".join(block(texels, 9, i, 1) f
 fn is_diagnosed([find, replace, words]: &[String; 3]) -> bool {
     let source = repository_text("examples/writers/ptm_writer.py");
     let here = Workspace::new();
-    here.write("writer.py", edited(&source, find, replace));
+    here.write("writer.py", edit(&source, find, replace));
     let checked = here.check_writer("--smoke -- python3 writer.py");
     let mut parts = checked.text.split("\n\n");
     let first = parts.find(|part| part.contains("failures: the writer"));

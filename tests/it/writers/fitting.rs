@@ -12,7 +12,7 @@ use ptm_conform::writers::fitting::{judge::judge, optimum::optimum};
 use ptm_conform::writers::{reference::write_requested_file, request::WriteRequest};
 
 use crate::common::{
-    Workspace, check_writer, edited, have_python, python_example, repository, repository_text, rows,
+    Workspace, check_writer, edit, have_python, python_example, repository, repository_text, rows,
 };
 
 /// Returns the `.lp` file of twelve real photographs, which is next to HP's fit, or `None` if it is missing.
@@ -177,7 +177,7 @@ fn faulty_fitters_fail_with_the_cause() {
     let source = repository_text("examples/writers/ptm_fitter.py");
     for [find, replace, words] in rows(COPIES) {
         let here = Workspace::new();
-        here.write("fitter.py", edited(&source, &find, &replace));
+        here.write("fitter.py", edit(&source, &find, &replace));
         let checked = here.check_writer("--fitter -- python3 fitter.py");
         checked.assert_exit(1, "");
         let mut parts = checked.text.split("\n\n");
