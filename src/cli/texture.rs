@@ -83,7 +83,7 @@ struct TextureRenderArgs {
     /// The visible area around the map on each side, in units of the map: the shape's coordinates run from -N to 1 + N.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
-    /// The surface's own color: red, green, blue from 0 to 1.
+    /// The color of the surface: red, green, blue from 0 to 1.
     #[arg(long, value_name = "R,G,B", default_value = "0.85,0.75,0.6", value_parser = parse_color)]
     surface_color: [f64; 3],
     /// Width and height of the image.

@@ -176,7 +176,7 @@ enum TextureStep {
         /// The sample depth.
         #[serde(default)]
         depth: f64,
-        /// True if the map is enlarged.
+        /// True if the map is magnified.
         #[serde(default)]
         mag: bool,
         #[serde(default)]
@@ -628,7 +628,7 @@ struct StageEntry {
     /// The sample depth.
     #[serde(default)]
     depth: f64,
-    /// True if the map is enlarged.
+    /// True if the map is magnified.
     #[serde(default)]
     mag: bool,
 }

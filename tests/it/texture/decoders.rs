@@ -1,4 +1,4 @@
-//! Tests that the example texture stage passes, and that each copy with one mistake fails a case about that requirement.
+//! Tests that the example texture stage passes, and that each copy with one mistake fails a case about the misread requirement.
 
 use crate::common::{Workspace, check, edit, have, python_example, repository_text, rows};
 
