@@ -120,7 +120,7 @@ pub struct Extent {
 /// All planes of a file before decoding, with their decoding plan.
 #[derive(Clone, Copy, Debug)]
 pub struct Coded<'a> {
-    /// Standard of the streams.
+    /// Coding standard of the streams: JPEG or JPEG-LS.
     pub coding: Coding,
     /// Size of every plane.
     pub size: Size,
@@ -135,7 +135,7 @@ pub struct Coded<'a> {
 /// Stream of one plane.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneStream<'a> {
-    /// Standard of the stream.
+    /// Coding standard of the stream: JPEG or JPEG-LS.
     pub coding: Coding,
     /// Index of the plane, for errors.
     pub plane: usize,

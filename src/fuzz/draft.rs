@@ -253,7 +253,7 @@ impl Draft {
         if jpeg {
             let interval = u.choose(&[0, 0, 1, 2, 3, 7])?;
             self.set("compression", "restart_interval", interval);
-            self.set("compression", "optimised_tables", u.arbitrary::<bool>()?);
+            self.set("compression", "optimized_tables", u.arbitrary::<bool>()?);
             self.set("compression", "baseline", u.arbitrary::<bool>()?);
             let sampling = u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?;
             self.set("compression", "sampling", sampling);

@@ -11,8 +11,8 @@ use crate::codec::Coding;
 #[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {
     OneWider,
-    OneHigher,
-    WithExchangedSides,
+    OneTaller,
+    WithSwappedSides,
     ByTheOtherCodec,
     OfThreeComponents,
 }
@@ -28,11 +28,11 @@ impl StandIn {
         };
         Ok(match self {
             StandIn::OneWider => gray(width + 1, height, own),
-            StandIn::OneHigher => gray(width, height + 1, own),
-            StandIn::WithExchangedSides if width == height => {
+            StandIn::OneTaller => gray(width, height + 1, own),
+            StandIn::WithSwappedSides if width == height => {
                 return Err("the sides of a square are equal".to_owned());
             }
-            StandIn::WithExchangedSides => gray(height, width, own),
+            StandIn::WithSwappedSides => gray(height, width, own),
             StandIn::ByTheOtherCodec => gray(width, height, other),
             StandIn::OfThreeComponents => three_components(&gray(width, height, own)),
         })

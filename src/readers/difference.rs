@@ -85,7 +85,7 @@ impl ReaderImages {
         let [truth, other] = &self.images[light];
         let fault = self
             .orientation_fault(truth, other)
-            .or_else(|| exchanged_channels(truth, other));
+            .or_else(|| swapped_channels(truth, other));
         let fault = fault.unwrap_or_else(|| visible_properties(truth, other));
         Some(match light {
             0 => fault,
@@ -134,12 +134,12 @@ fn extract_row(ptm: &Ptm, row: usize) -> Option<Planes> {
 const GREEN_FOR_RED: &str = "colors shifted: green for red, blue for green, red for blue";
 const BLUE_FOR_RED: &str = "colors shifted: blue for red, red for green, green for blue";
 
-/// Recognizes exchanged color channels.
-fn exchanged_channels(truth: &[u8], other: &[u8]) -> Option<String> {
+/// Recognizes swapped color channels.
+fn swapped_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     let orders = [
-        ([2, 1, 0], "red and blue exchanged"),
-        ([1, 0, 2], "red and green exchanged"),
-        ([0, 2, 1], "green and blue exchanged"),
+        ([2, 1, 0], "red and blue swapped"),
+        ([1, 0, 2], "red and green swapped"),
+        ([0, 2, 1], "green and blue swapped"),
         ([1, 2, 0], GREEN_FOR_RED),
         ([2, 0, 1], BLUE_FOR_RED),
     ];

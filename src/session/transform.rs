@@ -1,4 +1,4 @@
-//! Transforms that make all first files wrong in the same way: flipped images, exchanged channels, a factor or a tone curve.
+//! Transforms that make all first files wrong in the same way: flipped images, swapped channels, a factor or a tone curve.
 //!
 //! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
 //! before comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the

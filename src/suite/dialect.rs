@@ -36,7 +36,7 @@ pub struct Dialect(pub Vec<usize>);
 pub enum RightDialects {
     /// In all dialects or in none, because no choice affects the case.
     InAll(bool),
-    /// In dialects with certain readings of the choices that affect the case.
+    /// In some dialects, depending on how they resolve the choices that affect the case.
     In {
         /// The choices.
         axes: Vec<Axis>,

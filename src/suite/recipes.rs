@@ -135,7 +135,7 @@ fn set_stream(to: &mut Stream, name: &str, text: &str) -> Result<(), String> {
     let jpeg = &mut to.jpeg;
     match name {
         "restart_interval" => jpeg.restart_interval = number(name, text)?,
-        "optimised_tables" => jpeg.optimized = flag(name, text)?,
+        "optimized_tables" => jpeg.optimized = flag(name, text)?,
         "baseline" => jpeg.baseline = flag(name, text)?,
         "sampling" => {
             let factors = text.split_once('x');

@@ -115,9 +115,10 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Reason why a texel of RGB cannot be converted; below, the same for LRGB.
+/// Reason why an RGB texel cannot be converted to LRGB.
 const NOT_ONE_POLYNOMIAL: &str =
     "its three polynomials are not multiples of one representable polynomial";
+/// Reason why an LRGB texel cannot be converted to RGB.
 const NOT_A_BYTE: &str =
     "a coefficient times its color, divided by 255, is not a representable integer";
 

@@ -38,11 +38,11 @@ x y rgb: This decoder shows the scene almost correctly.
 x -y rgb: The image is upside down.
 -x y rgb: The image is mirrored.
 -x -y rgb: The image is rotated by 180°.
-y x rgb: Rows and columns are exchanged.
-x y bgr: Red and blue are exchanged.
-x y grb: Red and green are exchanged.
-x y rbg: Green and blue are exchanged.
-x -y bgr: The image is upside down, and red and blue are exchanged.
+y x rgb: Rows and columns are swapped.
+x y bgr: Red and blue are swapped.
+x y grb: Red and green are swapped.
+x y rbg: Green and blue are swapped.
+x -y bgr: The image is upside down, and red and blue are swapped.
 ";
 
 /// Common changes of the light direction: the new u and v, and a description.

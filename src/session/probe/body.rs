@@ -58,8 +58,8 @@ fn line_mistakes(
     let (size, view) = (expected.size, expected.view.name());
     let right_kind = expected.view.sample_type();
     let is_light = name.starts_with("rgb:") && view == "rgb";
-    let is_exchanged = (width, height) == (size.height, size.width) && width != height;
-    let is_wrong_size = !is_exchanged && (width, height) != (size.width, size.height);
+    let is_swapped = (width, height) == (size.height, size.width) && width != height;
+    let is_wrong_size = !is_swapped && (width, height) != (size.width, size.height);
     let is_wrong_count = channels != expected.channels as u32;
     let shown = format!("{name:?}");
     let right_size = format!("{} x {}", size.width, size.height);
@@ -74,7 +74,7 @@ fn line_mistakes(
     let mistakes = [
         (is_light, "view-with-light", named),
         (!is_light && name != view, "wrong-view", named),
-        (is_exchanged, "size-exchanged", &[]),
+        (is_swapped, "size-exchanged", &[]),
         (is_wrong_size, "wrong-size", sized),
         (is_wrong_count, "wrong-channels", counted),
         (kind != right_kind, "wrong-type", typed),

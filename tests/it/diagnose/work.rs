@@ -66,7 +66,7 @@ fn search_is_bounded_for_any_decoder() {
         ("constant image", constant_image, ""),
         ("sizes in bytes", with_sizes_in_bytes, ""),
         (
-            "exchanged sizes",
+            "swapped sizes",
             |request| answer_with(&[misreading("height-before-width")], request),
             "height-before-width",
         ),

@@ -232,7 +232,7 @@ fn wrong_images_are_described() {
     for (misreading, words) in [
         ("rows-top-down", "upside down"),
         ("mirrored", "mirrored"),
-        ("rgb-blocks-bgr", "red and blue exchanged"),
+        ("rgb-blocks-bgr", "red and blue swapped"),
         ("color-over-256", ""),
     ] {
         assert_eq!(how("first-rgb", misreading), words, "{misreading}");

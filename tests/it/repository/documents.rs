@@ -67,7 +67,7 @@ fn counts_in_documents_equal_those_of_the_program() {
             "docs/texture.md",
             format!("{stages} cases with their arithmetic"),
         ),
-        ("CHANGELOG.md", format!("a reference, {stages} cases")),
+        ("CHANGELOG.md", format!("implementation, {stages} cases")),
     ] {
         assert!(
             document(path).contains(&claim),

@@ -53,7 +53,7 @@ crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
 upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all first files
-blue-first | 1 | | none | rgb: red and blue are exchanged (BGR), in all first files
+blue-first | 1 | | none | rgb: red and blue are swapped (BGR), in all first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
 brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
 high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && to reproduce this:↵  $

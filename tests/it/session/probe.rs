@@ -201,7 +201,7 @@ b"".join(reversed(ptm.texels)) | the rows are upside down; and the rows are mirr
 b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
 b"".join(bytes(c) for row in ROWS for c in zip(*row)) | planar within each row
 b"".join(t for column in zip(*ROWS) for t in column) | column-major order
-b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are exchanged (BGR)
+b"".join(t[:6] + t[:5:-1] for t in ptm.texels) | red and blue are swapped (BGR)
 b"".join(t[6:] + t[:6] for t in ptm.texels) | the color comes before the coefficients
 b"".join(t[:6] + t[:5:-1] for row in reversed(ROWS) for t in row) | (BGR); and the rows are upside down
 b"".join(bytes(255 - x for x in t) for t in ptm.texels)
@@ -215,7 +215,7 @@ b"".join(bytes(255 - x for x in t) for t in ptm.texels)
         "
 1 | samples = bytes(color_byte(channel) for color in colors for channel in color)
   | samples = bytes(color_byte(channel) for color in colors for channel in list(color)[::-1])
-  | LRGB rgb:0.3125,-0.4375: red and blue are exchanged (BGR)",
+  | LRGB rgb:0.3125,-0.4375: red and blue are swapped (BGR)",
     );
 }
 

@@ -36,12 +36,12 @@ fn check_writer_exit_statuses_match_check() {
 fn probe_tests_a_writer_step_by_step() {
     let here = Workspace::new();
     let swap = format!("{PROGRAM} reference write \"$2\" x && sed '3{{h;d}};4{{G}}' x > \"$3\"");
-    here.write("exchanges-sizes.sh", swap);
+    here.write("swaps-sizes.sh", swap);
     let table = r#"
 0 | PROBE PROGRAM reference | JPEGLS_LRGB: the file contains the requested values
 3 | PROBE sh -c "printf 'PTM_1.2\n'" | not to standard output
 3 | PROBE sh -c 'exit 69' | write at least one format
-1 | PROBE sh exchanges-sizes.sh | would produce this file"#;
+1 | PROBE sh swaps-sizes.sh | would produce this file"#;
     let table = table.replace("PROBE", "probe --writer --");
     here.assert_lines(&table.replace("PROGRAM", PROGRAM));
 }

@@ -147,10 +147,10 @@ fn reference_and_python_fitter_pass() {
 /// cause. The seventh copy chooses an arbitrary solution if there are several.
 const COPIES: &str = r#"
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
-u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | exchanges u and v
+u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | swaps u and v
 lights = lights / np.linalg.norm(lights, axis=1, keepdims=True) | pass | does not normalize the light vectors
 images[:, ::-1] | images | stores the top row first
-texels = images[:, ::-1] | texels = images[:, ::-1, :, ::-1] | exchanges red and blue
+texels = images[:, ::-1] | texels = images[:, ::-1, :, ::-1] | swaps red and blue
 fit(design, texels.astype(float)) | fit(design, (texels / 255) ** 2.2 * 255) | removes the gamma of the images
 np.linalg.lstsq(design, values, rcond=1e-6)[0]
   | np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
