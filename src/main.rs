@@ -39,7 +39,7 @@ enum Command {
     Fuzz(cli::fuzz::FuzzArgs),
     #[cfg(unix)]
     #[command(name = "minimize", alias = "minimise")]
-    Minimize(cli::minimise::MinimizeArgs),
+    Minimize(cli::minimize::MinimizeArgs),
     Inspect(cli::inspect::InspectArgs),
     Lint(cli::lint::LintArgs),
     Render(cli::render::RenderArgs),
@@ -85,7 +85,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Command::Fuzz(args) => cli::fuzz::run(&args),
         #[cfg(unix)]
-        Command::Minimize(args) => cli::minimise::run(&args),
+        Command::Minimize(args) => cli::minimize::run(&args),
         Command::Inspect(args) => cli::inspect::run(&args),
         Command::Lint(args) => cli::lint::run(&args),
         Command::Render(args) => cli::render::run(&args),

@@ -42,7 +42,7 @@ mod links;
 pub mod lint;
 mod lint_rows;
 #[cfg(unix)]
-pub mod minimise;
+pub mod minimize;
 mod names;
 pub mod output;
 #[cfg(unix)]
