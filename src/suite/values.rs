@@ -22,7 +22,7 @@ pub enum Values {
 
 impl Values {
     /// Returns true if `frame` contains exactly the painted values. A false result decides nothing.
-    pub fn are_the_samples_of(&self, frame: &Frame) -> bool {
+    pub(super) fn are_the_samples_of(&self, frame: &Frame) -> bool {
         let Values::Painted(model) = self else {
             return false;
         };
