@@ -151,7 +151,7 @@ pub fn decoder_from_template(
     Ok((decoder, shlex::split(text).unwrap_or_default()))
 }
 
-/// Returns the decoder that `command` runs, or the built-in reference if it is empty, and its command line for the report.
+/// Returns the decoder that `command` runs (the built-in reference if `command` is empty), and its command line for the report.
 pub fn decoder_for_command(command: &[OsString]) -> Result<(Decoder, Vec<String>), String> {
     let mut command = command.to_vec();
     if command.is_empty() {

@@ -64,7 +64,7 @@ impl FromStr for DamagePlace {
     type Err = String;
 
     fn from_str(text: &str) -> Result<DamagePlace, String> {
-        let unknown = |part: &str| format!("unknown {part} in the place {text:?}");
+        let unknown = |part: &str| format!("unknown {part} in the location {text:?}");
         let offset_start = text.rfind(['+', '-', '/']).unwrap_or(text.len());
         let offset = Offset::parse(&text[offset_start..]);
         let path = &text[..offset.map_or(text.len(), |_| offset_start)];

@@ -1,4 +1,4 @@
-//! §2.9.2: mistakes with the choice and the effect of transforms
+//! §2.9.2: mistakes in the choice and effect of transforms
 
 use super::hook::{Hook, Steps};
 use crate::decode::{compressed, predict as rule};

@@ -109,7 +109,8 @@ impl Scratch {
     }
 }
 
-/// Returns the index of the first root on disk with enough free space. Memory comes last, because it may not allow execution.
+/// Returns the index of the first root on disk with enough free space. Uses memory only if no root is on disk, because programs
+/// in memory may not be executable.
 fn find_work_root(roots: &[TempDir]) -> usize {
     let has_room = |root: &TempDir| {
         rustix::fs::statvfs(root.path())

@@ -15,8 +15,8 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum number of answers that are right only in a reading other than the reference's, per answer that is wrong in that
-/// reading. A few answers of a faulty decoder are right in another reading by chance.
+/// Minimum number of answers that show a reading other than the reference's, for each answer that contradicts it. A few answers
+/// of a faulty decoder are right under another reading by chance.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
 /// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.

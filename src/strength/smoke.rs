@@ -39,7 +39,7 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     Ok(selected.collect())
 }
 
-/// Returns a small set of cases that kills all misreadings that any case kills, in the order of the suite.
+/// Returns, in suite order, a small set of cases that kills every misreading that the whole suite kills.
 #[must_use]
 pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     let killed = rows.iter().filter(|row| !row.killed_by.is_empty());

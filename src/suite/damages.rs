@@ -48,9 +48,9 @@ mod tests {
     const ERRORS: &str = r#"
   replcae: { width: x } => line 4: unknown field `replcae`
   fit: yes => line 4: invalid type
-  replace: { widht: x } => line 4: unknown field in the place "widht"
-  end: "plane[frist]" => line 4: unknown number in the place "plane[frist]"
-  flip: { "plane[1].sof": hex ff } => line 4: unknown part in the place "plane[1].sof"
+  replace: { widht: x } => line 4: unknown field in the location "widht"
+  end: "plane[frist]" => line 4: unknown number in the location "plane[frist]"
+  flip: { "plane[1].sof": hex ff } => line 4: unknown part in the location "plane[1].sof"
   index: { second: entries } => line 4: unknown variant `second`
   needs: { coding: gif } => line 4: unknown variant `gif`
 - slug: b => line 4: expected slug, clause and effect

@@ -44,8 +44,8 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`, cycling through a sound PTM, a damaged PTM, another file, and a sound PTM.
-fn write_collection(here: &Workspace, directory: &str, files: usize) {
+/// Writes files in folders below `directory`: in turn an LRGB file, a damaged file, a file that is no PTM, and a LUM file.
+fn write_collection(here: &Workspace, directory: &str, count: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
         "lrgb/half-payload-lrgb.ptm",
@@ -54,7 +54,7 @@ fn write_collection(here: &Workspace, directory: &str, files: usize) {
     ];
     let read = |name| fs::read(repository(&format!("corpus/{name}"))).expect("a file");
     let originals = originals.map(read);
-    for file in 0..files {
+    for file in 0..count {
         let bytes = &originals[file % originals.len()];
         let bytes = &bytes[..bytes.len().min(4096)];
         here.write(&format!("{directory}/{}/{file}.ptm", file / 1000), bytes);
