@@ -119,7 +119,7 @@ impl Error {
         }
     }
 
-    /// Returns the error with a different clause, for errors that violate a clause other than that of the field.
+    /// Returns the error with a different clause, for faults that violate a clause other than the field's.
     pub(crate) const fn with_clause(mut self, clause: &'static str) -> Error {
         self.clause = clause;
         self

@@ -25,7 +25,7 @@
 //! - [`decode`](mod@decode): bytes → header → planes, with one file per section of the text. `decode/spec.rs`
 //!   defines the reading of the reference.
 //! - [`codec`]: JPEG and JPEG-LS, the standards that PTM uses for planes.
-//! - [`texture`]: results of the `PEXlib` texture mapping table for an image, such as a PTM under a light.
+//! - [`texture`]: the `PEXlib` texture mapping table, applied to an image, such as a PTM under a light.
 //! - `generate` (feature `generate`): the mirror image of `decode`, values → bytes, with recipes, spellings and damages.
 //! - `suite`, `runner`, `session`, `diagnose`, `report` (feature `harness`): cases → run → judge → diagnose → report.
 //! - `readers` (feature `tools`): predicts the results of public decoders for a file.

@@ -95,7 +95,7 @@ impl Format {
         self.definition().2
     }
 
-    /// Returns the standard of the streams of a compressed format (2.9), or `None` if the format has no streams.
+    /// Returns the coding standard of the streams of a compressed format (2.9), or `None` if the format has no streams.
     #[must_use]
     pub const fn coding(self) -> Option<Coding> {
         match self.storage() {
@@ -277,7 +277,7 @@ impl<Matrix> Shape<Matrix> {
         }
     }
 
-    /// Returns the number of coefficients in a texel, which are its first channels.
+    /// Returns the number of coefficients in a texel. The coefficients are its first channels.
     #[must_use]
     pub const fn coefficients(&self) -> usize {
         match self {

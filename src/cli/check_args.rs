@@ -36,7 +36,7 @@ pub struct CheckArgs {
     /// Run only cases about this clause or section, for example 2.4/8 or 2.4. Repeatable.
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
-    /// The suite: PTM files, or the texture mapping table (called as `DECODER texture FILE`).
+    /// The suite: PTM files, or the texture mapping table (the decoder is called as `DECODER texture FILE`).
     #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
     pub suite: String,
     /// Request only this view. Repeatable.
@@ -63,7 +63,7 @@ pub struct CheckArgs {
     /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
     #[arg(long)]
     pub smoke: bool,
-    /// Assume this misreading and judge the rest; the diagnosis prints its name. Repeatable.
+    /// Assume this misreading, named as in the diagnosis, and judge the rest. Repeatable.
     #[arg(long = "assume", value_name = "SLUG")]
     pub assumed: Vec<String>,
     /// Check a program that does not speak the protocol, through its command line.

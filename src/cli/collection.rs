@@ -1,6 +1,6 @@
 //! Files of a collection: given on the command line, in a list, or as the contents of a folder.
 //!
-//! Collections of any size are walked in bounded memory: only a limited number of names in a folder is read at a time. Links
+//! Collections of any size are walked in bounded memory: only a limited number of names in a folder are read at a time. Links
 //! inside folders are not followed, so a walk cannot loop.
 
 use std::collections::VecDeque;

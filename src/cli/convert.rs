@@ -11,9 +11,9 @@ use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repai
 
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///
-/// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB becomes a table of at most 65,536
-/// distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart.
-/// The result is read back and compared before it is written. Conversion to the file's own format normalizes its header.
+/// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB can become a table if it has at most
+/// 65,536 distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart. The result is read back
+/// and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
 /// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not
 /// supported, 2 usage error.

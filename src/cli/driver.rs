@@ -28,7 +28,7 @@ use ptm_conform::suite::cases::Suite;
 /// Minimum number of cases outside the smoke subset. In shorter runs, no causes are reported before the end.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time limit for the search for causes after the smoke subset. In a long run, it is a tenth of the expected time.
+/// Minimum time limit for the search for causes after the smoke subset. In a long run, the limit is a tenth of the expected time.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
 /// Minimum estimated duration that is announced before a run.
@@ -39,7 +39,7 @@ pub struct Check<'a, C: Reportable> {
     plan: &'a RunPlan,
     circumstances: Circumstances,
     writer: ReportWriter<'a, C>,
-    /// File next to the report with the results so far: a YAML list that is valid after every case.
+    /// File next to the report, with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
     /// Hint on how to get answers faster; empty if there is none.
@@ -102,7 +102,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         run
     }
 
-    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. A request takes about `pace`.
+    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. `pace` is the estimated time per request.
     fn run_smoke_subset_first(
         &self,
         session: &Session<C>,
@@ -217,7 +217,7 @@ impl<'a, C: Reportable> Check<'a, C> {
     }
 }
 
-/// Run of a suite whose answers all come from one program, without serve mode.
+/// Run of a suite in which one program answers all requests, without serve mode.
 pub struct ProgramRun<'a> {
     /// Program under test.
     pub program: &'a Decoder,

@@ -36,7 +36,7 @@ pub struct OutputArgs {
     ///
     /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case
     /// that is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date:
-    /// exit status 4, and the cases are named. Listed cases that are not selected, unsupported, inconclusive or not judged are
+    /// exit status 4, and the cases are named. Listed cases that are unsupported, inconclusive, not judged or not selected are
     /// ignored. An unknown or repeated id is a usage error. The verdicts in the report do not change.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,

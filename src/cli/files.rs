@@ -51,7 +51,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Returns an error if a result cannot be written to `path`. Called before long work begins.
+/// Returns an error if a result cannot be written to `path`. Called before any lengthy work begins.
 pub fn check_writable(path: &Path) -> Result<(), String> {
     if path.is_dir() {
         return Err(format!("{} is a directory", path.display()));

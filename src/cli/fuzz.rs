@@ -25,7 +25,7 @@ pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///
-/// Responses are judged like cases. Failures with the same cause count as one finding. For each finding, the cause is named,
+/// Responses are judged as in the suite. Failures with the same cause count as one finding. For each finding, the cause is named,
 /// the file is reduced, and a case is written to the output directory: NAME.yaml (the case), NAME.ptm (its file), NAME.expected
 /// and NAME.received (frames), NAME.txt (the cause, and the meaning of each byte of the file).
 ///

@@ -28,7 +28,7 @@ use ptm_conform::tools::profiles::{self, Profile};
 )]
 pub struct GenerateArgs {
     /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
-    /// matches one case, it is the output file (by default ID.ptm), or a directory that exists or ends in /.
+    /// matches one case, --out is the output file (by default ID.ptm), or a directory that exists or ends in /.
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: files, a list of requests, and a README. VIEW is raw, coef or rgb

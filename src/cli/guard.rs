@@ -93,9 +93,9 @@ pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     }
 }
 
-/// Installs handlers for two signals whose inherited dispositions cause problems. A process that ignores SIGCHLD cannot
-/// wait for its children, and a process that exceeds a file size limit is killed silently by SIGXFSZ. Child processes get
-/// the default disposition of both.
+/// Installs handlers for two signals whose inherited dispositions cause problems. A process that ignores SIGCHLD cannot wait for
+/// its children, and a process that exceeds a file size limit is killed silently by SIGXFSZ. Child processes get the default
+/// disposition for both.
 pub fn reset_signals() {
     for signal in [SIGCHLD, SIGXFSZ] {
         // If a signal handler cannot be installed, the disposition stays unchanged.

@@ -62,7 +62,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     pages
 });
 
-/// Turns URLs of the site and words that `address` maps to a URL into hyperlinks. Escape sequences are preserved.
+/// Turns URLs of the site, and words for which `address` returns a URL, into hyperlinks. Escape sequences are preserved.
 fn insert_links(text: &str, address: &dyn Fn(&str) -> Option<String>) -> String {
     let is_part = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '/' | '.' | ':' | '#');
     let mut out = String::new();

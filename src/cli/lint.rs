@@ -73,8 +73,8 @@ pub struct LintArgs {
     /// Do not read files larger than this.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
     limit: u64,
-    /// Predict what these readers display: the correct image, a wrong image and the reason, or none. Separate readers by commas,
-    /// or use `all`.
+    /// Predict what these readers display: the correct image, a wrong image and the reason, or no image. Separate readers by
+    /// commas, or use `all`.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
     readers: Vec<String>,
     /// A YAML file with reader profiles to use instead of the built-in ones, in the format of spec-cases/readers.yaml.

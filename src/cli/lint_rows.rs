@@ -130,7 +130,7 @@ fn emit(text: &str) -> io::Result<()> {
     write_at_once(io::stdout().lock(), text)
 }
 
-/// Prints text in a single write, so that a run that is killed leaves only complete rows.
+/// Prints text in a single write, so that a killed run leaves only complete rows.
 fn write_at_once(mut out: impl Write, text: &str) -> io::Result<()> {
     out.write_all(text.as_bytes())?;
     out.flush()

@@ -72,7 +72,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     Ok(list.exit_status())
 }
 
-/// Saves the files of the requests and returns a command line that repeats them. Returns `None` if a file cannot be written.
+/// Saves the files of the requests and returns a command that repeats the requests. Returns `None` if a file cannot be written.
 pub fn save_files(repeat: &Reproduction, command: &str, directory: &Path) -> Option<String> {
     fs::create_dir_all(directory).ok()?;
     for request in &repeat.requests {

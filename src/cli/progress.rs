@@ -62,7 +62,7 @@ fn lock(activity: &Mutex<Activity>) -> MutexGuard<'_, Activity> {
     (activity.lock()).expect("no thread panics while it holds the lock")
 }
 
-/// Display of the current activity of a run. Ends when it is dropped.
+/// Display of the current activity of a run. The display ends when this value is dropped.
 pub struct ProgressLine {
     bar: ProgressBar,
     activity: Arc<Mutex<Activity>>,
@@ -114,19 +114,19 @@ impl ProgressLine {
         self.bar.set_position(0);
     }
 
-    /// Starts a new activity that counts its steps in `counter`, with at most `all` steps.
-    pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, all: usize) {
+    /// Starts a new activity that counts its steps in `counter`, with at most `limit` steps.
+    pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, limit: usize) {
         self.begin(label);
         let mut activity = lock(&self.activity);
-        (activity.done, activity.total, activity.is_limit) = (Arc::clone(counter), all, true);
+        (activity.done, activity.total, activity.is_limit) = (Arc::clone(counter), limit, true);
     }
 
-    /// Reports that `done` of `all` items are finished. Concurrent calls may arrive out of order.
-    pub fn update(&self, done: usize, all: usize) {
+    /// Reports that `done` of `total` items are finished. Concurrent calls may arrive out of order.
+    pub fn update(&self, done: usize, total: usize) {
         let mut activity = lock(&self.activity);
         let before = activity.done.fetch_max(done, Ordering::Relaxed);
-        activity.total = all;
-        self.bar.set_length(all as u64);
+        activity.total = total;
+        self.bar.set_length(total as u64);
         self.bar.set_position(before.max(done) as u64);
     }
 

@@ -15,9 +15,9 @@ use super::{CommandError, CommandResult, files};
 
 /// Decode FILE with the reference decoder, and print the frame (the decoder protocol).
 ///
-/// `reference serve` answers requests "SEQ VIEW PATH" on standard input. `reference capabilities` lists its views and formats.
-/// `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file for a
-/// request of check-writer, and `reference fit REQUEST OUT` writes the best fit to images.
+/// `reference serve` answers requests "SEQ VIEW PATH" on standard input. `reference capabilities` lists the supported views and
+/// formats. `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file
+/// for a request of check-writer, and `reference fit REQUEST OUT` writes the best fit to images.
 ///
 /// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
 #[derive(clap::Args)]

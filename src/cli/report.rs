@@ -29,7 +29,7 @@ enum ReportCommand {
     Show {
         /// The report.
         file: PathBuf,
-        /// Print the cases whose id matches in full; * and ? are wildcards. Repeatable.
+        /// Print in full the cases whose id matches; * and ? are wildcards. Repeatable.
         #[arg(long = "case", value_name = "GLOB")]
         cases: Vec<String>,
         /// Number of failures to print in full.

@@ -80,7 +80,7 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         self.window
     }
 
-    /// Skips `bits` bits, a number that must have been passed to `require`. Returns an error if the segment ends before them.
+    /// Skips `bits` bits, which must have been requested with `require`. Returns an error if the segment ends earlier.
     #[inline]
     pub fn skip(&mut self, bits: u32) -> StreamResult<()> {
         if bits > self.count {

@@ -109,7 +109,7 @@ fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
     Ok(())
 }
 
-/// Scan header (T.81 B.2.3): the tables of the single component and three parameters.
+/// Scan header (T.81 B.2.3): the tables of the single component, and three parameters.
 pub(super) struct ScanHeader {
     pub tables: u8,
     pub parameters: [u8; 3],

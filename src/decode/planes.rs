@@ -14,8 +14,8 @@
 //! 128 = 183. If a codec returns 184, the error is only one, but the texel becomes 184 + 200 − 128 = 256, which wraps to 0.
 //!
 //! Format notes
-//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes, before any
-//!   other plane is predicted from theirs (clause 2.9.8/7).
+//! - Lossy coding of values modulo 256 may turn 255 into 0. Records overwrite these texels, even in intra planes, before other
+//!   planes are predicted from the corrected plane (clause 2.9.8/7).
 //! - A position is the index of a texel in stored order. The first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
 //! - A stream defines its own tables, sampling factors and NEAR. The file only requires its size, one component and 8
@@ -35,8 +35,8 @@ use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
 use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
-/// Reads the payload of a compressed file. Returns an error if it is incomplete (clause 2.9.8/2, ruling `payload-end`)
-/// or its planes are too large. `declared_size` is the size of the payload, which is used if the plan overflowed.
+/// Reads the payload of a compressed file. Returns an error if it is incomplete (clause 2.9.8/2, ruling `payload-end`) or its
+/// planes are too large. `declared_size` is used as the size of the payload if the plan overflowed.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference regardless of their size"
@@ -72,8 +72,8 @@ pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>
     coded.plan.sequence.iter().map(decode).collect()
 }
 
-/// Predicts and corrects the planes one by one, lowest rank first (clause 2.9.4/2). Returns all planes as they are
-/// stored, bottom row first. `residuals` are the decoded streams in the same order.
+/// Predicts and corrects the planes one by one, lowest rank first (clause 2.9.4/2). Returns all planes as they are stored, bottom
+/// row first. `residuals` are the decoded streams in decoding order.
 pub(crate) fn reconstruct(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::parts::Coded;
 use crate::reading::Reading;
 
-/// Minimum number of texels in a plane for parallel decoding. Smaller planes are decoded before a thread has started.
+/// Minimum number of texels in a plane for parallel decoding. Decoding a smaller plane takes less time than starting a thread.
 const MIN_THREADED_TEXELS: usize = 1 << 16;
 
 /// Returns the same result as [`planes::residuals`].

@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every explained image: more than
-/// half as many as there are explained images. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained images of the same formats (more than half the number of explained images) are wrong in an
+/// earlier view than every explained image. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -81,8 +81,8 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but they are fewer than a quarter of the wrong
-/// images of their formats and views that have no other cause. A more general mistake may explain all of these images. Images in
+/// Returns true if most of the explained failures are images of legal files, but these are fewer than a quarter of the wrong
+/// images without another cause in the same formats and views. A more general mistake may explain all of these images. Images in
 /// later views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();

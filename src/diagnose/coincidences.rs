@@ -153,8 +153,8 @@ fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureE
         && (is_nearly_all(far, far + images) || !is_thorough && (is_color_only || is_refuted()))
 }
 
-/// Returns true if a mistake only causes refusals, and either a shared property explains more of these refusals or other cases
-/// contradict the mistake. `shared` contains groups of failures, each explained by a property.
+/// Returns true if a mistake explains few images and may match refusals by chance: it explains a small part of them, it would
+/// refuse a decoded file, a case contradicts it, or a property in `shared` explains them and others.
 fn refuses_by_chance(
     search: &Search,
     set: &MistakeSet,

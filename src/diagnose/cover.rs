@@ -1,8 +1,8 @@
-//! Greedy set cover: finds few causes that together explain the failures.
+//! Greedy set cover: finds a small set of causes that together explain the failures.
 //!
 //! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
-//! - A candidate that explains no more failures than the number of passing cases that contradict it is chosen last.
-//! - Ties are broken by fewer contradictions, then by order in the list.
+//! - A candidate is chosen last if at least as many passing cases contradict it as failures support it.
+//! - Ties are broken in favor of fewer contradictions, then by order in the list.
 //! - Candidates that explain the same failures and have the same contradictions are equivalent: no case distinguishes them.
 
 use std::cmp::Reverse;

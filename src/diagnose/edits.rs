@@ -1,7 +1,7 @@
 //! Mistakes outside the catalog: an edit of one formula, or a misreading that is limited to some files.
 //!
-//! Every edit is tried on a few small failing files of each format. If an edit reproduces an image, the search
-//! compares it with all files. If passing files contradict it, it is restricted to a group of files without contradictions.
+//! Every edit is tried on a few small failing files of each format. If an edit reproduces an image, the search tries it on all
+//! files. An edit that passing files contradict is restricted to a group of files without contradictions.
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -135,7 +135,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the edit, restricted to files for which no passing case contradicts it, or `None` if the evidence is too weak.
+/// Returns the edit, restricted to a group of files without contradicting cases, or `None` if the evidence is too weak.
 fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -> Option<Mistake> {
     let images = search.comparable_images(left);
     let fits = |w: &usize| search.agreement_with(*w, set, edit) == Agreement::Image;

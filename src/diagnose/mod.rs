@@ -49,8 +49,8 @@ use search::Search;
 use tuning::MIN_SUPPORT;
 use witness::{reference_reading, witnesses};
 
-/// Returns the causes of the failures in `run`, the cause with the most failures first. `assumed` lists mistakes that
-/// the user knows about. If the user interrupts the search, most failures have no cause.
+/// Returns the causes of the failures in `run`, the cause with the most failures first. `assumed` lists mistakes that the user
+/// knows about. If the user interrupts the search, most failures are left without a cause.
 #[must_use]
 pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs: usize) -> Causes {
     let start = cpu_time();

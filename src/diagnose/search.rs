@@ -205,7 +205,7 @@ impl<'a> Search<'a> {
         members
     }
 
-    /// Returns the cost of a result, which grows with its mistakes and with the failures left unexplained.
+    /// Returns the cost of a result, which grows with the number of mistakes and with the number of unexplained failures.
     pub fn cost(&self, found: &[Member]) -> usize {
         self.unexplained(&ids_of(found)).len() + MIN_SUPPORT * found.len()
     }
@@ -415,8 +415,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds variants with the opposite order for mistakes that depend on their order. For example, bytes that are
-    /// lost at the start of a payload are missing at its end.
+    /// Adds variants with the opposite order for mistakes that depend on their order. For example, a mistake that drops bytes at
+    /// the start of a payload changes what another mistake finds at the end.
     fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
         for i in 0..variants.len() {
             let variant = &variants[i];
@@ -446,7 +446,7 @@ impl<'a> Search<'a> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
-    /// Returns true if both mistakes can affect the same file. Two changes of the same decision cannot.
+    /// Returns true if both mistakes can affect the same file. Two changes to the same decision cannot.
     fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.step);
         !(a.is_decision() && a.changes_same_step(b))
@@ -487,8 +487,8 @@ impl<'a> Search<'a> {
         effect
     }
 
-    /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes
-    /// rarely have an effect in combination, except for changes of the bytes of a file.
+    /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes rarely have an
+    /// effect in combination, except for changes to the bytes of a file.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
@@ -766,7 +766,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: the set explains as many failures without them, both on small and on large maps.
+    /// Removes redundant mistakes: those without which the set explains as many failures, on small and on large maps.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

@@ -1,7 +1,7 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage with it returns the same answer. A passing case contradicts a misreading if a stage
-//! with the misreading would fail the case. A misreading is reported only if it explains more cases than contradict it.
+//! A misreading explains a failure if a stage that makes this mistake returns the same answer. A passing case contradicts a
+//! misreading if such a stage would fail the case. A misreading is reported only if it explains more cases than contradict it.
 
 use serde_json::Value;
 
@@ -16,7 +16,7 @@ use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::texture::Rules;
 
-/// Returns the fewest misreadings that explain the failures of `run`, the misreading with the most failures first.
+/// Returns the smallest set of misreadings that explains the failures of `run`, the misreading with the most failures first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();

@@ -13,7 +13,7 @@ pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
 pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
 /// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
 pub(super) const CONTRADICTION_SCORE: i64 = -16;
-/// Score of a response to a lenient file that differs from the mistake's answer. Both answers are correct.
+/// Score of a response that differs from the mistake's answer to a lenient file, where both answers are correct.
 pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;
 
 // Extent of the search
@@ -56,11 +56,11 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Minimum number of files that must share a property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Minimum number of files that the decoder must read before the lack of a property common to the refused files is significant.
+/// Minimum number of files that the decoder reads. With fewer, a property that only the refused files have is not significant.
 pub(super) const MIN_READ_FILES: usize = 20;
-/// A property is reported if the probability of a coincidence is less than one in this number.
+/// A property is reported if the probability of a coincidence is less than one in this many.
 pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
-/// A share of less than one in this number may be a coincidence.
+/// A share of less than one in this many may be a coincidence.
 pub(super) const COINCIDENCE_DIVISOR: usize = 12;
 /// A share of at least one in this number is substantial.
 pub(super) const SUBSTANTIAL_DIVISOR: usize = 4;

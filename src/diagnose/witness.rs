@@ -269,8 +269,8 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns true unless two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or
-    /// 255 and many of them differ between the images, or all other wrong colors differ by one in the same direction.
+    /// Returns false if two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or 255
+    /// and many of them differ between the images, or all wrong colors elsewhere differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return true;
@@ -370,8 +370,8 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.step.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps a line feed after
-/// tables unless it is the only difference.
+/// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps the line feed that the decoder
+/// reads after tables, unless this is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
     let mut choices = judgement.dialect.0.iter().zip(&judgement.certainties);

@@ -1,4 +1,4 @@
-//! Generates all edits of a formula that a programmer is likely to make, the most likely ones first.
+//! Generates all edits that a programmer is likely to make to a formula, the most likely ones first.
 //!
 //! Each edit operator is applied to every node of the expression. Structural operators come first: dropped terms, swapped
 //! variables, and different loop orders. Arithmetic around a node comes last.

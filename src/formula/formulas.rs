@@ -143,7 +143,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if the values of any file in this format depend on the formula.
+    /// Returns true if decoding a file in this format may use the formula.
     #[must_use]
     pub fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();

@@ -132,7 +132,7 @@ impl Explanation {
         }
     }
 
-    /// Returns true if this explanation also explains another failure. If so, removes the suspects that do not explain it.
+    /// Returns true if this explanation also covers another failure. If so, removes the suspects that do not explain both.
     pub(super) fn explains_failure(
         &mut self,
         draft: &Draft,

@@ -287,7 +287,7 @@ fn planes(recipe: &Recipe, model: &Model) -> Planes {
     decode(&file).expect("a legal recipe").planes
 }
 
-/// Checks that the diagnosis does not panic for any answers, and attributes every failure to at most one cause.
+/// Checks that the diagnosis does not panic, whatever the answers, and attributes every failure to at most one cause.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -324,7 +324,7 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// One case in this many is used if its file is small, in addition to the first cases.
+/// Every case whose index is a multiple of this number is used if its file is small, in addition to the first cases.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

@@ -7,7 +7,7 @@ use crate::ptm::Size;
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;
 
-/// Repeatedly replaces `best` with a lighter candidate that still `fails`, and returns the last one.
+/// Repeatedly replaces `best` with a lighter candidate that still `fails`, and returns the last such candidate.
 ///
 /// The lightest candidate is tried first, so a step that halves the image precedes a step that simplifies a number. A
 /// candidate without a weight cannot be written and is skipped.

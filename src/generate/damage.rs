@@ -1,9 +1,9 @@
 //! Damages: one fault at a time.
 //!
 //! A damage is a named edit of a valid file. The cases that use it state whether the result must be refused or is outside the
-//! specification. Damages are defined in `spec-cases/damages.yaml`, and its README explains each edit. This module applies them.
+//! specification. Damages are defined in `spec-cases/damages.yaml`, and `spec-cases/README.md` explains each edit.
 //!
-//! Every edit replaces ranges of the undamaged file, so the edits of a damage do not depend on their order.
+//! Every edit replaces ranges of the undamaged file, so the order of the edits in a damage does not matter.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

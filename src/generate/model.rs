@@ -161,7 +161,7 @@ impl Model {
         samples.iter().enumerate().map(value).collect()
     }
 
-    /// Returns `height * width * 3` colors from 0 to 255 under the light (`u`, `v`), not rounded.
+    /// Returns `height * width * 3` unrounded color values from 0 to 255 under the light (`u`, `v`).
     #[must_use]
     pub fn colors(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];

@@ -46,7 +46,7 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
     }
 }
 
-/// Returns the drift of a value that changes in two of three rows.
+/// Returns the drift of a value that changes in two out of every three rows.
 fn drift(seed: u32, y: usize) -> u8 {
     (2 * (y + seed as usize) / 3 % 60) as u8
 }

@@ -242,7 +242,7 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Returns one number per plane: `numbers` in a cycle for the predicted planes, or for all planes, and 0 for other planes.
+    /// Returns one number per plane: `numbers` in a cycle, and 0 for unpredicted planes unless `everywhere` is true.
     #[must_use]
     pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {

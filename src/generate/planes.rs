@@ -205,8 +205,8 @@ fn wrapping_residual(predictor: u8, random: u32) -> u8 {
     u8::try_from(wanted).unwrap_or_else(|_| residual(sums[0]) as u8)
 }
 
-/// Returns the difference between values of constant blocks for which the DC coefficient, 8 · (value − 128), is a multiple of
-/// both the quantization step and 8. Returns 1 for JPEG-LS, which has no DC coefficient.
+/// Returns the step between the values of constant blocks whose DC coefficient, 8 · (value − 128), is a multiple of both the
+/// quantization step and 8. Returns 1 for JPEG-LS, which has no DC coefficient.
 fn exact_step(recipe: &Recipe) -> u32 {
     let quality = u32::from(recipe.compression.parameter).clamp(1, 100);
     if recipe.compression.coding == Coding::JpegLs {

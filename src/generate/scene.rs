@@ -21,15 +21,15 @@ pub enum Scene {
     LuminanceIsCr,
     /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends of the range.
     Soft,
-    /// Like `Noise`, with a border of constant value that is two texels wide.
+    /// Like `Noise`, with a border two texels wide that has a constant value.
     Framed(u8),
-    /// One value along every diagonal from the bottom left to the top right. Four values alternate between diagonals.
+    /// One value along every diagonal from the bottom left to the top right. Successive diagonals cycle through four values.
     Diagonals,
     /// Two values that alternate by column; their sum is odd.
     Columns,
     /// Two values that alternate by row; their sum is odd.
     Rows,
-    /// Alternating bands of four columns: a constant value, and a value that changes by one in two of three rows.
+    /// Alternating bands of four columns: a constant value, and a value that changes by one in two out of every three rows.
     Edges,
     /// A constant value, with isolated texels that are larger or smaller by one.
     Dots,

@@ -119,8 +119,8 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// Replaces the texts of header fields with these clauses, or of all header fields for [`ANY`]. `spell` returns the new text
-    /// of a field, or `None` to keep it.
+    /// Replaces the texts of header fields that have these clauses, or of all header fields for [`ANY`]. `spell` returns the new
+    /// text of a field, or `None` to keep it.
     ///
     /// Fields after an error are unknown, so this is repeated until the file no longer changes.
     pub(super) fn respell(

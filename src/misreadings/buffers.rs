@@ -1,4 +1,4 @@
-//! §2.0–2.9: mistakes with strings, buffers and short integers
+//! §2.0–2.9: mistakes in handling strings, buffers and short integers
 
 use super::anatomy::{Anatomy, EditedFile};
 use super::hook::{Hook, Steps};

@@ -1,4 +1,4 @@
-//! §2.9.8: mistakes with the streams of planes, and the order of their rows
+//! §2.9.8: mistakes in decoding the streams of planes, and in the order of rows
 
 use super::hook::{Hook, Steps};
 use super::layout::{flip_rows, stored_row_if_top_down};
@@ -217,7 +217,7 @@ fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Resu
     planes::reconstruct(&modified, planes::residuals(&modified, reading)?, reading)
 }
 
-/// Decodes a plane and changes its samples if it is a JPEG stream.
+/// Decodes a plane, and changes its samples if the stream is a JPEG stream.
 fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
     let mut samples = planes::decode_stream(plane)?;
     if plane.coding == Coding::Jpeg {

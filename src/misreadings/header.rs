@@ -1,4 +1,4 @@
-//! §2.0–2.3: mistakes with the header, and with the spelling of numbers in §2.4
+//! §2.0–2.3: mistakes in reading the header, and in parsing the numbers of §2.4
 
 use super::anatomy::{ANY, Anatomy, EditedFile};
 use super::hook::{Hook, Steps};

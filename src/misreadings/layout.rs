@@ -1,4 +1,4 @@
-//! §2.7 Uncompressed Per Texel Data: mistakes with the layout of texels
+//! §2.7 Uncompressed Per Texel Data: mistakes in the layout of texels
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! §2.9 and §2.9.1: mistakes with lines, sizes and the compression parameter
+//! §2.9 and §2.9.1: mistakes in reading lines, sizes and the compression parameter
 
 use super::anatomy::{Anatomy, EditedFile};
 use super::hook::{Hook, Steps};

@@ -1,4 +1,4 @@
-//! §2.5 Lookup Table and §2.8 Lookup Table Indices: mistakes with tables and indices
+//! §2.5 Lookup Table and §2.8 Lookup Table Indices: mistakes in reading tables and indices
 
 use super::anatomy::{Anatomy, EditedFile};
 use super::hook::{Hook, Steps};

@@ -1,4 +1,4 @@
-//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes with the matrix and its operands
+//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes in applying the matrix and in its operands
 
 use super::anatomy::EditedFile;
 use super::hook::{Hook, Steps};

@@ -1,4 +1,4 @@
-//! §2.9.3: mistakes with motion vectors
+//! §2.9.3: mistakes in applying motion vectors
 
 #![allow(
     clippy::cast_possible_wrap,

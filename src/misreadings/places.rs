@@ -1,4 +1,4 @@
-//! §2.9.6–2.9.8/1: mistakes with sizes, offsets and the order of the planes
+//! §2.9.6–2.9.8/1: mistakes in sizes, offsets and the order of the planes
 
 use super::hook::{Hook, Steps};
 use crate::decode::compressed;

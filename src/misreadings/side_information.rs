@@ -1,4 +1,4 @@
-//! §2.9.8: mistakes with side information
+//! §2.9.8: mistakes in handling side information
 
 use super::hook::{Hook, Steps};
 use crate::decode::planes as rule;

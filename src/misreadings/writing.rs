@@ -1,6 +1,6 @@
-//! Mistakes of writers that correspond to misreadings in the catalog.
+//! Writing mistakes that correspond to misreadings in the catalog.
 //!
-//! `spec-cases/writers/mistakes.yaml` contains the texts. The slug and the clause are the same as those of the misreading.
+//! `spec-cases/writers/mistakes.yaml` contains their texts. A mistake has the same slug and clause as the misreading.
 
 use std::sync::LazyLock;
 

@@ -1,4 +1,4 @@
-//! Limits of readers that are known from their source code and are not in the catalog of misreadings.
+//! Limits of readers. They are known from the source code of the readers and are not in the catalog of misreadings.
 
 use std::borrow::Cow;
 
@@ -91,7 +91,7 @@ const LIMITS: [Limit; 9] = [
 ];
 
 impl Limit {
-    /// Returns the effect on a file, or `None` if the file is within the limit.
+    /// Returns the effect of the limit on a file, or `None` if the file is within the limit.
     pub(super) fn effect(&self, file: &FileTraits) -> Option<Effect> {
         (self.is_exceeded)(file).then_some(self.effect)
     }

@@ -28,7 +28,7 @@ impl Report {
     }
 }
 
-/// Old and new result of a case. The two are equal if only one report contains the case.
+/// Old and new results of a case. The two are equal if only one report contains the case.
 type ChangedCase<'a> = (&'a CaseResult, &'a CaseResult);
 
 /// Kinds of change, in the order in which they are described.

@@ -61,9 +61,9 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     errors
 }
 
-/// Returns the job summary in Markdown. `all` is the number of cases in the suite.
+/// Returns the job summary in Markdown. `suite_size` is the number of cases in the suite.
 #[must_use]
-pub fn summary(report: &Report, all: usize) -> String {
+pub fn summary(report: &Report, suite_size: usize) -> String {
     let failures: Vec<&CaseResult> = report.with_outcome(Outcome::Fail).collect();
     let mut text = String::new();
     let mut write = || {
@@ -71,7 +71,7 @@ pub fn summary(report: &Report, all: usize) -> String {
         write_diagnoses(report, &failures, &mut text)?;
         write_failures(&failures, &mut text)?;
         let (judged, counts) = (report.cases.len(), report.counts());
-        writeln!(text, "\n{judged} of {all} cases: {counts}.")
+        writeln!(text, "\n{judged} of {suite_size} cases: {counts}.")
     };
     write().expect("writing to memory does not fail");
     text

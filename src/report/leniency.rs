@@ -11,7 +11,7 @@ use crate::suite::test_case::TestCase;
 /// Maximum number of cases that are listed as evidence.
 const MAX_EVIDENCE_CASES: usize = 3;
 
-/// Results of a decoder for the files of one lenient ruling. It may refuse these files or return the reference's image.
+/// Results of a decoder for the files of one lenient ruling. A decoder may refuse these files or return the reference's image.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Leniency {
     /// Id of the ruling.

@@ -35,7 +35,7 @@ pub trait Reportable: TestCase {
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Returns readings of open questions that affect only the files that are sent, not the answers.
+    /// Returns the readings of open questions that affect only the files sent to the decoder, not its answers.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
@@ -55,7 +55,7 @@ pub trait Reportable: TestCase {
             _ => Err("--assume works only with --suite ptm".to_owned()),
         }
     }
-    /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
+    /// Returns the causes of failures, except the assumed misreadings, sorted by the number of cases that each explains.
     fn diagnose(
         suite: &Suite<Self>,
         run: &Run<Self>,

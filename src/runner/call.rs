@@ -68,7 +68,7 @@ pub(crate) struct CallOutput {
 }
 
 impl Call {
-    /// Creates a call from a process that was started with pipes for both outputs.
+    /// Creates a call from a process that was started with pipes for standard output and standard error.
     pub(crate) fn new(mut child: Child) -> io::Result<Call> {
         let pipes = [
             child.stdout.take().map(OwnedFd::from),
@@ -146,7 +146,7 @@ impl Call {
         !matches!(waitid(WaitId::Pid(pid), options), Ok(None))
     }
 
-    /// Kills the process if it is still running, its process group, and its orphans in `workplace`. Returns the exit status.
+    /// Kills the process (if it is still running), its process group, and its orphans in `workplace`. Returns the exit status.
     pub(crate) fn kill_and_reap(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
         processes::kill_orphans(workplace);

@@ -99,7 +99,7 @@ pub struct Reply<T = Frame> {
     pub exit: Option<i32>,
     /// Name of the previous request to the same process.
     pub previous_request: Option<String>,
-    /// Failed answer in serve mode. If present, `answer` is the answer of a new process.
+    /// Failed answer of the serving process. If it is present, `answer` is the answer of a new process.
     pub serve_mode_answer: Option<Answer<T>>,
     /// Standard output, up to the read limit.
     pub stdout: Vec<u8>,

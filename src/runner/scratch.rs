@@ -1,8 +1,8 @@
 //! Temporary directories for inputs and decoders. A run removes its directories when it ends.
 //!
-//! Inputs are written to an in-memory file system if there is one and the file fits, because this avoids waiting for
-//! a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because
-//! programs may be executed from there.
+//! Inputs are written to an in-memory file system if there is one and the file fits, because this avoids waiting for a disk.
+//! Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an in-memory file
+//! system may forbid execution.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -109,8 +109,8 @@ impl Scratch {
     }
 }
 
-/// Returns the index of the first root on disk with enough free space. Uses memory only if no root is on disk, because programs
-/// in memory may not be executable.
+/// Returns the index of the first root on disk with enough free space. Uses memory only if no root is on disk, because an
+/// in-memory file system may forbid execution.
 fn find_work_root(roots: &[TempDir]) -> usize {
     let has_room = |root: &TempDir| {
         rustix::fs::statvfs(root.path())

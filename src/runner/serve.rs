@@ -6,8 +6,8 @@
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
-//! Each job has a separate process with one request in flight. A process that exits, hangs or answers out of order is ended. Its
-//! request is sent again to a new process, and the next request starts a new serving process.
+//! Each job has a separate process with one request in flight. If a process exits, hangs or answers out of order, it is ended,
+//! its request is sent again to a new process, and the next request starts a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -58,7 +58,7 @@ impl From<std::io::Error> for NotServed {
 
 /// Maximum length of the first line of an answer, in bytes.
 const MAX_LINE_LENGTH: usize = 1000;
-/// Maximum number of initial requests without an answer, before serve mode is disabled.
+/// Maximum number of initial requests without an answer before serve mode is disabled.
 const MAX_UNANSWERED_REQUESTS: usize = 2;
 /// Time that a process has to end or to flush its output after its standard input is closed.
 const GRACE_PERIOD: Duration = Duration::from_secs(2);

@@ -1,7 +1,7 @@
 //! Requests for a case in a view, and their results.
 //!
-//! The decoder is a closure from request to reply, so simulated misreadings and external programs are requested, compared and
-//! judged in the same way.
+//! The decoder is a closure from request to reply, so simulated misreadings and external programs are called and judged in the
+//! same way.
 
 use std::borrow::Cow;
 use std::sync::Arc;

@@ -85,9 +85,9 @@ fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, us
     axes.iter().map(certainty).collect()
 }
 
-/// Groups choices so that all choices of a set in `sets` are in the same group.
-fn group_axes<'a>(choices: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
-    let mut groups: Vec<Vec<Axis>> = (0..choices).map(|axis| vec![axis]).collect();
+/// Groups `count` choices so that all choices of a set in `sets` are in the same group.
+fn group_axes<'a>(count: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<Vec<Axis>> {
+    let mut groups: Vec<Vec<Axis>> = (0..count).map(|axis| vec![axis]).collect();
     for axes in sets {
         let is_joined = |group: &mut Vec<Axis>| group.iter().any(|axis| axes.contains(axis));
         let joined: Vec<_> = groups.extract_if(.., is_joined).collect();

@@ -1,8 +1,8 @@
 //! T.81 F.2.2: decoding a block of coefficients
 //!
-//! A coefficient is coded in two parts: a Huffman code for its *size*, which is the number of bits of its magnitude,
-//! and as many additional bits, which select a number of this size. The code of an AC coefficient also contains the
-//! preceding run of zeros: RUN in the high four bits of the symbol, SIZE in the low four.
+//! A coefficient is coded in two parts: a Huffman code for its *size* (the number of bits of its magnitude), and as many
+//! additional bits, which select a number of this size. The code of an AC coefficient also contains the preceding run of zeros:
+//! RUN in the high four bits of the symbol, SIZE in the low four.
 //!
 //! ```text
 //! size 1:  −1              |  1             bits 0 | 1
@@ -31,7 +31,8 @@ use crate::codec::stream_error::{StreamResult, malformed};
 
 /// Decodes and dequantizes a block (A.3.4). Returns its DCT coefficients in row order.
 ///
-/// `steps` are in zigzag order. `previous_dc` is the quantized DC coefficient of the previous block, updated for this block.
+/// `steps` are in zigzag order. `previous_dc` is the quantized DC coefficient of the previous block, and is then set to this
+/// one's.
 #[inline]
 pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     bits: &mut B,

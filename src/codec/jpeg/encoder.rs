@@ -22,12 +22,12 @@ use super::zigzag::ZIGZAG;
 use crate::codec::markers::{APP0, DRI};
 use crate::codec::writer::{EncodedImage, Writer, check_size};
 
-/// Options of the encoder: the ways of encoding an image that the standard allows.
+/// Options of the encoder: the choices that the standard leaves to encoders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct JpegOptions {
     /// Quality, 1 … 100, as defined by the Independent JPEG Group.
     pub quality: u8,
-    /// Limits quantization steps to 255, so that the frame is baseline (SOF0) at every quality. Without it, a quality
+    /// Limits quantization steps to 255, so that the frame is baseline (SOF0) at every quality. Without this limit, a quality
     /// below 24 requires 16-bit tables and an extended sequential frame (SOF1).
     pub baseline: bool,
     /// Optimizes the Huffman tables for the image instead of using the tables of Annex K.
@@ -40,7 +40,7 @@ pub struct JpegOptions {
     /// requires 16-bit tables and SOF1, like a quality below 24.
     pub step: Option<u16>,
     /// Indices of the quantization, DC and AC tables, at most 3. Huffman table indices over 1 require an extended frame. If set,
-    /// all tables from 0 to 1 or to the index are defined, although only one is used. By default, all indices are 0.
+    /// tables 0 and 1 and all others up to the index are defined, although only one is used. By default, all indices are 0.
     pub table_numbers: Option<[u8; 3]>,
     /// Writes all quantization tables in one segment, and all Huffman tables in another.
     pub tables_together: bool,

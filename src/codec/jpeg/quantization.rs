@@ -1,8 +1,8 @@
 //! T.81 A.3.4, K.1: quantization of coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded. This is the lossy step of the format. The steps of
-//! Annex K correspond to quality 50. Other qualities scale them by a percentage. This is a convention of the
-//! Independent JPEG Group, not part of the standard.
+//! A coefficient is divided by its quantization step and rounded. This is the lossy step of the format. The steps of Annex K
+//! correspond to quality 50. Other qualities scale them by a percentage. The scaling is a convention of the Independent JPEG
+//! Group, not part of the standard.
 //!
 //! Worked example: the DC step is 16 at quality 50.
 //!

@@ -120,7 +120,7 @@ impl StoredPresets {
     }
 }
 
-/// Reads a restart interval segment. Only 0 is supported, which means no restart interval.
+/// Reads a restart interval segment. Only the value 0 (no restart interval) is supported.
 fn read_restart_interval(mut segment: Cursor) -> StreamResult<()> {
     let at = segment.at;
     match segment.read_u16("the restart interval")? {

@@ -96,7 +96,7 @@ impl ScanEncoder<'_, '_> {
         parameters.reconstruct(predicted, sign * error)
     }
 
-    /// Returns the number of leading samples that differ from a by at most NEAR (A.7.1.1).
+    /// Returns the number of leading samples that differ from `a` by at most NEAR (A.7.1.1).
     fn run_length(&self, a: i32, originals: &[u8]) -> usize {
         let is_near = |&&original: &&u8| (i32::from(original) - a).abs() <= self.parameters.near;
         originals.iter().take_while(is_near).count()

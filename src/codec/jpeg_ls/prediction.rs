@@ -28,7 +28,7 @@ pub(crate) fn predict(neighbors: Neighbors) -> i32 {
 }
 
 impl Parameters {
-    /// Returns the error in units of the step. If several give the same sample, returns the one nearest to zero (A.4.4, A.4.5).
+    /// Returns the error in units of the step: of all errors that give the same sample, the one nearest to zero (A.4.4, A.4.5).
     #[cfg(feature = "generate")]
     pub fn quantize_error(&self, error: i32) -> i32 {
         let quantized = (error + self.near * error.signum()) / self.step;

@@ -1,6 +1,6 @@
 //! T.87 A.7: run mode, the part shared by the decoder and the encoder
 //!
-//! If all gradients are flat, samples equal to a are counted until a sample differs or the line ends. A run is written in
+//! If all gradients are flat, samples equal to `a` are counted until a sample differs or the line ends. A run is written in
 //! segments of 2^J samples, with a 1 bit for each, and J grows with `RUNindex` while runs continue. A 0 bit, followed by the rest
 //! of the run in J bits, means that a sample interrupts the run. That sample is predicted and coded separately.
 //!
@@ -86,7 +86,7 @@ impl RunMode {
 }
 
 impl Interruption {
-    /// Predicts the interrupting sample after a run of a, with the sample b above it (A.7.2).
+    /// Predicts the interrupting sample after a run of `a`, with the sample `b` above it (A.7.2).
     pub fn new(parameters: &Parameters, a: i32, b: i32) -> Interruption {
         let is_near = (a - b).abs() <= parameters.near;
         Interruption {

@@ -48,7 +48,7 @@ impl Phase {
         }
     }
 
-    /// Returns the behavior of the decoder, as a sentence without its subject, and the advice.
+    /// Returns the behavior of the decoder, as a sentence without a subject, and the advice.
     fn effect_and_fix(self) -> [&'static str; 2] {
         match self {
             Phase::Size => [
@@ -182,9 +182,9 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
-/// Replaces the step of wrong final values and colors with a step of an earlier view, if enough unexplained images are wrong in
-/// that view: more than half as many images of the same format, or of all formats that have wrong images in that view. Images
-/// described elsewhere count as well. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
+/// Replaces the step of wrong final values and colors with a step of an earlier view that has more than half as many unexplained
+/// wrong images, counted in the same format or in all formats with wrong images in the earlier view. Images described elsewhere
+/// count as well. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -419,8 +419,8 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     }
 }
 
-/// Returns true if wrong final values result from other stored values. Each corresponds to a byte. In some channel, these bytes
-/// are in neither the order of the stored values nor the reverse order, so no mistake with scale and bias explains them.
+/// Returns true if wrong final values result from other stored values: each corresponds to a byte, and in some channel these
+/// bytes are in neither the order of the stored values nor the reverse order. No mistake in scale and bias explains such values.
 fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
     let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
         return false;

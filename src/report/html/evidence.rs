@@ -167,7 +167,7 @@ fn origins(name: &str, file: &[u8], origins: &[Origin]) -> Markup {
     }
 }
 
-/// Renders the evidence for a file that should be refused: the error of the reference and its location.
+/// Renders the evidence for a file that should be refused: the reference's error and the location of the error.
 fn accepted_file_evidence(built: &Built) -> Markup {
     match decode(&built.file) {
         Err(error) => html! {

@@ -7,12 +7,12 @@ use crate::report::html::clause_map::{group_by_section, tallies};
 use crate::report::html::shell::{link, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
-/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same
-/// suite, which has `all` cases.
+/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same suite,
+/// which has `suite_size` cases.
 ///
 /// # Errors
 /// Returns an error if there are no reports or they are for different suites.
-pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<String, String> {
+pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Result<String, String> {
     let suite = reports.first().ok_or("no reports")?.suite;
     if reports.iter().any(|report| report.suite != suite) {
         return Err("these reports are from different suites".to_owned());
@@ -43,7 +43,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], all: usize) -> Result<Stri
                     thead { tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } } }
                     tbody {
                         (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
-                        (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < all { " of " (all) } }))
+                        (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < suite_size { " of " (suite_size) } }))
                         (row("correctness", reports, |report| html! { (report.scores.correctness) }))
                         (row("breadth", reports, |report| html! { (report.scores.breadth) }))
                         (row("robustness", reports, |report| html! { (report.scores.robustness) }))

@@ -1,4 +1,4 @@
-//! Interactive preview: the expected and received map under a movable light.
+//! Interactive preview: the expected and received maps under a movable light.
 //!
 //! The script of the page evaluates the polynomial (1.0): with the stored values for the expected image, and with the
 //! decoder's values for the received image.
