@@ -1,4 +1,4 @@
-//! A reader for the bytes of a file that tracks its position.
+//! A reader that tracks its position in the bytes of a file.
 //!
 //! A header line consists of *tokens*, which are separated by *gaps* and terminated by a *line end*:
 //!

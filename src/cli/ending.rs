@@ -42,9 +42,9 @@ pub struct OutputArgs {
     baseline: Option<PathBuf>,
     /// Write a list of all failures of this run, for --baseline.
     ///
-    /// It contains the failing cases, with their reasons in --baseline, and the cases of --baseline that neither failed nor
-    /// passed. FILE may be the same. The exit status does not change. Nothing is written if the run ended early or the program
-    /// is not a decoder.
+    /// It contains the failing cases, with their reasons from --baseline, and the cases of --baseline that neither failed nor
+    /// passed. FILE may be the --baseline file. The exit status does not change. Nothing is written if the run ended early or the
+    /// program is not a decoder.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
     /// Number of failures to print in full; the report contains all of them.
@@ -53,7 +53,7 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Returns an error if an output file cannot be written or is given twice. Called before long work begins.
+    /// Returns an error if an output file cannot be written or is given twice. Called before any lengthy work begins.
     pub fn check(&self, report: &Path) -> Result<(), String> {
         let others = [&self.html, &self.junit, &self.json, &self.write_baseline];
         let others = others.into_iter().flatten().map(PathBuf::as_path);

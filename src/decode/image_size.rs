@@ -29,7 +29,7 @@ pub(super) fn read(input: &mut Input) -> Result<Size> {
     Ok(Size { width, height })
 }
 
-/// Reads one of the two numbers, which is at least 1 (ruling `dimensions`).
+/// Reads one of the two numbers, each of which must be at least 1 (ruling `dimensions`).
 fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let too_small = input.unexpected("2.3/3", name);
     let too_large = input.unexpected("2.3/3", "a number of at most 4294967295");

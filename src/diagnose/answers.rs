@@ -82,8 +82,8 @@ impl Witness<'_> {
         misreadings::render(&misreadings, &reading, ptm, &self.observation.view)
     }
 
-    /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The misreadings ignore
-    /// these records, but many decoders refuse them.
+    /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The misreadings ignore such
+    /// records, but many decoders refuse such files.
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;

@@ -283,7 +283,7 @@ fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     if needed.is_empty() { vec![0] } else { needed }
 }
 
-/// Returns true if the response contains colors that are computed from channels that the mistake changes.
+/// Returns true if the response contains colors computed from channels that the mistake changes.
 fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
@@ -293,7 +293,7 @@ fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
         && FailureMode::new(witness).is_none()
 }
 
-/// Adds failures that a mistake partially explains to its diagnosis, and removes them from `left`.
+/// Adds to the diagnosis of each mistake the failures that it partially explains, and removes them from `left`.
 pub(super) fn attribute_partially(
     search: &Search,
     found: &[Member],

@@ -70,7 +70,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that reproduce a probe exactly, in all or in the wrong channels, sorted by the number of reproduced probes.
+/// Returns the edits that reproduce all channels, or the wrong ones, of a probe exactly, sorted by the number of such probes.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()

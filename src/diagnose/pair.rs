@@ -1,4 +1,4 @@
-//! Pairs of a received and an expected image, and partial credit for a mistake that explains only some of their channels.
+//! Pairs of a received and an expected image, and partial credit for a mistake that explains only some of the wrong channels.
 
 use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_SCORE};
 use super::witness::Witness;

@@ -118,7 +118,7 @@ impl SharedScope {
     }
 }
 
-/// Returns the scope that contains the most files of `group` and none of `others`, unless it may be a coincidence.
+/// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence.
 /// Considers the requested view only if `with_view` is true.
 pub(super) fn shared_scope(
     witnesses: &[Witness],

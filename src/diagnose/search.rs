@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
         self.select(self.failing(), |w| self.set_score(w, set) < REFUSAL_SCORE)
     }
 
-    /// Finds the mistakes that explain the most failures, one at a time. `add_candidates` adds mistakes outside the catalog.
+    /// Finds, one at a time, the mistakes that explain the most failures. `add_candidates` adds mistakes outside the catalog.
     pub fn run(
         &mut self,
         add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),

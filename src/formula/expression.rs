@@ -76,7 +76,7 @@ pub enum Function {
 }
 
 impl Function {
-    /// All functions in the order of the enum, with their names and number of arguments.
+    /// All functions in the order of the enum, with their names and numbers of arguments.
     const ALL: [(Function, &'static str, usize); 13] = [
         (Function::Floor, "floor", 1),
         (Function::Round, "round", 1),

@@ -37,7 +37,7 @@ pub struct DraftDamage {
     pub expect: Expect,
 }
 
-/// The part of `make` that contains a word (`compression`, `spelling`, or empty), and its key.
+/// The part of `make` that contains a word (`compression`, `spelling`, or empty), and the key of that word.
 pub type DraftKey = (&'static str, &'static str);
 
 impl Draft {

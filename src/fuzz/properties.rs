@@ -241,7 +241,7 @@ fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> 
     samples.take((width * height) as usize).collect()
 }
 
-/// Checks that any decoder output is either refused with a message, or is a frame whose shape survives a round trip.
+/// Checks that any decoder output either is refused with a message or is a frame whose shape survives a round trip.
 ///
 /// # Panics
 /// Panics if the check fails.

@@ -168,7 +168,7 @@ impl WriterInput {
         (plan.coding).encode(residual, (size.width, size.height), plan.parameter)
     }
 
-    /// Keeps the first `1 / divisor` of the used entries, and reduces each index modulo their number.
+    /// Keeps the first `1 / divisor` of the used entries, and reduces each index modulo the number of entries kept.
     fn keep_entries(&mut self, divisor: u32) {
         let WriterInput { recipe, model } = self;
         let used_entries = model.indices.iter().max().map_or(1, |&last| last + 1);

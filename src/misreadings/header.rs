@@ -198,7 +198,7 @@ fn shorten(text: &str, known: &str) -> Option<String> {
     text.starts_with(known).then(|| known.to_owned())
 }
 
-/// Returns the text before the first of these characters, if it contains one.
+/// Returns the part of `text` before the first of the characters `ends`, if `text` contains one.
 fn text_before(text: &str, ends: &[char]) -> Option<String> {
     Some(text.split_once(ends)?.0.to_owned())
 }

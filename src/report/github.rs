@@ -139,7 +139,7 @@ fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut Strin
     }
 }
 
-/// Wraps Markdown in a link to a page of the site. Returns the Markdown unchanged if there is no page or its name contains
+/// Wraps Markdown in a link to a page of the site. Returns the Markdown unchanged if there is no page or the page name contains
 /// unexpected characters, since names in a report are untrusted.
 fn link(markdown: &str, page: Option<String>) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-./#".contains(c);

@@ -1,4 +1,4 @@
-//! Explains why a program does not start, and how to fix it.
+//! Explains why a program does not start, and how to fix the problem.
 //!
 //! The message of the system ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
 
@@ -121,7 +121,7 @@ fn read_beginning(path: &Path) -> Vec<u8> {
     bytes
 }
 
-/// First bytes of files that this system cannot execute, with their type and a remedy.
+/// First bytes of files that this system cannot execute, with the file type and a remedy.
 const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
     (
         b"MZ",

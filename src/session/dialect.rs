@@ -15,8 +15,8 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum number of answers that show a reading other than the reference's, for each answer that contradicts it. A few answers
-/// of a faulty decoder are right under another reading by chance.
+/// Minimum number of answers that show a reading other than the reference's, per answer that contradicts that reading. A few
+/// answers of a faulty decoder are right under another reading by chance.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
 /// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.
@@ -52,8 +52,8 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
     (dialect, certain)
 }
 
-/// Returns, for each of these axes, the reading in which most of the answers that depend on any axis are right, and how well
-/// these answers distinguish it from other readings.
+/// Returns, for each of these axes, the reading in which most of the answers are right, and how well the answers distinguish it
+/// from other readings. Considers only answers that depend on one of the axes.
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();
@@ -106,7 +106,7 @@ mod tests {
 
     type Image = (Vec<Axis>, Vec<bool>);
 
-    /// Returns an image that is right in those combinations of readings of `rulings` that `right` accepts.
+    /// Returns an image that is right under the combinations of readings of `rulings` that `right` accepts.
     fn image_from_readings(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
         let axes = CHOICES.axes(rulings);
         let is_right = |dialect: &Dialect| {
