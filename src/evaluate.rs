@@ -139,7 +139,7 @@ pub(crate) fn lum_translation(t: f64) -> f64 {
 }
 
 /// Scales a translation from 0 … 1 to 0 … 255 (alternative for ruling `lum-range`).
-pub(crate) fn lum_translation_unit(t: f64) -> f64 {
+pub(crate) fn scaled_lum_translation(t: f64) -> f64 {
     t * 255.0
 }
 

@@ -262,7 +262,7 @@ pub enum Shape<Matrix = ColorMatrix> {
     Rgb,
     /// 9 channels: a0…a5 of luminance, then R, G, B.
     Lrgb,
-    /// 8 channels: a0…a5 of Y, then Cr and Cb, with the matrix that converts them to a color.
+    /// 8 channels: a0…a5 of Y, then Cr and Cb, with the matrix that converts Y, Cr and Cb to a color.
     Lum(Matrix),
 }
 

@@ -136,7 +136,7 @@ pub(super) fn read(
 }
 
 /// Reads the parameter and the seven lists in file order (clause 2.9/1). Motion has two numbers per plane.
-fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
+fn read_lists(plane_count: usize, input: &mut Input) -> Result<RawLists> {
     let parameter = read_number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {
         let next = |_| {
@@ -147,14 +147,14 @@ fn read_lists(planes: usize, input: &mut Input) -> Result<RawLists> {
         (0..count).map(next).collect()
     };
     let lists = RawLists {
-        planes,
+        planes: plane_count,
         parameter,
-        transforms: list("2.9.2/1", "a transform", planes)?,
-        motion: list("2.9.3/1", "a motion vector", 2 * planes)?,
-        order: list("2.9.4/1", "the order of a plane", planes)?,
-        references: list("2.9.5/1", "a reference plane", planes)?,
-        sizes: list("2.9.6/1", "a compressed size", planes)?,
-        side_sizes: list("2.9.7/1", "a side information size", planes)?,
+        transforms: list("2.9.2/1", "a transform", plane_count)?,
+        motion: list("2.9.3/1", "a motion vector", 2 * plane_count)?,
+        order: list("2.9.4/1", "the order of a plane", plane_count)?,
+        references: list("2.9.5/1", "a reference plane", plane_count)?,
+        sizes: list("2.9.6/1", "a compressed size", plane_count)?,
+        side_sizes: list("2.9.7/1", "a side information size", plane_count)?,
     };
     input.line_end("2.0/2")?;
     Ok(lists)

@@ -83,7 +83,7 @@ impl Reading {
             }
             Alternative::CrFirst => self.lum_vector = evaluate::lum_vector_cr_first,
             Alternative::RowsFirst => self.lum_matrix = color_matrix::row_major_rows,
-            Alternative::UnitRange => self.lum_translation = evaluate::lum_translation_unit,
+            Alternative::UnitRange => self.lum_translation = evaluate::scaled_lum_translation,
             Alternative::MotionMinus => self.motion_sign = predict::predictor_to_texel,
             Alternative::MotionAgainstRows => self.motion_vertical = predict::y_against_stored_rows,
             Alternative::HalvesRoundedDown => self.motion_half = predict::mean_rounded_down,

@@ -23,7 +23,7 @@ struct ObservedOutputs {
     files: Vec<usize>,
 }
 
-/// Returns misreadings that explain wrong values in `left` with a table of all stored values or of stream samples.
+/// Returns misreadings, each a table of all stored values or of stream samples, that explain wrong values in `left`.
 pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);

@@ -98,7 +98,7 @@ pub(super) struct SharedScope {
 }
 
 impl SharedScope {
-    /// Counts the legal files in the scope, of one format or of all formats: those in the group, and all others.
+    /// Counts the legal files in the scope (of one format, or of all formats): those in the group, and all others.
     pub fn count_legal(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;

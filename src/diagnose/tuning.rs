@@ -70,24 +70,24 @@ pub(super) const NEARLY_ALL_RATIO: [usize; 2] = [3, 4];
 pub(super) const ROUNDING_SLACK: f64 = 0.02;
 
 /// Returns true if the part is small enough to be a coincidence: less than one in [`COINCIDENCE_DIVISOR`].
-pub(super) fn is_few(part: usize, all: usize) -> bool {
-    part * COINCIDENCE_DIVISOR < all
+pub(super) fn is_few(part: usize, whole: usize) -> bool {
+    part * COINCIDENCE_DIVISOR < whole
 }
 
 /// Returns true if the part is substantial: at least one in [`SUBSTANTIAL_DIVISOR`].
-pub(super) fn is_substantial(part: usize, all: usize) -> bool {
-    part * SUBSTANTIAL_DIVISOR >= all
+pub(super) fn is_substantial(part: usize, whole: usize) -> bool {
+    part * SUBSTANTIAL_DIVISOR >= whole
 }
 
-/// Returns true if the part is more than half of `all`.
-pub(super) fn is_most(part: usize, all: usize) -> bool {
-    part * 2 > all
+/// Returns true if the part is more than half of `whole`.
+pub(super) fn is_most(part: usize, whole: usize) -> bool {
+    part * 2 > whole
 }
 
 /// Returns true if the part is positive and at least the share [`NEARLY_ALL_RATIO`].
-pub(super) fn is_nearly_all(part: usize, all: usize) -> bool {
+pub(super) fn is_nearly_all(part: usize, whole: usize) -> bool {
     let [numerator, denominator] = NEARLY_ALL_RATIO;
-    part > 0 && part * denominator >= all * numerator
+    part > 0 && part * denominator >= whole * numerator
 }
 
 #[cfg(test)]

@@ -47,10 +47,10 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// A property: its clause and text that completes "files …", separated by a space, and true if the file has the property.
+/// A property: its clause and the text that completes "files …", separated by a space, and a flag: true if the file has it.
 pub(super) type Property = (&'static str, bool);
 
-/// A numeric property of a file: the clause about it, text in which {} stands for "at least 17", and the value.
+/// A numeric property of a file: the clause about it, the text, in which {} stands for "at least 17", and the value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 /// Properties and quantities of a file.

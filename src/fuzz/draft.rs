@@ -1,6 +1,6 @@
 //! Randomly generated files, described like cases.
 //!
-//! Files are generated as the `make` record of a case instead of as bytes. A finding is therefore a complete case, and every
+//! A file is generated as the `make` record of a case, not as bytes. A finding is therefore a complete case, and every
 //! simplification removes or simplifies one word. The expected result is known by construction and depends on no lenient ruling.
 
 use std::collections::BTreeMap;

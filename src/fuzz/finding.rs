@@ -249,7 +249,7 @@ impl Finding {
     }
 }
 
-/// Requests files for which the suspects predict different answers, until one suspect is left or no more files are found.
+/// Sends files for which the suspects predict different answers, until one suspect is left or no more such files are found.
 fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownDecoder) {
     let Explanation::Misreading(suspects) = cause else {
         return;

@@ -97,7 +97,7 @@ fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     EditedFile::File(bytes)
 }
 
-/// Reads a table with a different number of entries, unless that number is 0.
+/// Changes a file to what a decoder reads if it assumes `new_count` table entries. A count of 0 changes nothing.
 fn resize_table(file: &Anatomy, new_count: fn(usize) -> usize) -> EditedFile {
     let size = table_size(file).filter(|&(count, _)| new_count(count) > 0);
     let Some((count, size)) = size else {

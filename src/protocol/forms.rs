@@ -1,7 +1,7 @@
 //! Parses a response: a PTM1 frame, an image or a NumPy array, which are distinguished by their first bytes.
 //!
-//! Programs that cannot be changed write images, which become frames of the view `rgb`. An array does not name its view, so the
-//! requested view is assumed. A response in any form must be complete, and no bytes may follow it.
+//! Programs that do not speak the protocol write images, which become frames of the view `rgb`. An array does not name its view,
+//! so the requested view is assumed. A response in any form must be complete, and no bytes may follow it.
 
 use super::{npy, picture};
 use crate::protocol::frame::{Frame, View};

@@ -1,7 +1,7 @@
 //! Exact differences between two reports. Every change is counted, and equal reports produce an empty result.
 //!
-//! A few changed cases are described in full. Many cases are grouped by kind of change, cause and clause, unless every case is
-//! requested.
+//! If only a few cases changed, they are described in full. Otherwise, they are grouped by kind of change, cause and clause,
+//! unless every case is requested.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Write};

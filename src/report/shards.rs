@@ -38,7 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case with the given id. Depends only on the id, so new cases do not move others.
+    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move others.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());

@@ -21,7 +21,7 @@ const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Processes that this process started and has not reaped yet. All other children are orphans.
 static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Read-locked from the start of a process until it is in [`STARTED_PROCESSES`]. The write lock excludes this interval.
+/// Read-locked while a process is started and added to [`STARTED_PROCESSES`], so that a writer never sees it missing there.
 static START_LOCK: RwLock<()> = RwLock::new(());
 
 /// Returns true if the system allows measuring memory and finding orphans.

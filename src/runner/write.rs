@@ -1,6 +1,6 @@
 //! Calls that write a file. The inputs are a request and attachments, and the output is a file.
 //!
-//! The limits are those of every call. The output file must be in the working directory. It is opened without
+//! These calls have the same limits as all others. The output file must be in the working directory. It is opened without
 //! following links, and read only up to the maximum size of a correct file.
 
 use std::ffi::OsString;

@@ -48,7 +48,7 @@ pub struct FileResult {
 }
 
 impl FileResult {
-    /// Creates the result for a file that was not requested, for the reason `message`.
+    /// Creates the result for a file that was not requested. `message` states the reason.
     #[must_use]
     pub fn not_run(file: &str, message: Option<String>) -> FileResult {
         FileResult {

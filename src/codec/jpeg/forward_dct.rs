@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Format notes
-//! - No decoder depends on this rounding, but files that are identical to libjpeg's do.
+//! - No decoder depends on this rounding, but it is needed to write the same bytes as libjpeg.
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 

@@ -33,8 +33,8 @@ pub(super) struct Context {
     n: i32,
 }
 
-/// Returns the contexts at the start of a scan (A.2.1). The context with index 0 is the flat neighborhood. It belongs
-/// to run mode and is not used.
+/// Returns the contexts at the start of a scan (A.2.1). The context with index 0, that of the flat neighborhood, is not used,
+/// because it belongs to run mode.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     let (a, b, c, n) = (initial_error_sum(parameters), 0, 0, 1);
     [Context { a, b, c, n }; 365]

@@ -253,7 +253,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each entry of `formats`, removes groups of files with a property that most `open` files and no `known` file have.
+/// For each entry of `formats`, takes out of `open` the groups of files with a property of most `open` files and no `known` file.
 fn take_scopes(
     search: &Search,
     known: &[usize],

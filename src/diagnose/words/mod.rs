@@ -118,7 +118,7 @@ fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Maximum number of faults or kinds in a list. The rest are counted.
+/// Maximum number of items in a list. The rest are counted.
 const MAX_LISTED: usize = 6;
 
 /// Lists the first items and counts the rest: "a; b; and 1 other fault".

@@ -40,14 +40,14 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
             }
             div.scroll.tall tabindex="0" {
                 table.matrix {
-                    thead { tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (name(reports, i)) } } } }
+                    thead { tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (command_name(reports, i)) } } } }
                     tbody {
                         (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
                         (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < suite_size { " of " (suite_size) } }))
                         (row("correctness", reports, |report| html! { (report.scores.correctness) }))
                         (row("breadth", reports, |report| html! { (report.scores.breadth) }))
                         (row("robustness", reports, |report| html! { (report.scores.robustness) }))
-                        (row("likely mistakes", reports, |report| mistakes(&report.diagnoses)))
+                        (row("likely mistakes", reports, |report| cause_list(&report.diagnoses)))
                     }
                     @for (section, clauses) in group_by_section(clauses) {
                         tbody {
@@ -71,7 +71,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
 }
 
 /// Renders the command of report `i`, followed by a number if several reports have the same command.
-fn name(reports: &[Report], i: usize) -> Markup {
+fn command_name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
     let has_same_command = |report: &&Report| report.decoder.command == *command;
     let count = |reports: &[Report]| reports.iter().filter(has_same_command).count();
@@ -85,7 +85,7 @@ fn name(reports: &[Report], i: usize) -> Markup {
 const MAX_CAUSES: usize = 4;
 
 /// Renders the first causes: the slug for misreadings in the catalog, and a description for other causes.
-fn mistakes(causes: &[LikelyCause]) -> Markup {
+fn cause_list(causes: &[LikelyCause]) -> Markup {
     html! {
         @for cause in causes.iter().take(MAX_CAUSES) {
             @match &cause.misreading {

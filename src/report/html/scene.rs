@@ -33,7 +33,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
 const LAST_INDEX: usize = SIDE as usize - 1;
 
 /// Common transforms of the image: the source of each column, row and channel, and a description.
-const CHANGES: &str = "\
+const IMAGE_TRANSFORMS: &str = "\
 x y rgb: This decoder shows the scene almost correctly.
 x -y rgb: The image is upside down.
 -x y rgb: The image is mirrored.
@@ -45,8 +45,8 @@ x y rbg: Green and blue are swapped.
 x -y bgr: The image is upside down, and red and blue are swapped.
 ";
 
-/// Common changes of the light direction: the new u and v, and a description.
-const LIGHTS: &str = "\
+/// Common changes to the light direction: the new u and v, and a description.
+const LIGHT_CHANGES: &str = "\
 u -v: The image is lit from below, so v points down.
 -u v: The image is lit from the right, so u points to the left.
 -u -v: The image is lit from the lower right, so u and v are both negated.
@@ -59,7 +59,7 @@ fn describe_fault(scene: &LitScene) -> &'static str {
         return "This decoder shows the scene correctly.";
     }
     let side = SIDE as usize;
-    for line in CHANGES.lines().chain(LIGHTS.lines()) {
+    for line in IMAGE_TRANSFORMS.lines().chain(LIGHT_CHANGES.lines()) {
         let (from, says) = line.split_once(": ").expect("every line has a description");
         let words: Vec<&str> = from.split(' ').collect();
         let byte = |i: usize| {
