@@ -56,8 +56,7 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// Waits for the end of standard input, then kills the remaining processes of RUN and those in DIRECTORIES, and removes the
-    /// directories.
+    /// Waits for the end of standard input, then kills all processes left by RUN or in DIRECTORIES, and removes the directories.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {

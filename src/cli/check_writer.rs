@@ -25,7 +25,7 @@ use ptm_conform::writers::test_case::{FileCase, RequestValues, WriteView};
 /// The writer is called as `WRITER [ARG…] write REQUEST OUT` once per request. REQUEST is a JSON file with format, width, height,
 /// scale, bias and so on, and the path of the planes: a NumPy array, height × width × channels, u8, top row first. The writer
 /// writes a PTM file to OUT and exits with 0. It exits with 69 if it does not support the request, and with 65 if no file can
-/// hold the values. --fitter requests fits of images instead; see docs/writers.md.
+/// hold the values. --fitter requests fits to images instead; see docs/writers.md.
 ///
 /// Exit status: 0 no request fails, 1 a request fails, 2 usage error, 3 not a writer, 4 baseline entries pass and should be
 /// removed, 5 no request was selected.

@@ -25,9 +25,9 @@ use ptm_conform::tools::lint::{names::escape_name, settings::Settings};
 
 /// Check files for errors, predict what other readers may show, and suggest fixes.
 ///
-/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. Files that are not judged are
-/// unreadable files, symbolic links inside folders, files over --limit, and PTMs of an unsupported version or beyond the limits
-/// of the reference.
+/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. A file is not judged if it is
+/// unreadable, a symbolic link inside a folder, larger than --limit, or a PTM that has an unsupported version or exceeds the
+/// limits of the reference.
 ///
 /// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show a
 /// different image, PTM-I… information. For example, `ptm-conform explain PTM-W102` describes a code.

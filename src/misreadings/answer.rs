@@ -29,7 +29,8 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
 
 /// Decodes a file with these mistakes, except those that change decoded planes. Returns the map and the modified reading.
 ///
-/// # Errors Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
+/// # Errors
+/// Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,
