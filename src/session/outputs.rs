@@ -97,7 +97,7 @@ pub fn export(
 /// Answer for a case: a file, or a refusal.
 type OfflineAnswer = Result<PathBuf, Answer>;
 
-/// Names of the lists of refused and unsupported files, suffixes of files that mark a single case, and the answers.
+/// For refused and for unsupported files: the name of the list, the suffix of a file that marks a single case, and the answer.
 const REFUSALS: [(&str, &str, Answer); 2] = [
     ("rejected.txt", "reject", Answer::Rejected),
     ("unsupported.txt", "unsupported", Answer::Unsupported),

@@ -49,7 +49,7 @@ pub enum Repeat {
     FailuresAndSample,
 }
 
-/// Sampling interval: one in this number of cases that did not fail is repeated.
+/// Sampling interval: of this many cases that did not fail, one is repeated.
 pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {

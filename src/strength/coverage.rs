@@ -75,7 +75,7 @@ pub struct Pairwise {
     pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
-    /// Number of pairs of values that occur together in a file that must be decoded.
+    /// Number of those pairs that occur in a must-accept file.
     pub covered: usize,
     /// Pairs of values that do not occur together.
     pub missing: Vec<String>,

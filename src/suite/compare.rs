@@ -41,7 +41,7 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 }
 
 impl Expected {
-    /// Returns the expected samples of a file with these values in `view`, or `None` if the values do not determine them.
+    /// Returns the expected samples in `view` of a file with these values, or `None` if the values do not determine them.
     #[must_use]
     pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {

@@ -23,8 +23,8 @@ use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
 /// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
-/// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested
-/// only if the run judges any.
+/// Each fault has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are
+/// tested only if the run judges any.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],

@@ -40,7 +40,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them, so that all readings
+/// Returns the role of the numbers that the ruling is about, or `None` if the file contains no such numbers and all readings
 /// agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {

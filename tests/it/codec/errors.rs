@@ -73,7 +73,7 @@ fn check_results((decode, parts): Codec, width: u32, height: u32, table: &str) {
     }
 }
 
-/// Comments, fill bytes, restart intervals, tables in other positions, 16-bit steps, SOF1 and other sampling factors.
+/// Unusual valid streams: comments, fill bytes, restart intervals, moved tables, 16-bit steps, SOF1, other sampling factors.
 const JPEG_SPELLINGS: &str = "
 SOI DQT SOF DHT0 DHT1 SOS DATA EOI | 80
 SOI FF E0 00 04 4A 46 FF FE 00 02 DQT SOF DHT0 DHT1 SOS DATA EOI | 80

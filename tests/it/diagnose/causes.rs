@@ -277,11 +277,11 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
     format!("{slugs:?}, {count} failures:\n{}", causes.join("\n"))
 }
 
-/// Misreadings that look alike in a decoder that expects a line feed after tables, because it reads hardly any table.
+/// Misreadings that look alike if the decoder expects a line feed after tables and therefore reads hardly any of them.
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
-/// Checks every `step`th misreading, starting at `first`: its decoder fails, and the misreading is the first cause.
+/// Checks every `step`th misreading, from `first` on: a decoder with it fails, and the first cause names it.
 fn check_every_misreading(
     (first, step): (usize, usize),
     suite: &Suite,
@@ -314,7 +314,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
     check_every_misreading((first, step), &suite, "", run);
 }
 
-/// Checks misreadings of a decoder whose choice for an open question differs from the reference.
+/// Checks misreadings of a decoder that reads an open question differently from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite().with_prepared_files();
     let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);

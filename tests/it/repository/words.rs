@@ -30,7 +30,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[(
     "an ellipsis in a row of an example",
 )];
 
-/// Returns the text of a comment line, or a line of a document that contains no code.
+/// Returns the text of a comment line, or a document line if it contains no code.
 fn prose(is_rust: bool, line: &str) -> Option<&str> {
     let line = line.trim_start();
     match is_rust {
