@@ -1,7 +1,7 @@
 //! Answers that were produced elsewhere: by hand in a viewer, in a browser or on another system. [`export`] writes every file
-//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: for each file an image, a frame or
-//! an array, named after the case with any suffix, or a note that the file was refused. It answers requests like a decoder, so
-//! the verdicts are the same.
+//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: each file has an image, a frame or
+//! an array, named after the case with any suffix, or a note that it was refused. It answers requests like a decoder, so the
+//! verdicts are the same.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;

@@ -20,7 +20,7 @@ pub(super) struct Tally {
 pub(super) struct HangWatch {
     /// The indices of the legal files, in order.
     legal: Vec<usize>,
-    /// True if all requests for a legal file have timed out so far; `None` if none has been answered.
+    /// For each legal file, true if all its requests so far have timed out; `None` before the first result.
     hung: Mutex<Vec<Option<bool>>>,
     /// The index of the last file that is requested.
     last_index: AtomicUsize,

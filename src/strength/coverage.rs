@@ -3,7 +3,7 @@
 //! - A clause is *covered* by its cases, and by its misreadings that the suite catches.
 //! - A misreading is *killed* by the cases that fail a decoder with it. Two misreadings are *separated* by a case
 //!   with different answers.
-//! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. It may
+//! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};

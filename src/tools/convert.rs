@@ -122,7 +122,7 @@ const NOT_ONE_POLYNOMIAL: &str =
 const NOT_A_BYTE: &str =
     "a coefficient times its color, divided by 255, is not a representable integer";
 
-/// Maximum absolute bias. Products of two numbers of this size are exact in `f64`.
+/// Maximum absolute value of a bias. Products of two such biases are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
 /// Converts a texel with its biases. The flags mark coefficients whose scale is not 0.

@@ -6,10 +6,10 @@ use crate::suite::compare::Expected;
 use super::body::Interpretation;
 use super::message::{ProbeFault, fault};
 
-/// Names of the orders of samples. The empty name means the right order.
+/// Names of the possible sample orders. The empty name stands for the correct order.
 const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
-/// Names of the orders of channels. The empty name means the right order.
+/// Names of the possible channel orders. The empty name stands for the correct order.
 const ORDERS: [&str; 7] = [
     "",
     "bgr",

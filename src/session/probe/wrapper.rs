@@ -1,4 +1,4 @@
-//! Faults of a wrapper that `check` finds before it requests any case, with the first files, a large file and malformed files.
+//! Finds faults of a wrapper with the first files, a large file and malformed files, before `check` requests any case.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).

@@ -1,4 +1,4 @@
-//! Tests every error of the codecs with a witness: the smallest stream that causes it, and its message.
+//! Tests every error of the codecs with a witness: the smallest stream that causes the error, and the message.
 //!
 //! Each row of a table contains a stream and its result. A stream consists of bytes in hexadecimal, with `01*64` for
 //! sixty-four 01 bytes, and of the names of parts of the smallest stream. It may end early if the rest does not
@@ -88,7 +88,7 @@ SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
 SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
-/// Streams with values out of range for the inverse transform, which no encoder writes. A DC coefficient of 1,200 · 4 is 600
+/// Streams that no encoder writes: their values are out of range for the inverse transform. A DC coefficient of 1,200 · 4 is 600
 /// above gray, which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient
 /// of 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
