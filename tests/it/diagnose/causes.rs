@@ -159,8 +159,8 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     assert!((1..=refusable.count()).contains(&refused), "{refused}");
 }
 
-/// Mistakes in a formula: its name, the expression that the decoder computes, the only view that it supports, and
-/// parts of the first cause.
+/// Mistakes in formulas: the name of the formula, the wrong expression, the only view of the decoder, and parts of the first
+/// cause.
 const FORMULA_MISTAKES: &str = "
 stored value | mod(raw + 128 * select(at_most(abs(i - 3), 0), 1, 0), 256) | raw | + 128 instead of && only in a3
 stored value | mod(raw + 1, 256) | raw | raw + 1 instead of raw
@@ -258,7 +258,7 @@ fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usi
     mistakes.iter().filter(is_named).count()
 }
 
-/// Returns the causes that are reported as certain, but are not among the mistakes.
+/// Returns the causes that are reported as certain, but are not in `mistakes`.
 fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Vec<String> {
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
