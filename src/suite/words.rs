@@ -94,7 +94,7 @@ pub(super) fn flag(name: &str, text: &str) -> Result<bool, String> {
     yes_or_no(name, text, ["true", "false"])
 }
 
-/// Converts a word to the form of ids: lowercase, with hyphens, and with the sign of a number as a word.
+/// Converts a word to the form used in ids: lowercase, with hyphens, and with the sign of a number spelled out.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
     let minus = if signed { "minus " } else { "-" };

@@ -125,7 +125,7 @@ const NOT_A_BYTE: &str =
 /// Maximum absolute value of a bias. Products of two such biases are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
-/// Converts a texel with its biases. The flags mark coefficients whose scale is not 0.
+/// Conversion of a texel, given the biases, and flags that mark coefficients whose scale is not 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.
@@ -200,7 +200,7 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u
     })
 }
 
-/// Multiplies a polynomial by three colors. Returns `None` if a product is not exact.
+/// Multiplies the polynomial of a texel by its three colors. Returns `None` if a product is not exact.
 fn multiply_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !used[i] {

@@ -103,7 +103,7 @@ fn difference(
     }
 }
 
-/// Describes the number of differing texels and the first one. Returns `None` if there are none.
+/// States the number of differing texels and the position of the first. Returns `None` if there are none.
 fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();
