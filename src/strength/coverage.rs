@@ -129,7 +129,7 @@ impl Coverage {
         }
         let (redundant, all) = (self.redundant.len(), suite.cases.len());
         lines.push(format!(
-            "redundant: {redundant} of {all} cases neither detect a misreading nor distinguish a pair that no other case detects or distinguishes\n"
+            "redundant: for {redundant} of {all} cases, other cases detect the same misreadings and distinguish the same pairs\n"
         ));
         lines.join("\n")
     }
