@@ -125,9 +125,9 @@ enumerants! {
         Modulate,
         /// The primitive and the environment color are blended by the map.
         BlendEnvColor,
-        /// The map is drawn over the primitive with the alpha of the map.
+        /// The map is drawn over the primitive, weighted by the alpha of the map.
         Decal,
-        /// The map is drawn over the background color with the alpha of the map.
+        /// The map is drawn over the background color, weighted by the alpha of the map.
         DecalBackground,
     }
 }

@@ -9,7 +9,7 @@ use proc_macro2::TokenTree;
 use super::files_below;
 use super::tidy::{sources, visit_tokens};
 
-/// Openings of comments: a comment starts with a noun phrase or a verb.
+/// Openings that comments must not have: a comment starts with a noun phrase or a verb.
 const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
 
 /// Words and phrases that the style guide replaces.
