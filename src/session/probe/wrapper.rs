@@ -118,7 +118,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes whose undoing corrects most frames of a view, unless only the order of samples is wrong.
+/// Returns the fewest mistakes to undo so that most frames of a view are right, unless only the order of samples is wrong.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
