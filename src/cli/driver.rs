@@ -123,7 +123,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             {
                 recorder.record_observation(case, observation);
             }
-            if observation.is_wrong_for(case) {
+            if observation.is_certain_failure(case) {
                 self.progress.count_wrong_answer();
             }
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;

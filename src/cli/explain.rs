@@ -356,7 +356,7 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
 fn explain_code(code: &Code, suite: &Suite) -> String {
     let provokes = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
-        code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
+        code.is_triggered_by(&case.id) || damage.is_some_and(|damage| code.is_triggered_by(damage))
     };
     let cases = suite.cases.iter().filter(provokes);
     let cases: Vec<&str> = cases.map(|case| &*case.id).collect();

@@ -293,6 +293,6 @@ fn parse_severity(text: &str) -> Result<(String, Severity), String> {
         let severity = severities.into_iter().find(|one| one.name() == level)?;
         Some((code.to_owned(), severity))
     });
-    let expected = "expected a code and error, warning or info, such as PTM-W301=error";
+    let expected = "expected a code and a level (error, warning or info), such as PTM-W301=error";
     pair.ok_or_else(|| format!("{expected}, found {text:?}"))
 }

@@ -50,7 +50,7 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let index = args.out.join("index.html");
     print(&format!("{count} files, {size} MB: {}\n", index.display()));
     if module.is_none() {
-        print_note("drop.html needs a WebAssembly module; it explains how to add one\n");
+        print_note("drop.html needs a WebAssembly module and explains how to add one\n");
     }
     Ok(0)
 }

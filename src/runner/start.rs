@@ -59,7 +59,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         let (says, next) = if here.is_file() {
             (
                 format!(
-                    "{text} is in this directory, and programs without a / are looked up only in PATH"
+                    "{text} is in this directory, but a name without a / is looked up only in PATH"
                 ),
                 format!("write ./{text}"),
             )

@@ -27,7 +27,7 @@ fn curves(v: f64) -> [(&'static str, f64); 8] {
     };
     let [dark, light, lighter] = [2.2, 1.0 / 2.2, 1.0 / 1.8].map(|gamma| v.powf(gamma));
     let (limited, full) = ((16.0 + 219.0 * v) / 255.0, (255.0 * v - 16.0) / 219.0);
-    let stretched = "values from 16 to 235 are stretched to 0 to 255, as in video";
+    let stretched = "the range 16 to 235 is stretched to 0 to 255, as in video";
     [
         ("the sRGB curve is applied to all values", srgb),
         ("the sRGB curve is removed from all values", linear),

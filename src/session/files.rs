@@ -108,7 +108,7 @@ pub fn check_file(
     result
 }
 
-/// Encodes the same values in other formats and header spellings, each with a description. A correct decoder outputs the same
+/// Encodes the values of a map in other formats and header spellings, and describes each file. A correct decoder outputs the same
 /// image for all of them, so no expected output is needed.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     let mut formats = Format::ALL.to_vec();
@@ -163,7 +163,7 @@ fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     texts.join(" ").parse().ok()
 }
 
-/// Returns the expected image of a file. Lossy JPEG planes get a tolerance for inverse DCTs (ruling `jpeg-samples`).
+/// Returns the expected image of a file. Lossy JPEG planes get a tolerance for different inverse DCTs (ruling `jpeg-samples`).
 fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     let ptm = decode_as(file, reading, &Limits::default()).ok()?;
     let (format, planes) = (ptm.header.format, ptm.planes);
@@ -201,8 +201,8 @@ fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
 }
 
 /// Compares an answer with the reference. Returns a remark on a correct answer, or the fault as an error.
-fn compare_with_reference(file: &[u8], view: &View, shown: &Answer) -> Result<String, String> {
-    match (shown, crate::decode(file)) {
+fn compare_with_reference(file: &[u8], view: &View, answer: &Answer) -> Result<String, String> {
+    match (answer, crate::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
             let right = |reading: &Reading| expected(file, view, reading);
             let spec = right(&Reading::SPEC).expect("the reference decoded the file");
@@ -250,7 +250,7 @@ impl FilesReport {
         FilesReport { verdict, files }
     }
 
-    /// Returns the exit status: 0, 1, or 3 if no file was decoded.
+    /// Returns the exit status: 0 for a pass, 1 for a failure, or 3 if no file was decoded.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let mut files = self.files.iter();

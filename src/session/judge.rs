@@ -17,7 +17,7 @@ use crate::suite::test_case::TestCase;
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
-    /// Reading of each open question: that of the reference, if no case reveals the decoder's.
+    /// Reading of each open question; the reference's if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
     pub certainties: Vec<Certainty>,
@@ -35,7 +35,7 @@ impl<C: TestCase> Judgement<C> {
     }
 }
 
-/// Judges the observations of a run. `observations` has a slot for each case of the suite: `None` if none of its views is
+/// Judges the observations of a run. `observations` has a slot for each case of the suite: `None` if no view of the case is
 /// offered. `selected` marks the cases to judge; the others only serve as twins.
 #[must_use]
 pub fn judge<C: TestCase>(
@@ -163,7 +163,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns the difference of a wrong image from the correct one in the decoder's dialect, if that is not the reference's.
+    /// Returns how a wrong image differs from the correct one in the decoder's dialect, unless this is the reference's dialect.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;
@@ -174,7 +174,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         self.case.difference_in(view, &output, self.dialect)
     }
 
-    /// Returns the reason why a refusal proves nothing, if no twin of a negative case was decoded.
+    /// If the case has twins and none was decoded, returns the reason why a refusal proves nothing.
     fn undecoded_twin_reason(&self) -> Option<String> {
         let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| matches!(twin.response, Response::Image { .. }))
@@ -189,7 +189,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns the verdict on a wrong image, or any image of a file that must be refused.
+    /// Returns the verdict on a wrong image, or on any image of a file that must be refused.
     fn wrong_image_verdict(&self, right: &RightDialects, differs: String) -> Verdict {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| is_right(twin, self.dialect))
@@ -219,7 +219,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Describes the readings that the decoder mixes if the answer is right in another dialect.
+    /// Describes the readings that the decoder mixes, given the `other` dialect, in which the answer is right.
     fn mixed_readings_text(&self, axes: &[usize], other: &Dialect) -> String {
         let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
         let readings = axes.iter().filter(differs).map(|&axis| {
@@ -240,9 +240,9 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Returns the features for which no must-accept file was decoded and most were answered with 69, and those for which a file was
-/// decoded. Some files may have a different answer, because another mistake, perhaps in the header, may cause a refusal before
-/// the feature matters.
+/// Returns the unsupported features (no must-accept file was decoded, and most were answered with 69) and the decoded features.
+/// Some files may have a different answer, because another mistake, perhaps in the header, may cause a refusal before the feature
+/// matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

@@ -1,7 +1,7 @@
 //! Requests the first files again in a locale with a decimal comma.
 //!
-//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in these locales. Numbers in PTM files have a
-//! decimal point in every locale.
+//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in such locales. Numbers in PTM files have a decimal
+//! point in every locale.
 
 use std::process::{Command, Stdio};
 
@@ -33,7 +33,7 @@ fn choose(list: &str) -> Option<String> {
     })
 }
 
-/// Requests the first files again in `locale`, each in one view in which it was decoded, and describes the first difference.
+/// Requests each first file again in `locale`, in a view in which it was decoded, and describes the first difference.
 #[must_use]
 pub fn difference(
     suite: &Suite,

@@ -25,7 +25,7 @@ pub struct Observation<C: TestCase = Case> {
 impl<C: TestCase> Observation<C> {
     /// Returns true if the case fails regardless of other observations. Nondeterminism is not considered.
     #[must_use]
-    pub fn is_wrong_for(&self, case: &C) -> bool {
+    pub fn is_certain_failure(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
             (Response::Image { right, .. }, Expect::Decode) => {
                 *right == RightDialects::InAll(false)

@@ -1,4 +1,4 @@
-//! The offer of a decoder: its views and the kinds of cases in each.
+//! The offer of a decoder: its views, and the kinds of cases that it supports in each view.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::suite::test_case::TestCase;
 pub struct Offer<C: TestCase = Case> {
     /// Views, in order of preference.
     pub views: Vec<&'static str>,
-    /// Views that are missing for a kind of case that the decoder decodes in other views.
+    /// Missing views, each with a kind of case that the decoder decodes only in other views.
     pub missing_views: Vec<(&'static str, C::Feature)>,
     /// Kinds of cases for which every first file resulted in exit status 69 in every view.
     pub unsupported: Vec<C::Feature>,
@@ -38,7 +38,7 @@ impl<C: TestCase> Offer<C> {
         lacking.any(|(lacking, of)| *lacking == C::view_name(view) && of == kind)
     }
 
-    /// Returns the first offered view of the case, preferably one that is offered for its kind.
+    /// Returns the first view of the case that is offered for its kind, or else the first that is offered at all.
     #[must_use]
     pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
@@ -47,7 +47,7 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the decoder declares cases of this kind, but supports none of them and always answered this one with 69.
+    /// Returns true if the case breaks the offer: its kind is declared but unsupported, and the answer was 69 every time.
     #[must_use]
     pub fn is_broken_by(
         &self,

@@ -1,4 +1,4 @@
-//! A test that decoders with a different inverse DCT pass (ruling `jpeg-samples`). The samples of JPEG planes come from two
+//! Tests that decoders with a different inverse DCT pass (ruling `jpeg-samples`). The samples of JPEG planes come from two
 //! independent decoders in turn; everything else comes from the reference. Streams that an independent decoder cannot read are
 //! left to the reference and counted.
 

@@ -1,7 +1,7 @@
 //! Answers that were produced elsewhere: by hand in a viewer, in a browser or on another system. [`export`] writes every file
-//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: for each file an image, a frame or
-//! an array, named after the case with any suffix, or a note that the file was refused. It answers requests like a decoder, so
-//! the verdicts are the same.
+//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: each file has an image, a frame or
+//! an array, named after the case with any suffix, or a note that it was refused. It answers requests like a decoder, so the
+//! verdicts are the same.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
@@ -97,7 +97,7 @@ pub fn export(
 /// Answer for a case: a file, or a refusal.
 type OfflineAnswer = Result<PathBuf, Answer>;
 
-/// Names of the lists of refused and unsupported files, suffixes of files that mark a single case, and the answers.
+/// For refused and for unsupported files: the name of the list, the suffix of a file that marks a single case, and the answer.
 const REFUSALS: [(&str, &str, Answer); 2] = [
     ("rejected.txt", "reject", Answer::Rejected),
     ("unsupported.txt", "unsupported", Answer::Unsupported),

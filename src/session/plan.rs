@@ -45,11 +45,11 @@ pub enum Repeat {
     Nothing,
     /// Failures, because the decoder may be nondeterministic.
     Failures,
-    /// Failures and one in [`SAMPLE_INTERVAL`] other cases, because a serving process may leak state between files.
+    /// Failures, and one in every [`SAMPLE_INTERVAL`] other cases, because a serving process may leak state between files.
     FailuresAndSample,
 }
 
-/// Sampling interval: one in this number of cases that did not fail is repeated.
+/// Sampling interval: among cases that did not fail, one in every so many is repeated.
 pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {

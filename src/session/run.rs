@@ -252,8 +252,8 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Reports why the run ended early, in a place that appears in every report format: the reason why the program is not a
-    /// decoder or, if it is one, a remark.
+    /// Reports why the run ended early, so that every report format shows it: in the reason why the program is not a decoder or,
+    /// if it is one, in a remark.
     fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {

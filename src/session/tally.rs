@@ -20,7 +20,7 @@ pub(super) struct Tally {
 pub(super) struct HangWatch {
     /// The indices of the legal files, in order.
     legal: Vec<usize>,
-    /// True if all requests for a legal file have timed out so far; `None` if none has been answered.
+    /// For each legal file, true if all its requests so far have timed out; `None` before the first result.
     hung: Mutex<Vec<Option<bool>>>,
     /// The index of the last file that is requested.
     last_index: AtomicUsize,
@@ -38,8 +38,8 @@ impl HangWatch {
 
     /// Records an answer, and ends the run if the decoder timed out on three consecutive legal files. Files are consecutive by
     /// index, regardless of the order of their answers.
-    pub fn record_answer(&self, place: usize, is_hang: bool, tally: &Tally) {
-        let Ok(rank) = self.legal.binary_search(&place) else {
+    pub fn record_answer(&self, index: usize, is_hang: bool, tally: &Tally) {
+        let Ok(rank) = self.legal.binary_search(&index) else {
             return;
         };
         let mut hung = self.hung.lock().expect("no worker panics");
@@ -85,10 +85,10 @@ mod tests {
             let tally = Tally::default();
             let watch = HangWatch::new((0..20).step_by(2).collect());
             let mut in_time = Some(12);
-            for &place in asked {
+            for &index in asked {
                 let is_hang =
-                    hanging.contains(&place) && in_time.take_if(|of| *of == place).is_none();
-                watch.record_answer(place, is_hang, &tally);
+                    hanging.contains(&index) && in_time.take_if(|of| *of == index).is_none();
+                watch.record_answer(index, is_hang, &tally);
             }
             assert_eq!(watch.last(), end);
             assert_eq!(tally.hung.into_inner(), end.is_some());

@@ -32,7 +32,7 @@ fn is_explained_by(undo: &UndoneTransform<Case>, (reply, frame): &FirstImage) ->
     reply.expected.compare(&undone).is_none()
 }
 
-/// Returns the changes that the images of all first files share, view by view, if no image is right and one change explains all.
+/// Returns, view by view, the change that the images of all first files share, if no image is right and one change explains all.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);

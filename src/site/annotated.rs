@@ -12,7 +12,7 @@ use crate::suite::values::parse_hex;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chapter {
-    /// Number of the section, such as `2.4`. The chapter includes subsections that are not separate chapters.
+    /// Section number, such as `2.4`. The chapter includes subsections that are not separate chapters.
     pub section: String,
     /// Title of the chapter.
     pub title: String,
@@ -61,7 +61,7 @@ pub struct WorkedExample {
     pub description: Option<String>,
     /// Name of the base file in `files.yaml`.
     pub file: String,
-    /// Parts that replace the parts of the base file with the same names.
+    /// Parts that replace the parts with the same names in the base file.
     #[serde(rename = "with", default)]
     pub replacements: Vec<Part>,
     /// Names of the parts to highlight.

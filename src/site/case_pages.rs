@@ -176,7 +176,7 @@ fn findings(paper: PageContext, built: &Built) -> Markup {
     }
 }
 
-/// Renders links to the twin of a damaged case, and to the damaged copies of this case.
+/// Renders links from a damaged case to its twin, and from a valid case to its damaged copies.
 fn related_cases(paper: PageContext, case: &Case) -> Markup {
     let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
     children.retain(|child| child.twin_of.as_ref() == Some(&case.id));

@@ -28,7 +28,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
 fn page(paper: PageContext, code: &Code) -> SiteFile {
     let triggers = |case: &&Case| {
         let damage = case.damage().map(|damage| damage.name.as_str());
-        code.is_provoked_by(&case.id) || damage.is_some_and(|damage| code.is_provoked_by(damage))
+        code.is_triggered_by(&case.id) || damage.is_some_and(|damage| code.is_triggered_by(damage))
     };
     let cases: Vec<&Case> = paper.library.suite.cases.iter().filter(triggers).collect();
     let body = html! {

@@ -122,7 +122,7 @@ fn anchor(heading: &str) -> String {
     anchor
 }
 
-/// Returns the page of the site for a link in a document, or `None` for a file that is not on the site.
+/// Returns the page of the site to which a link in a document leads, or `None` if its target is not on the site.
 fn resolve_link(file: &str, link: &str) -> Option<String> {
     if link.starts_with('#') || link.starts_with("https://") {
         return Some(link.to_owned());

@@ -24,7 +24,7 @@ pub struct Execution {
 /// Result of a decoder for a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decoding {
-    /// Names of the requested channels, and a row per texel with the position and the values.
+    /// Names of the requested channels, and one row per texel: its position and values.
     Values(Vec<String>, Vec<(String, Vec<f64>)>),
     /// The file is refused. Contains the violated clause and the error message.
     Refused(&'static str, String),

@@ -201,7 +201,7 @@ fn as_text(bytes: &[u8]) -> String {
     text.replace('\r', "←").replace('\n', "↵")
 }
 
-/// Renders the rulings of a clause. Only the reading of a ruling in `seen` is rendered.
+/// Renders the rulings of a clause. If a ruling is in `seen`, only its reading is rendered.
 fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, seen: &mut BTreeSet<&'a str>) -> Markup {
     let rulings = paper.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.iter().any(|clause| clause == id));

@@ -118,7 +118,7 @@ impl Library {
         subjects
     }
 
-    /// Returns the URL of the page of an id, relative to the root of the site.
+    /// Returns the URL of the page for an id, relative to the root of the site.
     pub(super) fn page_url(&self, id: &str) -> Option<&str> {
         self.page_urls.get(id).map(String::as_str)
     }

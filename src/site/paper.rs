@@ -101,7 +101,7 @@ impl PageContext<'_> {
         self.page(path, part, part, &html! { h1 { (part) } (contents) })
     }
 
-    /// Renders the page of an id, with a link to the list page of its part.
+    /// Renders the page for an id, with a link to the list page of `part`.
     pub(super) fn entry(&self, part: &str, id: &str, title: &str, contents: &Markup) -> SiteFile {
         let path = self.library.page_url(id).expect("every subject has a page");
         let kicker = html! { p.kicker { a href="index.html" { (part) } } };

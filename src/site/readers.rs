@@ -98,7 +98,7 @@ pub fn reader_runs() -> Result<Vec<ReaderRun>, String> {
     Ok(runs)
 }
 
-/// Returns the public readers that make a mistake, with the examined versions, based on profiles and sightings.
+/// Returns the public readers that make a mistake according to profiles and sightings, with the examined versions.
 pub(super) fn readers_with_mistake(misreading: &Misreading) -> BTreeMap<&str, Option<&str>> {
     let seen = misreading.sightings.iter();
     let seen = seen.map(|sighting| (sighting.reader.as_str(), sighting.version.as_deref()));

@@ -27,7 +27,7 @@ fn chapter(paper: PageContext) -> Result<SiteFile, String> {
             "lost. They are reconstructed here from the surrounding text and from related documents. Rulings mark the reconstructions." }
         p { a href="rulings.html" { "Rulings" } " · " a href="cases.html" { "Cases" } " · " a href="misreadings.html" { "Misreadings" } " · " a href="../docs/texture.html" { "Stage protocol" } }
         h2 #steps { "Step by step: a question and its answer" }
-        p { "The reference computed every answer when this page was built, and the answer was compared with the one that the suite expects." }
+        p { "When this page was built, the reference computed every answer, and each was compared with the answer that the suite expects." }
         @for question in &questions { (question) }
         h2 #requirements { "The requirements" }
         @for (letters, title) in &texts.topics {

@@ -3,7 +3,7 @@
 //! - A clause is *covered* by its cases, and by its misreadings that the suite catches.
 //! - A misreading is *killed* by the cases that fail a decoder with it. Two misreadings are *separated* by a case
 //!   with different answers.
-//! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. It may
+//! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -75,7 +75,7 @@ pub struct Pairwise {
     pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
-    /// Number of pairs of values that occur together in a file that must be decoded.
+    /// Number of those pairs that occur in a must-accept file.
     pub covered: usize,
     /// Pairs of values that do not occur together.
     pub missing: Vec<String>,
@@ -129,7 +129,7 @@ impl Coverage {
         }
         let (redundant, all) = (self.redundant.len(), suite.cases.len());
         lines.push(format!(
-            "redundant: {redundant} of {all} cases neither detect a misreading nor distinguish a pair that no other case detects or distinguishes\n"
+            "redundant: for {redundant} of {all} cases, other cases detect the same misreadings and distinguish the same pairs\n"
         ));
         lines.join("\n")
     }

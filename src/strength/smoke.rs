@@ -79,7 +79,7 @@ pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
 #[must_use]
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(
-        "# A small set of cases that catches every misreading of the catalog: `ptm-conform check --smoke`.\n\
+        "# A small set of cases that catches every misreading in the catalog: `ptm-conform check --smoke`.\n\
          # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it again.\n",
     );
     for &i in chosen {

@@ -1,9 +1,8 @@
 //! Compares expected and received samples.
 //!
 //! - raw: equal or, in lossy JPEG planes for which inverse DCTs may differ, within the slack of the model, modulo 256.
-//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6, which allows one rounding and one product in `f32`, plus the slack.
-//! - rgb: within 1 + 1/64 of the exact color, which allows any rounding and arithmetic in `f32`, plus [`LOSSY_TOLERANCE`] for a
-//!   JPEG image.
+//! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6 (one rounding and one product in `f32`), plus the slack.
+//! - rgb: within 1 + 1/64 of the exact color (any rounding, and arithmetic in `f32`), plus [`LOSSY_TOLERANCE`] for a JPEG image.
 
 use std::fmt;
 
@@ -29,11 +28,11 @@ pub struct Expected {
     pub slack: Vec<f64>,
 }
 
-/// Tolerance of a byte relative to the exact color: one for rounding, and 1/64 for arithmetic in `f32`.
+/// Tolerance for a byte relative to the exact color: one for rounding, and 1/64 for arithmetic in `f32`.
 const COLOR_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 
-/// Additional tolerance for a byte of a JPEG image. At quality 95, no sample of the images of the suite deviates by more than 29;
-/// the remainder allows for other encoders and their tables.
+/// Additional tolerance for a byte of a JPEG image. At quality 95, no sample in the suite's images deviates by more than 29; the
+/// remainder allows for other encoders and their tables.
 pub const LOSSY_TOLERANCE: f64 = 48.0;
 
 fn reals(bytes: &[u8]) -> Vec<f64> {
@@ -41,7 +40,7 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 }
 
 impl Expected {
-    /// Returns the expected samples of a file with these values in `view`, or `None` if the values do not determine them.
+    /// Returns the expected samples in `view` of a file with these values, or `None` if the values do not determine them.
     #[must_use]
     pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {

@@ -129,7 +129,7 @@ impl TestCase for Case {
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
         let axes = relevant_axes(self, view);
         // Most answers are equal to the expected bytes, and then nothing else has to be compared.
-        if axes.is_empty() && built.values.are_the_samples_of(frame) {
+        if axes.is_empty() && built.values.equal_samples_of(frame) {
             return Comparison {
                 right: RightDialects::InAll(true),
                 difference: None,

@@ -66,7 +66,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         BTreeSet::from([self.kind()])
     }
     /// Returns the accepted cases that each case of a suite depends on: if none of them is decoded, a refusal proves nothing.
-    /// By default, a case that must be refused depends on all others of its kind.
+    /// By default, a case that must be refused depends on all accepted cases of its kind.
     fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
         let refused = |case: &Self| matches!(case.expect(), Expect::Reject | Expect::Refuse);
         let twins = |case: &Self| -> Vec<usize> {
@@ -77,7 +77,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         cases.iter().map(twins).collect()
     }
 
-    /// Returns true if the file has a table, which is sent in a spelling that the decoder supports.
+    /// Returns true if the file has a table. Tables are sent in a spelling that the decoder supports.
     fn has_table(&self) -> bool {
         false
     }

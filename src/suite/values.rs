@@ -21,8 +21,8 @@ pub enum Values {
 }
 
 impl Values {
-    /// Returns true if `frame` contains exactly the painted values. A false result decides nothing.
-    pub(super) fn are_the_samples_of(&self, frame: &Frame) -> bool {
+    /// Returns true if `frame` contains exactly the painted values. If not, the frame may still be correct.
+    pub(super) fn equal_samples_of(&self, frame: &Frame) -> bool {
         let Values::Painted(model) = self else {
             return false;
         };

@@ -23,17 +23,17 @@ impl<'a> Words<'a> {
         all.into_iter().map(Words).collect()
     }
 
-    /// Replaces each `{key}` in `text` with its word, or with the value of a word `name = value`.
+    /// Replaces each `{key}` in `text` with its word, or with the value if the word has the form `name = value`.
     pub fn fill(&self, text: &str) -> String {
         self.replaced(text, |_, value| value.to_owned())
     }
 
-    /// Fills in an id template: replaces each `{key}` with the slug of its word, or of the name of a word `name = value`.
+    /// Replaces each `{key}` in an id template with the slug of its word, or of the name if the word is `name = value`.
     pub fn id(&self, text: &str) -> String {
         self.replaced(text, |name, _| slug(name))
     }
 
-    /// Parses an optional text with the words filled in and stores its value in `slot`.
+    /// Fills the words into an optional text, parses it, and stores the value in `slot`.
     pub fn set<T>(
         &self,
         slot: &mut T,
@@ -94,7 +94,7 @@ pub(super) fn flag(name: &str, text: &str) -> Result<bool, String> {
     yes_or_no(name, text, ["true", "false"])
 }
 
-/// Converts a word to the form of ids: lowercase, with hyphens, and with the sign of a number as a word.
+/// Converts a word to the form used in ids: lowercase, with hyphens, and with the sign of a number spelled out.
 fn slug(word: &str) -> String {
     let signed = word.starts_with(|c: char| c == '-' || c.is_ascii_digit());
     let minus = if signed { "minus " } else { "-" };

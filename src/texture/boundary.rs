@@ -21,7 +21,7 @@ pub fn texel_index(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> us
     (rules.closest)(boundary, t, size, rules)
 }
 
-/// Returns true if the explicit clamp applies: the coordinate of a direction with that condition is outside the map.
+/// Returns true if the explicit clamp applies: a direction with this condition has a coordinate outside the map.
 pub(super) fn is_clamped(entry: &Entry, t: Vector, dimensions: usize, rules: &Rules) -> bool {
     (rules.is_clamped)(entry, t, dimensions, rules)
 }

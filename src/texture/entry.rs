@@ -5,8 +5,8 @@
 //! Format notes
 //! - The entry with all fallback values uses a reflection parameterization, so it needs an eye and a normal even on a flat
 //!   surface.
-//! - Notes a to g below the table state which fields are used only in combination with other fields. The pipeline ignores
-//!   fields that are not used.
+//! - Notes a to g below the chapter's table state which fields are used only in combination with other fields. The pipeline
+//!   ignores fields that are not used.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -125,9 +125,9 @@ enumerants! {
         Modulate,
         /// The primitive and the environment color are blended by the map.
         BlendEnvColor,
-        /// The map is drawn over the primitive with the alpha of the map.
+        /// The map is drawn over the primitive, weighted by the alpha of the map.
         Decal,
-        /// The map is drawn over the background color with the alpha of the map.
+        /// The map is drawn over the background color, weighted by the alpha of the map.
         DecalBackground,
     }
 }

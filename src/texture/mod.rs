@@ -1,8 +1,8 @@
 //! Texture mapping table of `PEXlib` 5.2: applying texture maps to surfaces.
 //!
 //! A PTM lit from one direction is an image, and an image can be used as a texture map. This module implements the chapter
-//! "Texture Mapping Table" as pure functions in the order of the pipeline. The results of each function can be compared
-//! between two implementations:
+//! "Texture Mapping Table" as pure functions in the order of the pipeline. Two implementations can be compared function by
+//! function:
 //!
 //! ```text
 //! Surface ──select──→ indices ──resolve──→ Entry ──parameterize──→ t ──orient──→ t' ──interpolate──→ t''

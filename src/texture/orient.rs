@@ -30,8 +30,8 @@ pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     [row(0) / w, row(1) / w, row(2) / w]
 }
 
-/// Interpolates coordinates inside a facet from the coordinates `ts` at its corners, the screen-space weights `b` of the
-/// corners, and their values of `w`.
+/// Interpolates coordinates inside a facet. Each corner has coordinates in `ts`, a screen-space weight in `b`, and a value of
+/// `w`.
 ///
 /// # Errors
 /// Returns [`NoValue::ImplementationDefined`] for the correction method Vertex.

@@ -97,7 +97,7 @@ pub struct SplinePoint {
     pub data: Vec<Vec<f64>>,
 }
 
-/// Values from which texture coordinates can be derived. Values that the method does not need may be missing.
+/// Values from which texture coordinates can be derived. Values that the parameterization method does not need may be missing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
     /// Vertex in modeling coordinates.

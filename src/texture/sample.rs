@@ -145,8 +145,8 @@ pub(crate) fn closest_level(depth: f64, top: usize) -> usize {
     ((depth - 0.5).ceil().max(0.0) as usize).min(top)
 }
 
-/// Returns the two levels closest to the depth and the weight of the upper level. Depths out of range are clamped
-/// (R-SMP-08 … R-SMP-11).
+/// Returns the two levels closest to the depth, and the weight of the upper level. Depths out of range are clamped (R-SMP-08 …
+/// R-SMP-11).
 pub(crate) fn levels_around(depth: f64, top: usize) -> (usize, usize, f64) {
     let depth = depth.clamp(0.0, top as f64);
     let lower = depth.floor();

@@ -52,7 +52,7 @@ impl Target {
 pub struct ConvertedMap {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Largest difference between two stored values after compression; 0 if the conversion is lossless.
+    /// Largest change of a stored value by compression; 0 if the conversion is lossless.
     pub max_difference: u8,
     /// Number of entries in the lookup table, if there is one.
     pub entries: Option<usize>,
@@ -61,7 +61,7 @@ pub struct ConvertedMap {
 /// Converts the file that `dissection` describes.
 ///
 /// # Errors
-/// Returns a message if the target cannot represent the map, or if the converted file differs when it is read back.
+/// Returns a message if the target cannot represent the map, or if the converted file, read back, differs from the map.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
@@ -122,10 +122,10 @@ const NOT_ONE_POLYNOMIAL: &str =
 const NOT_A_BYTE: &str =
     "a coefficient times its color, divided by 255, is not a representable integer";
 
-/// Maximum absolute bias. Products of two numbers of this size are exact in `f64`.
+/// Maximum absolute value of a bias. Products of two such biases are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
-/// Converts a texel with its biases. The flags mark coefficients whose scale is not 0.
+/// Conversion of a texel, given the biases, and flags that mark coefficients whose scale is not 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.
@@ -200,7 +200,7 @@ fn factor_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u
     })
 }
 
-/// Multiplies a polynomial by three colors. Returns `None` if a product is not exact.
+/// Multiplies the polynomial of a texel by its three colors. Returns `None` if a product is not exact.
 fn multiply_colors(texel: &[u8], bias: &[i64; 6], used: [bool; 6]) -> Option<Vec<u8>> {
     let coefficient = |(color, i): (u8, usize)| {
         if !used[i] {

@@ -47,7 +47,7 @@ pub fn convert_for(
         }
     }
     Err(format!(
-        "no format of this map is displayed correctly by {names}: {}",
+        "{names} would not display this map correctly in any format: {}",
         reasons.join("; ")
     ))
 }

@@ -322,11 +322,11 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Name of the field that contains the size of a stream; below, that of the size of the side information.
+/// Names of the fields that contain the sizes of a stream and of its side information.
 const STREAM_SIZE: &str = "compressed size of plane #";
 const SIDE_SIZE: &str = "side information size of plane #";
 
-/// Clause about the format name; below, the clauses about the compressed planes and the side information.
+/// Clauses about the format name, the compressed planes and the side information.
 const FORMAT_NAME_CLAUSE: &str = "2.2/1";
 const COMPRESSED_PLANE_CLAUSE: &str = "2.9.8/2";
 const SIDE_INFORMATION_CLAUSE: &str = "2.9.8/4";

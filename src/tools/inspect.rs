@@ -283,7 +283,7 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if the fault should be displayed after this line, which contains its byte or its compressed plane.
+    /// Returns true if this line contains the byte or the compressed plane of the fault, which is then displayed after the line.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {

@@ -174,7 +174,7 @@ pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
     Ok(RgbImage::from_fn(width, height, pixel))
 }
 
-/// Downscales an image. Every pixel is the mean of `factor` × `factor` pixels, or fewer at the right and bottom edges.
+/// Downscales an image. Every pixel is the mean of `factor` × `factor` pixels, or of fewer at the right and bottom edges.
 fn downscale(image: &RgbImage, factor: u32) -> RgbImage {
     let (width, height) = image.dimensions();
     RgbImage::from_fn(width.div_ceil(factor), height.div_ceil(factor), |x, y| {

@@ -99,7 +99,7 @@ pub fn segments(stream: &[u8]) -> Vec<Segment<'_>> {
     parts
 }
 
-/// Returns the kind and length of the part at the beginning of `rest`, which is not entropy-coded data.
+/// Returns the kind and length of the marker segment, fill bytes or stray bytes at the beginning of `rest`.
 fn marker_or_gap(rest: &[u8]) -> (SegmentKind, usize) {
     match *rest {
         [0xff, 0xff, ..] => {

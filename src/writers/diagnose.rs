@@ -1,8 +1,8 @@
-//! Finds the mistakes of a writer that explain its wrong files.
+//! Finds mistakes that explain the wrong files of a writer.
 //!
-//! A mistake explains a file if only a reader with this misreading sees the right values in the file, or if the file contains
-//! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads
-//! the reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
+//! A mistake explains a file if only a reader that makes it sees the right values in the file, or if the file contains the values
+//! that such a reader sees in the reference's file. A correct file contradicts the mistake if such a reader misreads the
+//! reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -24,10 +24,10 @@ use crate::writers::{reference::write_requested_file, request::WriteRequest};
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of wrong files per format used for screening, smallest first. Mistakes that explain none of them are skipped.
+/// Number of the smallest wrong files per format that are tried first. A mistake that explains none of them is skipped.
 const SCREENED_FILES: usize = 3;
 
-/// Number of unexplained files for which pairs of mistakes are tried, smallest first.
+/// Number of the smallest unexplained files for which pairs of mistakes are tried.
 const PAIR_SEARCH_FILES: usize = 4;
 
 /// Diagnosed cause of a writer's failures.
@@ -97,7 +97,7 @@ fn attempt(
     })
 }
 
-/// Returns the attempts of failing requests with the smallest files, at most [`SCREENED_FILES`] per format.
+/// Returns the failing attempts whose reference files are smallest, at most [`SCREENED_FILES`] per format.
 fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a Attempt> {
     let mut smallest: Vec<&Attempt> = failing.iter().filter_map(|i| attempts.get(i)).collect();
     smallest.sort_by_key(|attempt| attempt.reference_file.len());

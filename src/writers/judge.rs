@@ -12,7 +12,7 @@ use crate::tools::dissection::{Dissection, Role};
 use crate::tools::{join_texts, lint::codes::Severity, lint::lint};
 use crate::writers::{fault::WriterFault, request::WriteRequest};
 
-/// Relative tolerance of a number in the header, which allows one rounding to `f32`.
+/// Relative tolerance for header numbers: one rounding to `f32`.
 pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
 
 /// Judges the file that was written for `request`.

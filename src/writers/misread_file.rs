@@ -1,4 +1,4 @@
-//! Compares requested values with a file, as a reader with mistakes sees the file.
+//! Compares requested values with the values that a reader with mistakes sees in a file.
 //!
 //! A writer can misread a clause in the same way as a reader. In that case, either only a reader with this mistake sees the right
 //! values in the file, or the file contains the values that this reader sees in the right file.
@@ -14,7 +14,7 @@ use crate::reading::Reading;
 use crate::writers::request::{WriteRequest, new_map};
 use crate::writers::{judge::is_same_number, lossy::matches_within_loss};
 
-/// Views of four lights; if any coefficient differs, the color differs in at least one of them.
+/// Views under four lights; if any coefficient differs, the color differs in at least one of the views.
 const VIEWS: [&str; 4] = [
     "rgb:0.3125,-0.4375",
     "rgb:0,0",
@@ -41,7 +41,7 @@ pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misr
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that a reader with this mistake, but not one without it, sees in the right file.
+/// Returns true if `file` contains the values that only a reader with this mistake sees in the right file.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)

@@ -231,7 +231,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         }
     }
 
-    /// Returns true if both files decode to the same values, or neither can be decoded.
+    /// Returns true if both files decode to the same values, or if neither can be decoded.
     fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
         one == other || decode(&one.0).ok() == decode(&other.0).ok()
     }

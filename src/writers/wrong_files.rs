@@ -12,7 +12,7 @@ use crate::writers::misread_file::{MisreadFile, edit_bytes, explains};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
 
-/// Maximum number of repairs. Several are needed because planes may predict each other in a chain.
+/// Maximum number of repairs. Several are needed because planes may be predicted from one another in a chain.
 const MAX_REPAIRS: usize = 20;
 
 /// Changes to the header before the first repair: none, negated biases, or reciprocal scales.
@@ -58,7 +58,7 @@ fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
     other
 }
 
-/// Returns a file with each value at the position where the reader expects it, if the reader only moves values.
+/// Returns a file with each value where a reader with this mistake expects it, if the mistake only moves values.
 fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let count = request.samples.len();
     let mut other = request.clone();
@@ -77,7 +77,7 @@ fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> 
     reference_file(&other)
 }
 
-/// Repairs a request until the reader sees the right values in its file. Returns `None` if the repairs do not converge.
+/// Repairs a request until a reader with this mistake sees the right values in its file. Returns `None` if this never happens.
 fn repair_values(
     request: &WriteRequest,
     start: fn(&mut RequestHeader),

@@ -220,7 +220,7 @@ pub(in crate::diagnose) fn describe_unexplained(
         let effect = match indices.len() {
             1 => format!("{mode} a legal file; the cause is unknown"),
             count if files_read(witnesses).len() < MIN_READ_FILES => format!(
-                "{mode} {count} legal files; the decoder reads too few other files to find a property that distinguishes them"
+                "{mode} {count} legal files; the decoder reads so few other files that no distinguishing property can be found"
             ),
             _ => format!("{mode} {}", share_text(witnesses, &indices)),
         };

@@ -6,10 +6,10 @@ use crate::suite::compare::Expected;
 use super::body::Interpretation;
 use super::message::{ProbeFault, fault};
 
-/// Names of the orders of samples. The empty name means the right order.
+/// Names of the possible sample orders. The empty name stands for the correct order.
 const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
-/// Names of the orders of channels. The empty name means the right order.
+/// Names of the possible channel orders. The empty name stands for the correct order.
 const ORDERS: [&str; 7] = [
     "",
     "bgr",
@@ -101,7 +101,7 @@ pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpret
     Arrangement::all().filter(is_order).map(ordered).collect()
 }
 
-/// Returns the index of each channel of the correct order, or `None` if images with this number of channels have no such order.
+/// Returns the index of each channel, listed in the correct order, or `None` if images with so many channels have no such order.
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
     let at = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {

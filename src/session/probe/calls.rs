@@ -15,7 +15,7 @@ use super::repair::repair;
 
 /// The probed decoder and its working directory.
 pub(super) struct Calls<'a> {
-    /// Command of the decoder, or empty if arguments cannot be appended to it.
+    /// Command that starts the decoder, or empty if arguments cannot be appended to it.
     pub(super) command: &'a [OsString],
     pub(super) decoder: &'a Decoder,
     pub(super) scratch: &'a Scratch,

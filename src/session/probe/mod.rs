@@ -1,8 +1,8 @@
 //! Guides the author of a decoder through the protocol, step by step.
 //!
 //! `check` judges, and `probe` explains. Each step sends one request to the decoder and describes errors and their fixes. For a
-//! wrong answer, known mistakes of wrappers (text before the frame, line ends, byte order, planar samples, flipped rows and
-//! others) are undone, alone and combined. The combination that makes the answer correct tells the author what to fix.
+//! wrong answer, known mistakes of wrappers (text before the frame, line endings, byte order, planar samples, flipped rows and
+//! others) are undone, singly and in combination. The combination that makes the answer correct tells the author what to fix.
 
 use std::ffi::OsString;
 

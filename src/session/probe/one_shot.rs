@@ -47,7 +47,7 @@ impl FileReplies {
         best
     }
 
-    /// Rates the replies: true for a frame, for a frame of the right size, and for the correct image.
+    /// Rates the best reply: true if it is a frame, if its size is right, and if its image is correct.
     fn rank(&self) -> [bool; 3] {
         let one = |(view, reply): &(View, Reply)| match &reply.answer {
             Answer::Decoded(frame) => {
@@ -84,7 +84,7 @@ impl FileReplies {
     }
 }
 
-/// Finds a format that the decoder reads and judges the images. Returns the replies that are frames.
+/// Finds a format that the decoder reads, and judges its images. Returns the replies that are frames.
 pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let others = Format::ALL.into_iter();

@@ -75,7 +75,7 @@ fn from_utf8(bytes: &[u8]) -> Option<RepairedBytes> {
     Some((narrow, vec![fault("utf-8", &[])]))
 }
 
-/// Returns the stream from its PTM1 line on, if other bytes precede it.
+/// Returns the stream from its PTM1 line on, if other bytes precede that line.
 fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedBytes> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
@@ -84,7 +84,7 @@ fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedByte
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// Returns the bytes without the carriage returns of text mode: without those in the first line, after it, or everywhere.
+/// Removes the carriage returns of text mode in three ways: from the first line, from the bytes after it, and from both.
 fn without_carriage_returns(bytes: &[u8]) -> Vec<RepairedBytes> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();

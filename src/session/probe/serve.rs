@@ -145,7 +145,7 @@ impl<'a> Dialog<'a> {
         })
     }
 
-    /// Writes a file for a request. If it cannot be written, the decoder does not find it.
+    /// Writes a file for a request. Write errors are ignored: the decoder then finds no file.
     fn write_input(&mut self, name: &str, bytes: &[u8]) -> PathBuf {
         let path = self.workspace.write_input(name, bytes);
         path.unwrap_or_else(|_| PathBuf::from(name))

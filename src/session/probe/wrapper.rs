@@ -1,4 +1,4 @@
-//! Faults of a wrapper that `check` finds before it requests any case, with the first files, a large file and malformed files.
+//! Finds faults of a wrapper with the first files, a large file and malformed files, before `check` requests any case.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -23,8 +23,8 @@ use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
 /// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
-/// Each has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are tested
-/// only if the run judges any.
+/// Each fault has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are
+/// tested only if the run judges any.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],
@@ -118,7 +118,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes whose undoing corrects most frames of a view, unless only the order of samples is wrong.
+/// Returns the fewest mistakes to undo so that most frames of a view are right, unless only the order of samples is wrong.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {

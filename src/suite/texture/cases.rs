@@ -142,7 +142,7 @@ impl TextureCase {
     /// Returns the parsed question.
     ///
     /// # Errors
-    /// Returns an error if the case is not a question.
+    /// Returns an error if the case does not contain a valid question.
     pub fn read(&self) -> Result<&Question, Refusal> {
         let read = || Question::from_value(&self.question());
         let question = self.parsed_question.get_or_init(read);

@@ -6,8 +6,8 @@
 //! DECODER [ARG…] texture FILE
 //! ```
 //! FILE is a question in JSON, and the answer on standard output is a JSON object, because nearly every language can read and
-//! write JSON without a library. Exit status: 0 answered, 65 the question is outside the valid range, 69 not supported.
-//! `spec-cases/texture/README.md` lists every field.
+//! write JSON without a library. The exit status is 0 for an answer, 65 for a question outside the valid range, and 69 for one
+//! that is not supported. `spec-cases/texture/README.md` lists every field.
 
 pub mod cases;
 pub mod choices;

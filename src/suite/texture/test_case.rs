@@ -87,7 +87,7 @@ impl TestCase for TextureCase {
         self.op.clone()
     }
 
-    /// Returns the step, and the feature for maps made from PTM files if the step needs it.
+    /// Returns the step and, if the step needs it, the feature for maps made from PTM files.
     fn features(&self, _: &TextureView) -> BTreeSet<String> {
         let mut features = BTreeSet::from([self.op.clone()]);
         if self.given.to_string().contains("\"ptm\"") {

@@ -40,7 +40,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file does not contain them, so that all readings
+/// Returns the role of the numbers that the ruling is about, or `None` if the file contains no such numbers and all readings
 /// agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
@@ -103,7 +103,7 @@ fn difference(
     }
 }
 
-/// Describes the number of differing texels and the first one. Returns `None` if there are none.
+/// States the number of differing texels and the position of the first. Returns `None` if there are none.
 fn describe_texels(ptm: &Ptm, differing: &[bool]) -> Option<String> {
     let first = differing.iter().position(|&differs| differs)?;
     let count = differing.iter().filter(|&&differs| differs).count();

@@ -165,7 +165,7 @@ impl Code {
 
     /// Returns true if the damage with this name or the case with this id triggers the code.
     #[must_use]
-    pub fn is_provoked_by(&self, damage_or_case: &str) -> bool {
+    pub fn is_triggered_by(&self, damage_or_case: &str) -> bool {
         self.provoked_by.iter().any(|name| name == damage_or_case)
     }
 
@@ -173,6 +173,6 @@ impl Code {
     #[must_use]
     pub fn for_rejected_file(damage_or_case: &str) -> Option<&'static Code> {
         let mut errors = ALL.iter().filter(|code| code.severity == Severity::Error);
-        errors.find(|code| code.is_provoked_by(damage_or_case))
+        errors.find(|code| code.is_triggered_by(damage_or_case))
     }
 }

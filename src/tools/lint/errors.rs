@@ -61,7 +61,7 @@ fn classify(dissection: &Dissection, error: &Error) -> Problem {
     }
 }
 
-/// Classifies an unexpected token by its text and by the clause that expects a different one.
+/// Classifies an unexpected token by its text and by the clause that requires a different token.
 fn classify_token(clause: &str, token: &[u8]) -> Problem {
     match clause {
         "2.2/1" => Problem::UnknownFormat,

@@ -10,7 +10,7 @@ use crate::writers::fitting::optimum::optimum;
 use crate::writers::fitting::{photographs::ImageSet, polynomials::Polynomials};
 use crate::writers::judge::{check_lint, compare_map, refusal};
 
-/// Tolerance of the error: a factor, and a number of 8-bit levels that is added.
+/// Tolerance for the error: a factor, and an additional number of 8-bit levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
 
 /// Returns the maximum allowed error, given the error of the optimum.

@@ -38,7 +38,7 @@ pub(super) static MISTAKES: LazyLock<Vec<FitMistake>> = LazyLock::new(|| {
 
 /// Criterion that identifies a mistake.
 enum Criterion {
-    /// The map is near the best fit of the photographs after this change.
+    /// The map is near the best fit of the photographs that result from this change.
     Photographs(fn(&mut ImageSet)),
     /// The map is near the best fit under lights with these directions.
     Lights(fn(&Photograph) -> [f64; 2]),
@@ -89,7 +89,7 @@ impl WrongMap {
         }
     }
 
-    /// Returns true if the map is near `other`, relative to its distance from the optimum.
+    /// Returns true if the map is near `other`, relative to the distance between the map and the optimum.
     fn is_near(&self, other: &FittedMap) -> bool {
         let other = other.polynomials();
         let from_best = self.found.distance(&self.best.polynomials(), &self.set);

@@ -3,7 +3,7 @@
 //! Format notes
 //! - RGB uses three fits per texel. LRGB uses the best product of a luminance and a color: the fitted values of all
 //!   channels, one row per light, are projected onto the color direction with the largest sum of squares.
-//! - Each scale and bias applies to the whole map, so it is chosen for the range of its coefficient over all texels.
+//! - Each scale and bias applies to the whole map and is chosen for the range of one coefficient over all texels.
 
 use crate::evaluate::polynomial;
 use crate::ptm::{Format, Ptm, ScaleBias};

@@ -1,4 +1,4 @@
-//! Generated photographs: renderings of a map with known coefficients and with typical defects of photographs.
+//! Generated photographs: a map with known coefficients, rendered with typical defects of photographs.
 
 use std::sync::LazyLock;
 

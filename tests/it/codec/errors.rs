@@ -1,4 +1,4 @@
-//! Tests every error of the codecs with a witness: the smallest stream that causes it, and its message.
+//! Tests every error of the codecs with a witness: the smallest stream that causes the error, and the message.
 //!
 //! Each row of a table contains a stream and its result. A stream consists of bytes in hexadecimal, with `01*64` for
 //! sixty-four 01 bytes, and of the names of parts of the smallest stream. It may end early if the rest does not
@@ -73,7 +73,7 @@ fn check_results((decode, parts): Codec, width: u32, height: u32, table: &str) {
     }
 }
 
-/// Comments, fill bytes, restart intervals, tables in other positions, 16-bit steps, SOF1 and other sampling factors.
+/// Unusual valid streams: comments, fill bytes, restart intervals, moved tables, 16-bit steps, SOF1, other sampling factors.
 const JPEG_SPELLINGS: &str = "
 SOI DQT SOF DHT0 DHT1 SOS DATA EOI | 80
 SOI FF E0 00 04 4A 46 FF FE 00 02 DQT SOF DHT0 DHT1 SOS DATA EOI | 80
@@ -88,7 +88,7 @@ SOI DQT FF C1 00 0B 08 00 08 00 08 01 01 43 00 DHT0 DHT1 SOS DATA EOI | 80
 SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
-/// Streams with values out of range for the inverse transform, which no encoder writes. A DC coefficient of 1,200 · 4 is 600
+/// Streams that no encoder writes: their values are out of range for the inverse transform. A DC coefficient of 1,200 · 4 is 600
 /// above gray, which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient
 /// of 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
@@ -204,7 +204,7 @@ SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
 SOI SOF SOS F7 EOI | 00
 ";
 
-/// In the last row, an empty run is followed by 22 zeros, a one and 1111 1111: the mapped error 256, which is one too large.
+/// Invalid streams. In the last row, an empty run, 22 zeros, a one and 1111 1111 code the mapped error 256, which is too large.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
 D8 FF | byte 0: the stream does not start with SOI, bytes FF D8

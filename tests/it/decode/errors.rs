@@ -1,4 +1,4 @@
-//! Tests every error with a witness: the smallest file that causes it, and its message.
+//! Tests every error with a witness: the smallest file that causes the error, and the message.
 
 use ptm_conform::error::Class;
 use ptm_conform::{Limits, Reading, decode, decode_as};

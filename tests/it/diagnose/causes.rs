@@ -159,8 +159,8 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     assert!((1..=refusable.count()).contains(&refused), "{refused}");
 }
 
-/// Mistakes in a formula: its name, the expression that the decoder computes, the only view that it supports, and
-/// parts of the first cause.
+/// Mistakes in formulas: the name of the formula, the wrong expression, the only view of the decoder, and parts of the first
+/// cause.
 const FORMULA_MISTAKES: &str = "
 stored value | mod(raw + 128 * select(at_most(abs(i - 3), 0), 1, 0), 256) | raw | + 128 instead of && only in a3
 stored value | mod(raw + 1, 256) | raw | raw + 1 instead of raw
@@ -258,7 +258,7 @@ fn count_named(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> usi
     mistakes.iter().filter(is_named).count()
 }
 
-/// Returns the causes that are reported as certain, but are not among the mistakes.
+/// Returns the causes that are reported as certain, but are not in `mistakes`.
 fn false_causes(mistakes: &[&'static Misreading], diagnoses: &[Diagnosis]) -> Vec<String> {
     let is_false = |diagnosis: &&Diagnosis| {
         let slugs = slugs(diagnosis);
@@ -277,11 +277,11 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
     format!("{slugs:?}, {count} failures:\n{}", causes.join("\n"))
 }
 
-/// Misreadings that look alike in a decoder that expects a line feed after tables, because it reads hardly any table.
+/// Misreadings that look alike if the decoder expects a line feed after tables and therefore reads hardly any of them.
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
-/// Checks every `step`th misreading, starting at `first`: its decoder fails, and the misreading is the first cause.
+/// Checks every `step`th misreading, from `first` on: a decoder with it fails, and the first cause names it.
 fn check_every_misreading(
     (first, step): (usize, usize),
     suite: &Suite,
@@ -314,7 +314,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
     check_every_misreading((first, step), &suite, "", run);
 }
 
-/// Checks misreadings of a decoder whose choice for an open question differs from the reference.
+/// Checks misreadings of a decoder that reads an open question differently from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite().with_prepared_files();
     let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);

@@ -1,4 +1,4 @@
-//! Tests that the amount of work of the search for causes is bounded for any decoder.
+//! Tests that the search for causes does a bounded amount of work for any decoder.
 
 use ptm_conform::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};

@@ -1,4 +1,4 @@
-//! Tests that every formula in `formulas.yaml` equals the function of the reference decoder, on every case of the suite.
+//! Tests that every formula in `formulas.yaml` equals its counterpart in the reference decoder on every case of the suite.
 
 use ptm_conform::Reading;
 use ptm_conform::formula::{Edit, EditedForm, Formula};

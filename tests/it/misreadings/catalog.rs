@@ -29,7 +29,7 @@ sof1-refused | tables-of-16-bits-refused | an encoder that writes one writes the
 table-one-entry-long | table-separated | both find every table too short and refuse all files with a table
 ";
 
-/// Misreadings that cannot be detected in a decoder that only outputs colors, with the reason.
+/// Misreadings that the colors of a decoder do not reveal, each with the reason.
 const HIDDEN_IN_COLORS: &str = "
 tables-of-16-bits-cut
   | the files that reveal it are outside the range in which lossy planes are requested in colors
@@ -42,7 +42,7 @@ fn is_small(case: &Case) -> bool {
         .is_none_or(|recipe| recipe.size.width <= 4 && recipe.size.height <= 4)
 }
 
-/// Returns the slugs of the functions in these files of `src/misreadings`, in their order.
+/// Returns the slugs of the functions in these files of `src/misreadings`, in source order.
 fn slugs_with_functions(files: &[&str]) -> Vec<String> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/misreadings");
     let text = |file: &&str| fs::read_to_string(directory.join(file)).expect("a source file");
@@ -103,7 +103,7 @@ fn every_misreading_is_caught_by_two_cases_and_differs_from_every_other() {
     assert_eq!(hidden, known, "not caught in colors");
 }
 
-/// Returns true if a case that catches the misreading in stored values also catches it in a decoder that only outputs colors.
+/// Returns true if some case that catches the misreading in stored values also catches it in colors.
 fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
     row.killed_by.chunks(20).any(|some| {
         // A damaged file is requested together with its twin.

@@ -1,4 +1,4 @@
-//! Tests that every misreading terminates for any file, even after another misreading, without a panic or excessive memory.
+//! Tests that no misreading panics, hangs or uses excessive memory on any file, even one changed by another misreading.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;

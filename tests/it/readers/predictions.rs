@@ -96,7 +96,7 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Returns the precision and recall of predicting a result for which `matches` returns true.
+    /// Returns the precision and recall of predictions of the results that satisfy `matches`.
     fn scores(&self, matches: impl Fn(Rendering) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
         let share = |all: usize| both / (all.max(1) as f64);

@@ -15,7 +15,7 @@ pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
 }
 
-/// Returns the first 16 hexadecimal digits of the digest of a file, by which recordings identify it.
+/// Returns the first 16 hexadecimal digits of the digest of a file. Recordings identify files by these digits.
 pub fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }

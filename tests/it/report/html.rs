@@ -24,7 +24,7 @@ use ptm_conform::texture::Rules;
 /// Output of a hostile decoder.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
 
-/// Runs a decoder with one mistake and hostile output on every fourth case. Returns the suite, the run and its report.
+/// Runs every fourth case with a decoder that makes one mistake and prints hostile text. Returns the suite, run and report.
 fn run_misreading(slug: &str) -> (Suite, Run, Report) {
     let (suite, mistake) = (suite(), misreading(slug));
     let mut plan = RunPlan::new(&suite, 2);
@@ -40,7 +40,7 @@ fn run_misreading(slug: &str) -> (Suite, Run, Report) {
     (suite, run, report)
 }
 
-/// Returns the suite, run and report of a decoder that reads rows top-down, which fails nearly every case.
+/// Returns the suite, run and report of a decoder that reads rows top-down and therefore fails nearly every case.
 fn run_upside_down() -> &'static (Suite, Run, Report) {
     static RUN: LazyLock<(Suite, Run, Report)> = LazyLock::new(|| run_misreading("rows-top-down"));
     &RUN

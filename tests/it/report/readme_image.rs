@@ -13,7 +13,7 @@ use ptm_conform::session::lit_scene::{SIDE, file, frame_to_image};
 
 use crate::in_process::misreading;
 
-/// Mistakes in the order of the image, from left to right. The first scene is correct.
+/// Mistakes of the decoders, in the order of their scenes from left to right. The first scene is correct.
 const MISTAKES: [Option<&str>; 6] = [
     None,
     Some("rows-top-down"),

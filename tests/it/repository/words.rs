@@ -9,7 +9,7 @@ use proc_macro2::TokenTree;
 use super::files_below;
 use super::tidy::{sources, visit_tokens};
 
-/// Openings of comments: a comment starts with a noun phrase or a verb.
+/// Openings that comments must not have: a comment starts with a noun phrase or a verb.
 const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
 
 /// Words and phrases that the style guide replaces.
@@ -30,7 +30,7 @@ const ALLOWED: &[(&str, &str, &str)] = &[(
     "an ellipsis in a row of an example",
 )];
 
-/// Returns the text of a comment line, or a line of a document that contains no code.
+/// Returns the text of a comment line, or a document line if it contains no code.
 fn prose(is_rust: bool, line: &str) -> Option<&str> {
     let line = line.trim_start();
     match is_rust {

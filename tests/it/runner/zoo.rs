@@ -190,7 +190,7 @@ fn judge(faulty: &FaultyDecoder, checked: &CheckRun) {
     );
 }
 
-/// Maximum memory of the harness in KiB, for any decoder. It holds the suite and little else.
+/// Maximum memory of the harness in KiB, for any decoder. The harness holds the suite and little else.
 const MAX_MEMORY_KIB: u64 = 100 << 10;
 
 /// Checks faulty decoders, several at a time because most of them wait, and reports all problems at the end. `judge`

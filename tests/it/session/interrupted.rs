@@ -150,7 +150,7 @@ fn watcher_sleeps(run: u32) -> u64 {
     status.map_or(0, |status| number_in(&status, "voluntary_ctxt_switches:"))
 }
 
-/// Returns the number after `word` at the start of a line of a /proc file, or 0 if it is missing.
+/// Returns the number after `word` at the start of a line of a /proc file, or 0 if there is no such line.
 fn number_in(file: &str, word: &str) -> u64 {
     let text = fs::read_to_string(file).unwrap_or_default();
     let rest = text.lines().find_map(|line| line.strip_prefix(word));

@@ -40,7 +40,7 @@ fn assert_scripts_probed(table: &str) {
     }
 }
 
-/// Probes copies of the Python decoder. Each row contains the exit status, the text to replace, its replacement, and output.
+/// Probes copies of the Python decoder. Each row contains the exit status, an edit (old and new text), and parts of the output.
 #[track_caller]
 fn assert_copies_probed(table: &str) {
     let Some(decoder) = python_decoder() else {

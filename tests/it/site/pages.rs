@@ -43,7 +43,7 @@ fn assert_exists(address: &str) {
     assert!(anchor.is_empty() || page.contains(&id), "{address}");
 }
 
-/// Resolves a link of the page at `from`. Returns the path from the root of the site.
+/// Resolves a link on the page at `from`. Returns a path relative to the root of the site.
 fn target(from: &str, link: &str) -> String {
     let mut path: Vec<&str> = from.split('/').collect();
     path.pop();

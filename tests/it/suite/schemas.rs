@@ -35,12 +35,12 @@ fn each_file_conforms_to_its_schema() {
 }
 
 /// Returns the files at a path in the repository, except the list of example files, which has no schema.
-fn files(place: &str) -> Vec<PathBuf> {
-    let place = PathBuf::from(repository(place));
-    if place.is_file() {
-        return vec![place];
+fn files(path: &str) -> Vec<PathBuf> {
+    let path = PathBuf::from(repository(path));
+    if path.is_file() {
+        return vec![path];
     }
-    let entries = fs::read_dir(&place).expect("a directory");
+    let entries = fs::read_dir(&path).expect("a directory");
     let paths = entries.map(|entry| entry.expect("an entry").path());
     paths
         .filter(|path| !path.ends_with("annotated/files.yaml"))

@@ -130,7 +130,7 @@ fn coefficient_map(ptm: &Coefficients, channel: usize) -> TextureMap {
     new_map(2, [width, height, 1], &values)
 }
 
-/// Evaluates the 18 coefficients of a texel under a light. The results are from 0 to 1.
+/// Evaluates the 18 coefficients of a texel under a light. The results range from 0 to 1.
 fn lit_color(values: Vec<f64>, (lu, lv): (f64, f64)) -> Vec<f64> {
     let lit = coefficients(1, 1, values).evaluate(lu, lv);
     lit.values.iter().map(|c| c / 255.0).collect()

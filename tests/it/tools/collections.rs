@@ -44,7 +44,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`: in turn an LRGB file, a damaged file, a file that is no PTM, and a LUM file.
+/// Writes files in folders below `directory`: in turn an LRGB file, a damaged file, a file that is not a PTM, and a LUM file.
 fn write_collection(here: &Workspace, directory: &str, count: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",

@@ -39,7 +39,7 @@ fn workspace_with_corpus() -> Workspace {
     here
 }
 
-/// Runs a command with `--yaml` and `--json`. Asserts that both outputs are the same value, which conforms to the schema.
+/// Runs a command with `--yaml` and `--json`. Asserts that both outputs have the same value and that it conforms to the schema.
 #[track_caller]
 fn machine_output(here: &Workspace, line: &str, schema: &str) -> Value {
     let print = |form: &str| {

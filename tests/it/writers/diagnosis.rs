@@ -47,7 +47,7 @@ impl Requests {
         }
     }
 
-    /// Returns the number of wrong files of a writer with this mistake, the first cause, and its equivalents.
+    /// Returns the number of wrong files that a writer with this mistake writes, the first cause, and its equivalents.
     fn first_cause(&self, mistake: &WriterMistake) -> (usize, String, Vec<String>) {
         let ask = |query: &Request<'_, WriteView>, _: usize| {
             let (request, correct) = &self.all[query.name];
