@@ -26,7 +26,7 @@ use crate::parts::Step;
 use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
-/// Converts residuals to the plane, in place.
+/// Turns the residuals of a plane into its samples, in place.
 pub(crate) fn predict_plane(
     coding: Coding,
     residuals: &mut [u8],

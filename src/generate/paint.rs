@@ -84,7 +84,7 @@ pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
     }
 }
 
-/// Returns a pseudo-random number: the finalizer of `MurmurHash3` for seed, texel and channel.
+/// Returns a pseudo-random number: the seed, texel and channel, mixed by the finalizer of `MurmurHash3`.
 pub(super) fn hash(seed: u32, texel: usize, channel: usize) -> u32 {
     let mut h = seed.wrapping_mul(0x9e37_79b1)
         ^ (texel as u32).wrapping_mul(0x85eb_ca77)

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! to the decoder    SEQ VIEW PATH
-//! from the decoder  SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, including the line of the frame
+//! from the decoder  SEQ ok NBYTES, a line feed and a frame of NBYTES bytes, including its first line
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
-//! Each job has a separate process with one request in flight. If a process exits, hangs or answers out of order, it is ended,
-//! its request is sent again to a new process, and the next request starts a new serving process.
+//! Each job has a separate process with one request in flight. If a process exits, hangs or answers out of order, it is
+//! killed, its request is repeated in one-shot mode, and the next request starts a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;

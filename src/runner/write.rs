@@ -49,7 +49,7 @@ impl Decoder {
         }
     }
 
-    /// Requests a file. The output of the result is the contents of the file.
+    /// Requests a file. [`CallResult::output`] is the contents of the file.
     ///
     /// # Panics
     /// Panics if the program is not called [as a writer](Decoder::as_writer).

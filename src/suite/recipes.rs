@@ -154,7 +154,7 @@ fn set_stream(to: &mut Stream, name: &str, text: &str) -> Result<(), String> {
         "frame_moved" => to.frame_moved = flag(name, text)?,
         "presets" => {
             let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
-                return Err("expected presets such as MAXVAL T1 T2 T3 RESET".to_owned());
+                return Err("expected presets in the form MAXVAL T1 T2 T3 RESET".to_owned());
             };
             to.presets = Some(PresetParameters {
                 maxval,

@@ -100,7 +100,7 @@ impl Workspace {
     }
 
     /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, to this directory.
-    pub fn corpus(&self, file: &str) {
+    pub fn copy_from_corpus(&self, file: &str) {
         let name = file.rsplit('/').next().expect("a file name");
         fs::copy(repository(&format!("corpus/{file}")), self.path(name)).expect("a copy");
     }

@@ -28,7 +28,7 @@ fn two_runs_give_equal_reports() {
 #[test]
 fn check_files_continues_after_an_unreadable_file() {
     let here = Workspace::new();
-    here.corpus("lrgb/first-lrgb.ptm");
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
     std::os::unix::fs::symlink("no-such-file", here.path("a.ptm")).expect("a link");
     let output = here.exits(1, "check --files .");
     assert_contains(
@@ -150,7 +150,7 @@ fn files_that_cannot_be_executed_are_described() {
 #[test]
 fn pipes_get_no_color_by_default() {
     let here = Workspace::new();
-    here.corpus("lrgb/first-lrgb.ptm");
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
     for [line, is_colored] in rows(
         "
 explain lut-count | false

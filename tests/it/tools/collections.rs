@@ -270,8 +270,8 @@ fn exit_status_is_determined_by_the_worst_file() {
     let here = Workspace::new();
     here.write("other.ppm", b"P6\n");
     here.write("unknown-key.yaml", "alow: []\n");
-    here.corpus("lrgb/first-lrgb.ptm");
-    here.corpus("lrgb/half-payload-lrgb.ptm");
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    here.copy_from_corpus("lrgb/half-payload-lrgb.ptm");
     let table = "
 0 | lint SOUND |
 4 | lint --limit 10 SOUND |
@@ -295,7 +295,7 @@ fn exit_status_is_determined_by_the_worst_file() {
 #[test]
 fn settings_come_from_a_file_and_from_options() {
     let here = Workspace::new();
-    here.corpus("lum/first-lum.ptm");
+    here.copy_from_corpus("lum/first-lum.ptm");
     here.write(
         "lint.yaml",
         "allow: [PTM-W303]\nseverity: { PTM-W304: error }\n",
@@ -319,7 +319,7 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     let here = Workspace::new();
     here.write("files/a b%.ptm", b"PTM_1.2\n");
     symlink(".", here.path("files/link")).expect("a link");
-    here.corpus("lum/first-lum.ptm");
+    here.copy_from_corpus("lum/first-lum.ptm");
     let paths = ["files", "first-lum.ptm", "none.ptm"].map(|name| here.path(name));
     let output = here.command("lint --format sarif").args(paths).output();
     let printed = output.expect("the program starts").stdout;

@@ -34,7 +34,7 @@ fn workspace_with_corpus() -> Workspace {
         "lrgb/half-payload-lrgb.ptm",
         "lum/first-lum.ptm",
     ] {
-        here.corpus(file);
+        here.copy_from_corpus(file);
     }
     here
 }

@@ -90,7 +90,7 @@ fn bytes_that_may_be_values_are_not_removed() {
 #[test]
 fn repair_never_overwrites() {
     let here = Workspace::new();
-    here.corpus("lrgb/first-lrgb.ptm");
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
     let sound = here.read("first-lrgb.ptm");
     let damaged = [&sound[..], b"\0\0"].concat();
     here.write("old.ptm", &damaged);
