@@ -216,8 +216,8 @@ pub const fn tolerance_text(view: ViewKind) -> &'static str {
     }
 }
 
-/// Returns true if final values differ by at most one rounding to `f32`, one product in `f32`, and `slack`. No finite value is
-/// close to infinity.
+/// Returns true if `a` and `b` differ by at most 1e-5 of the larger value plus 1e-6, which covers one rounding to `f32` and one
+/// multiplication in `f32`, plus `slack`. Infinity is close only to itself.
 pub(crate) fn is_close(a: f64, b: f64, slack: f64) -> bool {
     let larger = a.abs().max(b.abs());
     a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack

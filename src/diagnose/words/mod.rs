@@ -96,7 +96,7 @@ pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String
     }
 }
 
-/// Returns "12 of 160 legal files of LRGB, LUM", and the number of files that need not be decoded, if any.
+/// Returns text such as "12 of 160 legal files of LRGB, LUM", followed by the number of files that need not be decoded, if any.
 fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;

@@ -29,7 +29,7 @@ sof1-refused | tables-of-16-bits-refused | an encoder that writes one writes the
 table-one-entry-long | table-separated | both find every table too short and refuse all files with a table
 ";
 
-/// Misreadings that the colors of a decoder do not reveal, each with the reason.
+/// Misreadings that cannot be detected from the colors that a decoder computes, each with the reason.
 const HIDDEN_IN_COLORS: &str = "
 tables-of-16-bits-cut
   | the files that reveal it are outside the range in which lossy planes are requested in colors
