@@ -123,7 +123,7 @@ fn the_readme_describes_the_generator() {
         format!("| `matrix` | {} |", numbers(recipe.matrix.texts())),
         format!("| `entries` | `{}` |", recipe.entries),
         format!(
-            "has {} bytes and the SHA-256 digest `{}`",
+            "is {} bytes long and has the SHA-256 digest `{}`",
             file.len(),
             sha256(&file)
         ),
