@@ -270,7 +270,7 @@ impl Decoder {
         self.retry(|| self.attempt(request, file_name, max_bytes, scratch))
     }
 
-    /// Repeats a call while this program cannot do its part. Stops the run if the problem persists.
+    /// Repeats a call that failed because of a problem in this program or its environment. Stops the run if the problem persists.
     pub(crate) fn retry(&self, call: impl Fn() -> Result<CallResult, CallFailure>) -> CallResult {
         let begin = Instant::now();
         let mut pause = Duration::from_millis(5);

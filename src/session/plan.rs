@@ -40,7 +40,7 @@ pub struct RunPlan {
 /// Selection of cases that are repeated in a new process to find nondeterminism.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Repeat {
-    /// No cases, because the decoder is a function.
+    /// No cases: the decoder is a function of this process, so no process can be restarted.
     #[default]
     Nothing,
     /// Failures, because the decoder may be nondeterministic.

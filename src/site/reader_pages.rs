@@ -166,7 +166,7 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
             span.tile data-state="pass" { "✓" } " all judged cases passed "
-            span.tile data-state="open" { "?" } " no case was judged: unsupported, inconclusive or not run"
+            span.tile data-state="open" { "?" } " no case was judged (all were unsupported, inconclusive or not run)"
         }
         form.tools {
             label for="list-filter" { "Filter" }

@@ -404,7 +404,7 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     if is_rearranged(&pair) {
         return Phase::Rearranged;
     }
-    let plain = match has_other_stored_values(&pair, witness) {
+    let plain = match has_wrong_stored_values(&pair, witness) {
         true => Phase::StoredValue,
         false => Phase::for_view(pair.view),
     };
@@ -419,9 +419,9 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
     }
 }
 
-/// Returns true if wrong final values result from other stored values: each corresponds to a byte, and in some channel these
-/// bytes are in neither the order of the stored values nor the reverse order. No mistake in scale and bias explains such values.
-fn has_other_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
+/// Returns true if wrong final values must result from wrong stored values: each final value corresponds to a byte, but in some
+/// channel these bytes are not a monotonic function of the correct ones. No mistake in scale and bias explains this.
+fn has_wrong_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
     let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
         return false;
     };

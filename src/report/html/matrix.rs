@@ -35,7 +35,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
             p.legend {
                 span.tile data-state="fail" { "✗" } " passed cases out of judged cases; at least one case failed "
                 span.tile data-state="pass" { "✓" } " all passed "
-                span.tile data-state="open" { "?" } " no case was judged: unsupported, inconclusive or not run "
+                span.tile data-state="open" { "?" } " no case was judged (all were unsupported, inconclusive or not run) "
                 span.tile data-state="none" { "·" } " no case about the clause was selected"
             }
             div.scroll.tall tabindex="0" {

@@ -96,8 +96,8 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     }
 }
 
-/// Checks that an answer is the frame of one-shot mode.
-fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), ProbeFault> {
+/// Checks that an answer is equivalent to the frame returned in one-shot mode.
+fn judge(line: &str, bytes: &[u8], view: &View, expected: &Frame) -> Result<(), ProbeFault> {
     let frame = forms::read(bytes, view, bytes.len().max(1 << 16)).map_err(|error| {
         let name = match bytes.contains(&b'\n') {
             true => "serve-count",
@@ -105,7 +105,7 @@ fn judge(line: &str, bytes: &[u8], view: &View, right: &Frame) -> Result<(), Pro
         };
         fault(name, &[("error", &error), ("line", &format!("{line:?}"))])
     })?;
-    match frame.is_equivalent(right) {
+    match frame.is_equivalent(expected) {
         true => Ok(()),
         false => Err(fault("serve-differs", &[])),
     }

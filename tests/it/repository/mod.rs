@@ -59,7 +59,7 @@ pub fn item_length(tokens: &[TokenTree]) -> usize {
         .map_or(tokens.len(), |end| end + 1)
 }
 
-/// Returns true if a token is a certain punctuation character.
+/// Returns true if `token` is the punctuation character `wanted`.
 pub fn is_punct(token: &TokenTree, wanted: char) -> bool {
     matches!(token, TokenTree::Punct(punct) if punct.as_char() == wanted)
 }
