@@ -211,7 +211,7 @@ impl fmt::Display for Kind {
         // Do not print a saturated number of bytes.
         let bytes = |n: u64| {
             if n == u64::MAX {
-                "more bytes than can be counted".to_owned()
+                "more bytes than 64 bits can count".to_owned()
             } else {
                 format!("{n} bytes")
             }

@@ -411,7 +411,7 @@ impl Frame {
             .into_iter()
             .try_fold(size, |product: usize, n| product.checked_mul(n as usize));
         if needed != Some(samples.len()) {
-            let needed = needed.map_or("more bytes than can be counted".to_owned(), |needed| {
+            let needed = needed.map_or("more bytes than 64 bits can count".to_owned(), |needed| {
                 format!("{needed} bytes")
             });
             let hint = match bytes.len().is_multiple_of(65_536) {

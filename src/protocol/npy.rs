@@ -41,7 +41,7 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     if needed != Some(data.len() as u64) {
         return Err(format!(
             "shape ({height}, {width}, {channels}) of {descr} needs {}, {} follow",
-            needed.map_or("more bytes than can be counted".to_owned(), |needed| {
+            needed.map_or("more bytes than 64 bits can count".to_owned(), |needed| {
                 format!("{needed} bytes")
             }),
             data.len()

@@ -60,21 +60,23 @@ impl MakeRecord {
     }
 }
 
-/// Sets a part of the spelling of a header.
-fn set_spelling(to: &mut Spelling, name: &str, text: &str) -> Result<(), String> {
+/// Sets one field of a header's spelling.
+fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), String> {
     match name {
-        "space_before_newline" if text == "all" => to.space_before_newline = Line::ALL.to_vec(),
+        "space_before_newline" if text == "all" => {
+            spelling.space_before_newline = Line::ALL.to_vec();
+        }
         "space_before_newline" => {
             let lines = text.split_whitespace().map(word);
-            to.space_before_newline = lines.collect::<Result<_, _>>()?;
+            spelling.space_before_newline = lines.collect::<Result<_, _>>()?;
         }
-        "size_lines" => to.size_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
-        "scale_bias_lines" => to.scale_bias_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
-        "gap" => to.gap = number(name, text)?,
-        "count" => to.count = text.parse()?,
-        "newline_after_table" => to.newline_after_table = flag(name, text)?,
-        "matrix_line" => to.matrix_line = number(name, text)?,
-        "lists" => to.lists = word(text)?,
+        "size_lines" => spelling.size_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
+        "scale_bias_lines" => spelling.scale_bias_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
+        "gap" => spelling.gap = number(name, text)?,
+        "count" => spelling.count = text.parse()?,
+        "newline_after_table" => spelling.newline_after_table = flag(name, text)?,
+        "matrix_line" => spelling.matrix_line = number(name, text)?,
+        "lists" => spelling.lists = word(text)?,
         _ => return Err(format!("unknown field `{name}`")),
     }
     Ok(())
@@ -130,9 +132,9 @@ fn set_compression(
     Ok(())
 }
 
-/// Sets a part of the spelling of the streams.
-fn set_stream(to: &mut Stream, name: &str, text: &str) -> Result<(), String> {
-    let jpeg = &mut to.jpeg;
+/// Sets one field of the spelling of the streams.
+fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<(), String> {
+    let jpeg = &mut stream.jpeg;
     match name {
         "restart_interval" => jpeg.restart_interval = number(name, text)?,
         "optimized_tables" => jpeg.optimized = flag(name, text)?,
@@ -149,14 +151,14 @@ fn set_stream(to: &mut Stream, name: &str, text: &str) -> Result<(), String> {
                 Some(numbers.map_err(|_| "expected three numbers in table_numbers")?);
         }
         "tables_together" => jpeg.tables_together = flag(name, text)?,
-        "jfif" => to.jfif = flag(name, text)?,
-        "component" => to.component = number(name, text)?,
-        "frame_moved" => to.frame_moved = flag(name, text)?,
+        "jfif" => stream.jfif = flag(name, text)?,
+        "component" => stream.component = number(name, text)?,
+        "frame_moved" => stream.frame_moved = flag(name, text)?,
         "presets" => {
             let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
                 return Err("expected presets in the form MAXVAL T1 T2 T3 RESET".to_owned());
             };
-            to.presets = Some(PresetParameters {
+            stream.presets = Some(PresetParameters {
                 maxval,
                 t1,
                 t2,

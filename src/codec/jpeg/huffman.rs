@@ -58,6 +58,6 @@ pub(super) fn decode_symbol<'a>(
         index += count;
         first = (first + count) << 1;
     }
-    let what = "the next bits are not a code of the Huffman table";
+    let what = "the next bits match no code in the Huffman table";
     Err(malformed(start.offset(), what))
 }

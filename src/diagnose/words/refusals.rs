@@ -139,7 +139,11 @@ impl WholeFormats {
         let names = self.formats.iter().map(|format| format.short_name());
         let names: Vec<&str> = names.collect();
         let text = CauseText {
-            effect: format!("{} every legal file of {}", self.mode, names.join(", ")),
+            effect: format!(
+                "{} every legal file in format {}",
+                self.mode,
+                names.join(" or ")
+            ),
             fix: "read these formats, or exit with 69 for all of their files".to_owned(),
             example: example(witnesses, &self.cases),
         };

@@ -149,7 +149,7 @@ SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 00 00 3E 00
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 40 00 3F 00 | byte 134: DC Huffman table 4 was not defined
 SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before the parameters of the scan
 SOI DQT SOF DHT0 DHT1 SOS EOI | byte 138: the entropy-coded segment ends too early
-SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits are not a code of the Huffman table
+SOI DQT SOF DHT0 DHT1 SOS BF FF 00 FF 00 EOI | byte 138: the next bits match no code in the Huffman table
 SOI DQT SOF DHT0 DHT1 SOS 3F 00 EOI | byte 139: the entropy-coded segment continues after the last sample
 SOI DQT SOF DHT0 DHT1 SOS FF EOI | byte 138: the entropy-coded segment ends too early
 SOI DQT SOF DHT0 DHT1 SOS DATA | byte 139: the stream ends before a marker

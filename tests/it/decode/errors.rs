@@ -46,7 +46,7 @@ LUM | 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1\s
 LRGB | 0123456789 | texel data (§2.7), byte 52: the texels need 12 bytes, 10 remain
 LRGB | 0123456789ab01234 | texel data (§2.7), byte 64: the texels need 6 bytes, 5 remain
 none | PTM_1.2\nPTM_FORMAT_RGB\n4294967295\n4294967295\n1 1 1 1 1 1\n0 0 0 0 0 0\n
-  | texel data (§2.7), byte 69: the texels need more bytes than can be counted, 0 remain
+  | texel data (§2.7), byte 69: the texels need more bytes than 64 bits can count, 0 remain
 PTM_C_LUT | 0\n | lookup table indices (§2.8.1), byte 59: the indices need 2 bytes, 0 remain
 PTM_C_LUT | 0\n\0\0 | lookup table indices (§2.8), byte 59: index 0, but the table has 0 entries
 PTM_C_LUT | 1\n012345678\0\1 | lookup table indices (§2.8), byte 69: index 1, but the table has 1 entries
@@ -112,7 +112,7 @@ sizes 8 29 | compressed data (§2.9.8), byte 205:
   the compressed planes and their side information need 253 bytes, 252 remain
 sizes 0 9223372036854775807 ; sizes 1 9223372036854775807 ; sizes 2 9223372036854775807
   | compressed data (§2.9.8), byte 256:
-  the compressed planes and their side information need more bytes than can be counted, 252 remain
+  the compressed planes and their side information need more bytes than 64 bits can count, 252 remain
 side-sizes 3 4 ; side 3 00 00 00 00 | compressed data (§2.9.8), byte 317:
   4 bytes of side information are not a whole number of 5-byte records
 side-sizes 8 10 ; side 8 00 00 00 00 07 00 00 00 01 07 | compressed data (§2.9.8), byte 463:

@@ -200,7 +200,7 @@ fn mistake_outside_the_formulas_is_described() {
                 true if answer != Answer::Unsupported => Answer::Rejected,
                 _ => answer,
             },
-            &["refuses every legal file of JPEG_RGB, JPEG_LRGB"],
+            &["refuses every legal file in format JPEG_RGB or JPEG_LRGB"],
         ),
         (
             "too wide",

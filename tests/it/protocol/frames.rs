@@ -387,7 +387,7 @@ fn malformed_arrays_are_refused() {
 '|u1' | False | (1, 3) | 123 | 2 numbers
 '|u1' | False | (1, 1, 4) | 123 | needs 4 bytes, 3 follow
 '|u1' | False | (1, 1, 2) | 123 | needs 2 bytes, 3 follow
-'<f4' | False | (4294967295, 4294967295, 4294967295) | | more bytes than can be counted
+'<f4' | False | (4294967295, 4294967295, 4294967295) | | more bytes than 64 bits can count
 '|u1' | False | (-1, 1, 1) | 1 | a number before
 '|u1' | 0 | (1, 1, 1) | 1 | neither True nor False",
     ) {

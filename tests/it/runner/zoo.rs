@@ -39,7 +39,7 @@ apologizes | 3 | | not judged | begins with
 prints-no-texels | 3 | | not judged | an image without texels
 text-mode | 3 | | not judged | CR LF && set standard output to binary mode
 cuts-frame adds-a-byte | 3 | | not judged | announces
-announces-too-much | 3 | | not judged | more bytes than can be counted
+announces-too-much | 3 | | not judged | more bytes than 64 bits can count
 number-out-of-range | 3 | | not judged | is not a number
 floods | 3 | | not judged | flood: more than
 deletes-its-input | 3 | | not judged | tampering: the input file was changed or removed
