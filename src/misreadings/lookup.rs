@@ -97,7 +97,7 @@ fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     EditedFile::File(bytes)
 }
 
-/// Changes a file to what a decoder reads if it assumes `new_count` table entries. A count of 0 changes nothing.
+/// Changes a file to what a decoder would read if it assumed `new_count(count)` table entries. A count of 0 changes nothing.
 fn resize_table(file: &Anatomy, new_count: fn(usize) -> usize) -> EditedFile {
     let size = table_size(file).filter(|&(count, _)| new_count(count) > 0);
     let Some((count, size)) = size else {
