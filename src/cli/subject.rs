@@ -96,7 +96,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Restricts a program that is called through a template to expressible requests and recognizable answers.
+    /// Limits a program called through a template to requests that the template can express and answers that can be recognized.
     fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
         let template = Template::parse(text)?;
         if !template.has_view() {

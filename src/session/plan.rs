@@ -49,7 +49,7 @@ pub enum Repeat {
     FailuresAndSample,
 }
 
-/// Sampling interval: among cases that did not fail, one in every so many is repeated.
+/// Interval at which cases that did not fail are repeated.
 pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {

@@ -101,7 +101,7 @@ pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpret
     Arrangement::all().filter(is_order).map(ordered).collect()
 }
 
-/// Returns the index of each channel, listed in the correct order, or `None` if images with so many channels have no such order.
+/// Returns the position of each channel in the order `name`, or `None` if this number of channels has no such order.
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
     let at = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {

@@ -61,7 +61,7 @@ fn counts_in_documents_equal_those_of_the_program() {
         ("docs/files.md", profile(Profile::Exhaustive)),
         (
             "docs/texture.md",
-            format!("{requirements} requirements, {rulings} rulings"),
+            format!("the chapter's {requirements} requirements, {rulings} rulings"),
         ),
         (
             "docs/texture.md",
