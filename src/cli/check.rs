@@ -227,7 +227,7 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
 /// Reason why a run with a faulty wrapper ends at first contact.
 const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would make most cases fail";
 
-/// Remark on a decoder whose serve mode never answered.
+/// Remark about a decoder that never answered in serve mode.
 const SERVE_MODE_FAILED: &str =
     "serve mode failed: the first requests were not answered; fell back to one process per request";
 

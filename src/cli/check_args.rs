@@ -93,7 +93,7 @@ pub struct CheckArgs {
 }
 
 impl CheckArgs {
-    /// Returns an error for `--` without a decoder, which may result from an empty shell variable.
+    /// Returns an error if no decoder follows `--`, for example because a shell variable is empty.
     pub fn reject_bare_hyphens(&self) -> Result<(), String> {
         let last = std::env::args_os().next_back();
         if self.decoder.is_empty() && last.is_some_and(|last| last == "--") {

@@ -20,7 +20,7 @@ use ptm_conform::tools::dissection::Dissection;
 const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line in a list, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 16;
-/// Number of initial bytes that always contain the version, format, width and height of a PTM.
+/// Number of bytes at the start of a PTM that always include the version, format, width and height.
 const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to the height.
 const SIZE_HEADER_LINES: usize = 4;
@@ -41,7 +41,8 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, and true if the path is from a list. A path from the command line is read even if it is a device.
+/// Path of a file or folder, and a flag: true if the path is from a list. A path from the command line is read even if it is a
+/// device.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.
@@ -132,7 +133,7 @@ fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = FolderEntry> + Send {
     })
 }
 
-/// Reads the paths of a list, each terminated by `end`. The list ends at the first read error.
+/// Reads the paths in a list, each terminated by `end`. The list ends at the first read error.
 pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
     std::iter::from_fn(move || {
         loop {

@@ -25,13 +25,14 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases outside the smoke subset. In shorter runs, no causes are reported before the end.
+/// Minimum number of cases outside the smoke subset for an early report of likely causes. Shorter runs report causes only at the
+/// end.
 const MIN_OTHER_CASES: usize = 200;
 
-/// Minimum time limit for the search for causes after the smoke subset. In a long run, the limit is a tenth of the expected time.
+/// Minimum time limit for the early search for causes. In a long run, the limit is a tenth of the estimated duration of the run.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
-/// Minimum estimated duration that is announced before a run.
+/// Minimum estimated duration of a run for the estimate to be announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.

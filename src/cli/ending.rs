@@ -69,9 +69,9 @@ impl OutputArgs {
     }
 }
 
-/// Writer that sends a report on a suite to its destinations.
+/// Writes the report on a suite in every requested format.
 pub struct ReportWriter<'a, C: Reportable> {
-    /// The suite of the report.
+    /// Suite that the report is about.
     pub suite: &'a Suite<C>,
     /// Path of the YAML report.
     pub path: &'a Path,

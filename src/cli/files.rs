@@ -129,7 +129,7 @@ pub fn write_atomically(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), Stri
     Ok(())
 }
 
-/// Maximum number of links in a chain.
+/// Maximum number of symbolic links in a chain.
 const MAX_LINKS: usize = 40;
 
 /// Resolves all links in a chain, even if the final target does not exist yet.

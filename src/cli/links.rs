@@ -33,7 +33,7 @@ fn page_url(word: &str) -> Option<String> {
     PAGES.get(word).map(|page| published_url(page))
 }
 
-/// Pages of cases, clauses, misreadings and codes whose ids cannot be confused with ordinary words.
+/// Pages by the id of a case, clause, misreading or code. Ids that could be mistaken for ordinary words are omitted.
 static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let mut pages = HashMap::new();

@@ -1,4 +1,4 @@
-//! `ptm-conform site`: writes pages about the format, the suite and its readers.
+//! `ptm-conform site`: writes pages about the format, its readers and the suite.
 
 use std::path::PathBuf;
 

@@ -33,7 +33,7 @@ pub enum Answers {
     Program(Decoder),
     /// Precomputed answers, stored in files.
     Precomputed(Outputs),
-    /// Functions in the parent process.
+    /// Functions of the parent process that answer requests.
     Caller(Caller),
 }
 
@@ -46,8 +46,8 @@ impl Subject {
         }
     }
 
-    /// Reinterprets a crash on a table spelling as a refusal if refusals cannot be distinguished from crashes. No decoder
-    /// has to support every spelling of a table.
+    /// Reinterprets a crash on a file that tests a table spelling as a refusal if the two cannot be distinguished. No decoder has
+    /// to support every spelling.
     pub fn interpret_reply(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
         let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()

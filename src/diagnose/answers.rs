@@ -35,7 +35,7 @@ impl Witness<'_> {
         answer
     }
 
-    /// Returns the misreadings of the mistakes that affect this file.
+    /// Returns the misreadings of those mistakes that affect this file.
     fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
         let in_scope = mistakes
             .iter()
@@ -43,7 +43,7 @@ impl Witness<'_> {
         in_scope.map(|mistake| mistake.misreading).collect()
     }
 
-    /// Returns the response if its colors match those that the mistakes produce, rounded or truncated to bytes. This
+    /// Returns the response if its colors equal those that the mistakes produce after rounding or truncation to bytes. This
     /// comparison is stricter than the tolerance, so it also distinguishes mistakes with small effects.
     pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let (View::Rgb(light), Some(actual), Answer::Decoded(made)) =

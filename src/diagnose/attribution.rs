@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained images of the same formats (more than half the number of explained images) are wrong in an
-/// earlier view than every explained image. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every explained image. "Many"
+/// means more than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -81,8 +81,8 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but these are fewer than a quarter of the wrong
-/// images without another cause in the same formats and views. A more general mistake may explain all of these images. Images in
+/// Returns true if most of the explained failures are images of legal files, but these images are less than a quarter of all
+/// wrong images of the same formats and views that have no other cause. A more general mistake may explain them all. Images in
 /// later views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
@@ -162,8 +162,9 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
         || contradictions > 0 && is_guess()
 }
 
-/// Returns true if this mistake is incompatible with mistakes that explain more failures: for more files than it explains, one of
-/// these mistakes alone reproduces the response, but a decoder with both mistakes would answer differently.
+/// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures. This is so if it would spoil
+/// more responses than it explains: such a response is reproduced by one of the other mistakes alone, but not by both mistakes
+/// together.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {

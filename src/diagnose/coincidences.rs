@@ -15,23 +15,23 @@ use crate::suite::cases::Expect;
 /// Failing cases that support or contradict a mistake.
 #[derive(Default)]
 struct FailureEvidence {
-    /// Legal files whose response the mistake reproduces, alone or together with the other mistakes.
+    /// Legal files for which the mistake, alone or together with the other mistakes, reproduces the response.
     explained: Vec<usize>,
     /// Number of images in `explained`.
     images: usize,
     /// Number of crashes in `explained`.
     crashes: usize,
-    /// Malformed files that both the mistake and the decoder accept.
+    /// Malformed files that the decoder accepts, as the mistake predicts.
     accepted: Vec<usize>,
-    /// Number of images of legal files that the mistake changes to something other than the decoder's image.
+    /// Number of legal files whose image the mistake changes, but not to the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
     not_closer: usize,
-    /// Number of images of legal files that the mistake changes.
+    /// Number of legal files whose image the mistake changes.
     changed_images: usize,
     /// Number of legal files that the decoder refuses or crashes on and whose answer the mistake changes.
     changed_refusals: usize,
-    /// Number of images of legal files that a decoder with the mistake would refuse.
+    /// Number of legal files that the decoder returned an image for, and that a decoder with the mistake would refuse.
     refused: usize,
 }
 
@@ -153,8 +153,8 @@ fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureE
         && (is_nearly_all(far, far + images) || !is_thorough && (is_color_only || is_refuted()))
 }
 
-/// Returns true if a mistake explains few images and may match refusals by chance: it explains a small part of them, it would
-/// refuse a decoded file, a case contradicts it, or a property in `shared` explains them and others.
+/// Returns true if a mistake explains few images and may match refusals by chance: it explains a small part of the refusals, it
+/// predicts the refusal of a decoded file, a case contradicts it, or a group in `shared` contains these refusals and others.
 fn refuses_by_chance(
     search: &Search,
     set: &MistakeSet,

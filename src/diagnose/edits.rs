@@ -21,7 +21,7 @@ use crate::formula::{EditedForm, Expression, Formula, edits};
 use crate::misreadings::{Hook, Misreading};
 use crate::protocol::frame::Answer;
 
-/// Misreadings for all edits of all formulas, the most likely edits first.
+/// Misreadings for all edits of all formulas, most likely first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let formulas = Formula::ALL.iter();
     let ranked = formulas.flat_map(|&(formula, ..)| edits::all(formula).iter().enumerate());
@@ -70,7 +70,8 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that reproduce all channels, or the wrong ones, of a probe exactly, sorted by the number of such probes.
+/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe. Edits that reproduce the most probes
+/// come first.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()

@@ -11,10 +11,10 @@ use crate::session::observation::Response;
 pub(super) enum FailureMode {
     Refuses,
     Unsupported,
-    /// Contains the exit status or the signal.
+    /// Crash, with its exit status or signal.
     Crashes(String),
     Hangs,
-    /// Contains the error message of the frame, with details removed.
+    /// Malformed frame, with its error message. Details of the message are removed.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),

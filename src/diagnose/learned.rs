@@ -17,13 +17,13 @@ type Candidates = [bool; 256];
 
 /// Observed outputs for one correct value.
 struct ObservedOutputs {
-    /// For each stored value, the number of texels that it could have produced.
+    /// For each stored value, the number of texels that it could explain.
     votes: [usize; 256],
     texels: usize,
     files: Vec<usize>,
 }
 
-/// Returns misreadings, each a table of all stored values or of stream samples, that explain wrong values in `left`.
+/// Returns misreadings that explain wrong values in `left`. Each consists of a table of all stored values or stream samples.
 pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);

@@ -56,7 +56,7 @@ pub(super) struct Search<'a> {
     faults: Mutex<Vec<String>>,
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
-    /// Failing files on which every edit was tried, with the mistakes that affected them.
+    /// Failing files on which every edit was tried, each with the mistakes in effect at the time.
     probed_files: HashSet<(usize, MistakeSet)>,
     /// Effects of sets, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
@@ -271,8 +271,8 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not
-    /// describe the checks of the decoder, so neither malformed files nor files that the edit refuses contradict it.
+    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not describe the
+    /// checks of the decoder, so neither malformed files nor predicted refusals contradict it.
     pub fn refuting_files_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_refuted = |&w: &usize| {
             let witness = &self.witnesses[w];
@@ -766,7 +766,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: those without which the set explains as many failures, on small and on large maps.
+    /// Removes redundant mistakes: without them, the set explains just as many failures, on small maps as well as large ones.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

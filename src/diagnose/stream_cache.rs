@@ -13,8 +13,8 @@ const MAX_CACHED_BYTES: usize = 128 << 20;
 
 type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
-/// Total size in bytes, and samples by standard, image size and stream. The cache is global because the decisions of a
-/// [`Reading`](crate::Reading) are plain functions.
+/// Total size in bytes, and the decoded samples by coding standard, image size and stream. The cache is global because the
+/// decisions of a [`Reading`](crate::Reading) are plain functions.
 static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 

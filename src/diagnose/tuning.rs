@@ -43,7 +43,7 @@ pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
-/// Minimum width and height, in texels, that distinguish rows, columns and texels.
+/// Minimum width and height, in texels, of an image in which mistakes with rows, columns and texels look different.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Maximum number of edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
@@ -54,7 +54,7 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 /// Minimum number of failures needed to support an edit, a scope, a different choice or a statement about a format, and minimum
 /// number of samples or texels needed to support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
-/// Minimum number of files that must share a property.
+/// Minimum number of files that share a reported property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
 /// Minimum number of files that the decoder reads. With fewer, a property that only the refused files have is not significant.
 pub(super) const MIN_READ_FILES: usize = 20;
@@ -62,7 +62,7 @@ pub(super) const MIN_READ_FILES: usize = 20;
 pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
 /// A share of less than one in this many may be a coincidence.
 pub(super) const COINCIDENCE_DIVISOR: usize = 12;
-/// A share of at least one in this number is substantial.
+/// A share of at least one in this many is substantial.
 pub(super) const SUBSTANTIAL_DIVISOR: usize = 4;
 /// Share (numerator and denominator) that counts as nearly all. The rest of a view may have a second cause.
 pub(super) const NEARLY_ALL_RATIO: [usize; 2] = [3, 4];
@@ -92,7 +92,7 @@ pub(super) fn is_nearly_all(part: usize, whole: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
-    /// Every constant is a number that can be wrong.
+    /// Every constant may have the wrong value, so their number is limited.
     #[test]
     fn there_are_at_most_thirty_tuning_constants() {
         let is_number = |line: &&str| line.starts_with("pub") && line.contains(" const ");

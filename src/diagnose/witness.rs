@@ -32,9 +32,9 @@ pub(super) struct Witness<'a> {
     pub failed: bool,
     /// Number of judged legal files of the same format.
     pub legal_files: usize,
-    /// Number of these files whose cases are inconclusive.
+    /// Number of judged legal files of the same format whose cases are inconclusive.
     pub inconclusive_files: usize,
-    /// Choices of the decoder to which mistakes are applied.
+    /// Readings of open questions on top of which mistakes are applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
     pub expected: Answer,
@@ -47,10 +47,12 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// A property: its clause and the text that completes "files …", separated by a space, and a flag: true if the file has it.
+/// A property of a file: its clause and a text that completes "files …", separated by a space, and a flag that is true if the
+/// file has the property.
 pub(super) type Property = (&'static str, bool);
 
-/// A numeric property of a file: the clause about it, the text, in which {} stands for "at least 17", and the value.
+/// A numeric property of a file: the clause about it, a description in which {} stands for a phrase such as "at least 17", and
+/// the value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 /// Properties and quantities of a file.
@@ -270,7 +272,7 @@ impl Witness<'_> {
     }
 
     /// Returns false if two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or 255
-    /// and many of them differ between the images, or all wrong colors elsewhere differ by one in the same direction.
+    /// and many of them differ between the images, or all other wrong colors differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return true;
@@ -301,7 +303,8 @@ impl Witness<'_> {
         !is_at_limits && !all_differ_by(1) && !all_differ_by(-1)
     }
 
-    /// Returns true if `image` equals the response, or differs in less than half as many samples as the reference's image.
+    /// Returns true if `image` equals the response, or differs from it in fewer than half as many samples as the reference's
+    /// image does.
     fn is_closer_to_response(&self, image: &Frame, actual: &Frame) -> bool {
         let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.expected)
         else {
@@ -370,8 +373,8 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.step.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices if the choices inferred for the decoder differ from them. Keeps the line feed that the decoder
-/// reads after tables, unless this is the only difference.
+/// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder reads a line
+/// feed after tables, this choice is kept, unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgement = &run.judgement;
     let mut choices = judgement.dialect.0.iter().zip(&judgement.certainties);
@@ -406,7 +409,8 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file: it has the table, matrix or compressed planes that the clause is about.
+/// Returns true if the misreading can affect the file: the file has the table, matrix or compressed planes that the clause is
+/// about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

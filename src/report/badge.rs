@@ -6,7 +6,7 @@ use crate::report::document::Report;
 use crate::session::scores::Fraction;
 use crate::suite::name::SuiteName;
 
-/// Width of a letter in tenths of a pixel. The `textLength` attribute enforces it for every font.
+/// Width of a letter in tenths of a pixel. The `textLength` attribute enforces this width in every font.
 const LETTER_WIDTH: usize = 59;
 /// Margin to the left and right of each label, in pixels.
 const MARGIN: usize = 4;

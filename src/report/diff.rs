@@ -28,7 +28,7 @@ impl Report {
     }
 }
 
-/// Old and new results of a case. The two are equal if only one report contains the case.
+/// Old and new results of a case. If only one report contains the case, its result appears twice.
 type ChangedCase<'a> = (&'a CaseResult, &'a CaseResult);
 
 /// Kinds of change, in the order in which they are described.
@@ -145,7 +145,7 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
     }
 }
 
-/// Writes the number of cases and one example for each key, most frequent key first.
+/// Writes the number of cases and one example for each grouping key, most frequent first.
 fn write_counts(out: &mut String, list: &[ChangedCase], old: &Report, new: &Report) -> fmt::Result {
     let mut groups: BTreeMap<String, Vec<&CaseResult>> = BTreeMap::new();
     for pair in list {

@@ -20,7 +20,7 @@ pub trait Reportable: TestCase {
     /// Name of the suite.
     const SUITE: SuiteName;
 
-    /// Reads the clauses of the specification. The default is the PTM specification.
+    /// Reads the clauses of the specification that the suite tests. The default is the PTM specification.
     const CLAUSES: fn() -> Result<Vec<Clause>, String> = clauses::clauses;
     /// Reads the rulings on open questions of the specification.
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = clauses::rulings;
@@ -35,7 +35,8 @@ pub trait Reportable: TestCase {
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Returns the readings of open questions that affect only the files sent to the decoder, not its answers.
+    /// Returns the readings of open questions that affect only which files are sent to the decoder, not how its answers are
+    /// judged.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()

@@ -38,7 +38,8 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move others.
+    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases to a
+    /// different part.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -84,9 +85,9 @@ pub struct Circumstances {
 /// Remarks on the run as a whole that do not follow from answers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct OtherRemarks {
-    /// Remarks to put before the others.
+    /// Remarks that precede those that follow from answers.
     pub before: Vec<Remark>,
-    /// Remarks to put after the others.
+    /// Remarks that come after those that follow from answers.
     pub after: Vec<Remark>,
 }
 
@@ -130,7 +131,7 @@ pub struct RecordedAnswer<T> {
     /// Beginning of standard error.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub stderr: String,
-    /// Name of the request that the same process answered before.
+    /// Name of the previous request that the same process answered.
     #[serde(default, rename = "after", skip_serializing_if = "Option::is_none")]
     pub previous_request: Option<String>,
     /// Answer of the serving process, if it failed and a new process answered instead.
@@ -268,7 +269,7 @@ mod tests {
         }
     }
 
-    /// If the assignment changed, old and new reports could not be merged.
+    /// If the assignment of cases to parts changed, old and new reports could not be merged.
     #[test]
     fn every_case_has_one_permanent_shard() {
         let part_of = |id: &str| {

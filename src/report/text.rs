@@ -231,7 +231,8 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes the number of open questions that the decoder reads as the reference does, and its readings of the others.
+    /// Writes the number of open questions that the decoder reads as the reference does, and the decoder's readings of the other
+    /// questions.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();

@@ -194,7 +194,7 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     })
 }
 
-/// Describes the request that the process answered previously.
+/// Describes the previous request that the process answered.
 pub(super) fn previous_request_text(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),

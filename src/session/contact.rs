@@ -16,7 +16,7 @@ use crate::suite::{compare::Expected, dialect::RightDialects, test_case::TestCas
 pub struct FirstFile<C: TestCase = Case> {
     /// Index of the first file in the suite.
     pub case: usize,
-    /// The view in which it was requested.
+    /// The view in which the file was requested.
     pub view: C::View,
     /// The reply.
     pub reply: ReplyTo<C>,
@@ -191,8 +191,8 @@ impl<C: TestCase> Session<'_, C> {
         replies
     }
 
-    /// Returns the offer of the decoder: each view in which it decoded a first file; for each kind, every offered view except
-    /// those in which it exited with 69 for every first file of that kind.
+    /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. For a kind of case, an
+    /// offered view is missing if the decoder exited with 69 for every first file of that kind.
     fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
@@ -260,7 +260,7 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder answers another case of this kind in this view, which shows that the view is not missing.
+    /// Returns true if the decoder answers another case of this kind in this view. The view is then not missing.
     fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;

@@ -69,7 +69,8 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
 }
 
 impl Curve {
-    /// Returns the frame before the curve was applied, with the correct values where they explain the received ones.
+    /// Returns the frame before the curve was applied. Where the curve maps the correct value to the received one, the result is
+    /// the correct value.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
@@ -110,8 +111,8 @@ impl Curve {
     }
 }
 
-/// Returns the factor between expected and received values, by least squares, if it differs enough from 1. Bytes at the ends of
-/// the range are not evidence.
+/// Returns the least-squares factor between expected and received values if it differs enough from 1. Bytes at the ends of the
+/// range are not evidence.
 fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
@@ -151,7 +152,8 @@ fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotonic steps that best fit `points`, sorted by their first number. Decreasing neighbors become their mean.
+/// Returns the monotonic steps that best fit `points`, which are sorted by their first number. Decreasing neighbors are replaced
+/// by their mean.
 fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // Each step has the sums of both numbers and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();
@@ -166,7 +168,7 @@ fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     means.collect()
 }
 
-/// Interpolates between the two steps next to a position.
+/// Interpolates between the two steps on either side of a position.
 fn interpolate(steps: &[(f64, f64)], at: f64) -> f64 {
     let next = steps.partition_point(|step| step.0 < at);
     match (next.checked_sub(1).map(|last| steps[last]), steps.get(next)) {

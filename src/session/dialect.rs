@@ -9,7 +9,7 @@ use crate::suite::test_case::TestCase;
 pub enum Certainty {
     /// The answers do not distinguish the reading from every other reading.
     Open,
-    /// The answers distinguish the reading, but several are wrong under it, so a mistake may be the reason.
+    /// The answers distinguish the reading, but several answers are wrong under it, so a mistake may be the reason.
     Likely,
     /// The answers distinguish the reading.
     Settled,
@@ -106,7 +106,7 @@ mod tests {
 
     type Image = (Vec<Axis>, Vec<bool>);
 
-    /// Returns an image that is right under the combinations of readings of `rulings` that `right` accepts.
+    /// Returns an image that is right if `right` accepts the combination of readings of `rulings`.
     fn image_from_readings(rulings: &[&str], right: impl Fn(&[usize]) -> bool) -> Image {
         let axes = CHOICES.axes(rulings);
         let is_right = |dialect: &Dialect| {

@@ -1,7 +1,7 @@
 //! Checks the user's files, which have no expected output.
 //!
-//! The decoder is compared with the reference, in the best-matching reading of the open questions, and with itself: other
-//! encodings of the same values must produce the same image.
+//! The decoder is compared with the reference in the best-matching reading of the open questions. It is also compared with
+//! itself: other encodings of the same values must produce the same image.
 
 use std::fmt::Write;
 
@@ -185,7 +185,7 @@ fn expected(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
     Expected::new(&Values::Painted(model), view)
 }
 
-/// Returns the number of inverse DCTs that affect each plane: its own, and those of the planes it is predicted from.
+/// Returns the number of inverse DCTs that affect each plane: its own, and those of the planes from which it is predicted.
 fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
     let (fields, _) = fields(file);
     let reference_of = |field: &Field| {

@@ -17,7 +17,7 @@ use crate::suite::test_case::TestCase;
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
-    /// Reading of each open question; the reference's if no case reveals the decoder's.
+    /// Reading of each open question; the reference's reading if no case reveals that of the decoder.
     pub dialect: Dialect,
     /// Certainty of each reading.
     pub certainties: Vec<Certainty>,
@@ -240,9 +240,9 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
     }
 }
 
-/// Returns the unsupported features (no must-accept file was decoded, and most were answered with 69) and the decoded features.
-/// Some files may have a different answer, because another mistake, perhaps in the header, may cause a refusal before the feature
-/// matters.
+/// Returns the unsupported and the decoded features. A feature is unsupported if none of its must-accept files was decoded and
+/// most were answered with 69. Not all need be, because another mistake, perhaps in the header, may cause a refusal before the
+/// feature matters.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

@@ -23,7 +23,7 @@ pub const LIGHT: (f64, f64) = (-0.5, 0.5);
 pub struct LitScene {
     /// The format of the requested file.
     pub format: Format,
-    /// The view in which it was requested.
+    /// The view in which the file was requested.
     pub view: ViewKind,
     /// Correct image.
     pub correct: Vec<u8>,
@@ -40,7 +40,8 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there are none or the request fails.
+/// Requests the scene in a format and a view that the decoder supports. Returns `None` if there is no such pair or the request
+/// fails.
 #[must_use]
 pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
@@ -104,7 +105,7 @@ pub fn frame_to_image(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     }
 }
 
-/// Writes the scene as a file; `count` is the spelling of the number of table entries.
+/// Encodes the scene as a file; `count` determines how the number of table entries is written.
 #[must_use]
 pub fn file(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);

@@ -12,7 +12,7 @@ pub struct Observation<C: TestCase = Case> {
     pub view: C::View,
     /// The response of the decoder.
     pub response: Response<C>,
-    /// True for a refusal whose exit status also has another meaning.
+    /// True for a refusal whose exit status may also mean something else.
     pub weak: bool,
     /// Beginning of standard error.
     pub stderr: String,
@@ -52,13 +52,13 @@ pub struct Nondeterminism {
 pub enum Response<C: TestCase = Case> {
     /// An image, or another answer to the question.
     Image {
-        /// The dialects in which it is right.
+        /// The dialects in which the image is right.
         right: RightDialects,
         /// The difference from the output of the reference, if any.
         difference: Option<C::Difference>,
         /// The tolerance that was applied.
         allowance: Allowance,
-        /// The image, if it differs.
+        /// The image, if it differs from the reference's.
         frame: Option<C::Output>,
     },
     /// Exit status 65.

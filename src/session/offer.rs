@@ -38,7 +38,7 @@ impl<C: TestCase> Offer<C> {
         lacking.any(|(lacking, of)| *lacking == C::view_name(view) && of == kind)
     }
 
-    /// Returns the first view of the case that is offered for its kind, or else the first that is offered at all.
+    /// Returns the first view of the case that is offered for this kind of case, or else the first that is offered at all.
     #[must_use]
     pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));

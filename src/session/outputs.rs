@@ -1,7 +1,7 @@
 //! Answers that were produced elsewhere: by hand in a viewer, in a browser or on another system. [`export`] writes every file
-//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: each file has an image, a frame or
-//! an array, named after the case with any suffix, or a note that it was refused. It answers requests like a decoder, so the
-//! verdicts are the same.
+//! that can be requested in one view, and a list of requests. [`Outputs`] reads the results: for each file, an image, a frame or
+//! an array named after the case, with any suffix, or a note that the file was refused. `Outputs` answers requests like a
+//! decoder, so the verdicts are the same.
 
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
@@ -37,7 +37,7 @@ struct ListedRequest {
     sha256: String,
     /// The view: `raw`, `coef` or `rgb:LU,LV`.
     view: String,
-    /// Path of the output, relative to the list, with any suffix.
+    /// Path of the output, relative to the list. Any suffix may be added.
     output: String,
 }
 
@@ -220,7 +220,7 @@ fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String
     view.ok_or_else(|| "there are no requests".to_owned())
 }
 
-/// Returns the answers that are separate files, and the names of other files.
+/// Returns the answers given as separate files, and the names of files that match no request.
 fn answers(
     directory: &Path,
     list: &[ListedRequest],

@@ -12,7 +12,7 @@ use crate::suite::test_case::TestCase;
 /// The plan of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunPlan {
-    /// The cases that are judged, one slot per case of the suite.
+    /// Flags of the cases that are judged, one per case of the suite.
     pub selected: Vec<bool>,
     /// Number of parallel requests, at least 1.
     #[serde(skip)]

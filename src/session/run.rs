@@ -91,9 +91,10 @@ impl<C: TestCase> Session<'_, C> {
         (0..cases).filter(is_asked).partition(|&i| soonest[i])
     }
 
-    /// Requests some cases once, each in the first of its views that the decoder offers.
+    /// Requests these cases once, each in the first of its views that the decoder offers.
     ///
-    /// If the run ends because of timeouts, later parallel results are dropped, so that the number of jobs has no effect.
+    /// If the run ends because of timeouts, the results of later cases are dropped, so that the number of jobs does not affect
+    /// the report.
     pub fn request_cases(
         &self,
         contact: &Contact<C>,
@@ -252,8 +253,8 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Reports why the run ended early, so that every report format shows it: in the reason why the program is not a decoder or,
-    /// if it is one, in a remark.
+    /// Reports why the run ended early, in a place that every report format shows: a remark or, if the program is not a decoder,
+    /// the reason for that.
     fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {

@@ -1,4 +1,4 @@
-//! Requests that send a texture question to a program.
+//! Sends texture questions to a program.
 
 use serde_json::Value;
 

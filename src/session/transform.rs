@@ -16,7 +16,7 @@ use crate::suite::cases::{Case, Suite};
 
 /// A change that affects all images of a view.
 pub struct CommonTransform {
-    /// The view, and the function that undoes the change in all its images before comparison.
+    /// The view, and the function that undoes the change in all images of the view before comparison.
     pub undo: UndoneTransform<Case>,
     /// The effect of the change, and the number of affected first files.
     effect: String,
@@ -32,7 +32,8 @@ fn is_explained_by(undo: &UndoneTransform<Case>, (reply, frame): &FirstImage) ->
     reply.expected.compare(&undone).is_none()
 }
 
-/// Returns, view by view, the change that the images of all first files share, if no image is right and one change explains all.
+/// Returns, for each view, the change that explains nearly all images of the first files, if there is one and no image is already
+/// right.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);

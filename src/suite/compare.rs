@@ -255,7 +255,7 @@ impl fmt::Display for Difference {
 /// Minimum magnitude of numbers that are printed with an exponent.
 const MIN_WITH_EXPONENT: f64 = 1e16;
 
-/// Formats a number with at most `decimals` decimals, or with an exponent if it is too small or too large for that.
+/// Formats a number with at most `decimals` decimal places, or with an exponent if it is very small or very large.
 pub(crate) fn format_short(value: f64, decimals: usize) -> String {
     let is_tiny = value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5;
     if is_tiny || value.is_finite() && value.abs() >= MIN_WITH_EXPONENT {
@@ -269,7 +269,7 @@ pub(crate) fn format_short(value: f64, decimals: usize) -> String {
     if text == "-0" { "0" } else { text }.to_owned()
 }
 
-/// Formats two numbers with at most `decimals` decimals, or more if different numbers would look equal.
+/// Formats two numbers with at most `decimals` decimal places, or more if different numbers would look equal.
 pub(crate) fn format_distinct(a: f64, b: f64, decimals: usize) -> [String; 2] {
     let short = [a, b].map(|value| format_short(value, decimals));
     match short[0] == short[1] && !is_close(a, b, 0.0) {

@@ -1,4 +1,4 @@
-//! The damages of `spec-cases/damages.yaml`.
+//! Ways to damage a file, from `spec-cases/damages.yaml`.
 
 use std::sync::LazyLock;
 
@@ -24,7 +24,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
     Ok(damages)
 }
 
-/// Returns all damages, in the order of the file.
+/// Returns all kinds of damage, in the order of the file.
 ///
 /// # Errors
 /// Returns a message that names the offending line.

@@ -82,7 +82,7 @@ fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), S
     Ok(())
 }
 
-/// Settings that others depend on, in the order in which they apply.
+/// Settings on which other settings depend, in the order in which they are applied.
 const FIRST_SETTINGS: [&str; 4] = ["structure", "references", "order", "everywhere"];
 
 fn set_compression(

@@ -126,8 +126,8 @@ impl CaseRecord {
     }
 }
 
-/// Checks that a case uses only the raw view if a different inverse DCT may change a sample from 255 to 0. In the raw view, the
-/// distance between these values is one.
+/// Checks that a case uses only the raw view if a different inverse DCT may change a sample from 255 to 0. The raw view is
+/// compared modulo 256, so these values differ by one there.
 fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let lossy = recipe.format.coding() == Some(Coding::Jpeg)
         && recipe.compression.residuals == Residuals::Natural;

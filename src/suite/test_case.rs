@@ -65,8 +65,8 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn features(&self, _view: &Self::View) -> BTreeSet<Self::Feature> {
         BTreeSet::from([self.kind()])
     }
-    /// Returns the accepted cases that each case of a suite depends on: if none of them is decoded, a refusal proves nothing.
-    /// By default, a case that must be refused depends on all accepted cases of its kind.
+    /// Returns, for each case of a suite, the must-accept cases on which it depends: if none of them is decoded, a refusal proves
+    /// nothing. By default, a case that must be refused depends on all must-accept cases of its kind.
     fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
         let refused = |case: &Self| matches!(case.expect(), Expect::Reject | Expect::Refuse);
         let twins = |case: &Self| -> Vec<usize> {

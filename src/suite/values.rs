@@ -36,7 +36,7 @@ impl Values {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Piece {
-    /// Name of the part, which describes it.
+    /// Name of the part, which also serves as its description.
     #[serde(rename = "is")]
     pub name: String,
     text: Option<String>,

@@ -9,7 +9,7 @@ use serde::de::{DeserializeOwned, IntoDeserializer, value};
 pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Words<'a> {
-    /// Returns every combination. The last key changes fastest.
+    /// Returns every combination of words. The last key changes fastest.
     pub fn combinations(for_each: &'a BTreeMap<String, Vec<String>>) -> Vec<Words<'a>> {
         let mut all = vec![Vec::new()];
         for (key, words) in for_each {
@@ -33,7 +33,7 @@ impl<'a> Words<'a> {
         self.replaced(text, |name, _| slug(name))
     }
 
-    /// Fills the words into an optional text, parses it, and stores the value in `slot`.
+    /// Fills in the words of an optional text, parses the result, and stores the value in `slot`.
     pub fn set<T>(
         &self,
         slot: &mut T,

@@ -125,7 +125,7 @@ const NOT_A_BYTE: &str =
 /// Maximum absolute value of a bias. Products of two such biases are exact in `f64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
-/// Conversion of a texel, given the biases, and flags that mark coefficients whose scale is not 0.
+/// Conversion of a texel, given the biases and one flag per coefficient: true if its scale is not 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.

@@ -13,7 +13,7 @@ use crate::decode::{Streams, examine, examine_streams};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size};
 
-/// Part of a file: a field, or an element of a field. Fields that `inspect` sets are empty in a dissection.
+/// Part of a file: a field, or an element of a field. Values that only `inspect` sets are empty in a dissection.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FilePart {
     /// Offset of the first byte.
@@ -322,11 +322,10 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Names of the fields that contain the sizes of a stream and of its side information.
+/// Name of the field that contains the size of a stream.
 const STREAM_SIZE: &str = "compressed size of plane #";
 const SIDE_SIZE: &str = "side information size of plane #";
 
-/// Clauses about the format name, the compressed planes and the side information.
 const FORMAT_NAME_CLAUSE: &str = "2.2/1";
 const COMPRESSED_PLANE_CLAUSE: &str = "2.9.8/2";
 const SIDE_INFORMATION_CLAUSE: &str = "2.9.8/4";

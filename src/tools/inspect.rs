@@ -283,7 +283,8 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if this line contains the byte or the compressed plane of the fault, which is then displayed after the line.
+    /// Returns true if this line contains the byte or the compressed plane of the fault. The fault is then displayed after the
+    /// line.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {

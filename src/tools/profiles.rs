@@ -127,7 +127,7 @@ pub struct ProfileCase {
     pub bytes: usize,
     /// SHA-256 digest of the file.
     pub sha256: String,
-    /// Format of the file, or of the undamaged file.
+    /// Format of the file before any damage.
     pub format: &'static str,
     /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
@@ -141,7 +141,7 @@ pub struct ProfileCase {
     /// Id of the valid case that was damaged to create this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
-    /// Effect of the damage.
+    /// Effect of the damage, if the file is damaged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damage: Option<&'static str>,
     /// Lint code, if the file must be refused.

@@ -67,7 +67,7 @@ fn square_to_disc(x: f64, y: f64) -> (f64, f64) {
 
 /// Renders the normals as colors: x, y and z from −1 to 1 become 0 to 255. x points right, y up, and z toward the viewer.
 ///
-/// The normal of a texel is the light direction under which it is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
+/// The normal of a texel is the light direction under which the texel is brightest (Malzbender, Gelb and Wolters, SIGGRAPH 2001).
 #[must_use]
 pub fn normals(ptm: &Ptm) -> RgbImage {
     let coefficients = ptm.coefficients();

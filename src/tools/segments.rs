@@ -41,7 +41,7 @@ const SOS: u8 = 0xda;
 const SOF55: u8 = 0xf7;
 
 impl SegmentKind {
-    /// Returns the name in the standard and the clause that defines it.
+    /// Returns the name that the standard uses for this kind, and the clause that defines the kind.
     #[must_use]
     pub fn label(self) -> (Cow<'static, str>, &'static str) {
         let (name, clause) = match self {
@@ -220,7 +220,7 @@ fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     }
 }
 
-/// Describes each table in a DHT segment: its class, number and count of codes (T.81 B.2.4.2).
+/// Describes each table in a DHT segment: its class, its number and the number of codes (T.81 B.2.4.2).
 fn huffman_tables(mut body: &[u8]) -> String {
     let mut tables = Vec::new();
     while let [kind, rest @ ..] = body

@@ -17,7 +17,7 @@ impl Rng {
         self.next_below(256) as u8
     }
 
-    /// Makes one to four random edits. Each is before byte `header`, or anywhere in the file, with equal probability.
+    /// Makes one to four random edits. With equal probability, an edit is either before byte `header` or anywhere in the file.
     pub fn damage(&mut self, file: &mut Vec<u8>, header: usize) {
         for _ in 0..=self.next_below(4) {
             let end = [header, file.len()][self.next_below(2)].min(file.len());

@@ -48,8 +48,8 @@ fn describe_acceptance(witnesses: &[Witness], indices: &[usize]) -> Diagnosis {
     Diagnosis::from_description(Category::Acceptance, witnesses, indices, text)
 }
 
-/// Describes accepted malformed files if a misreading that also affects other files explains nothing else. Malformed files have
-/// no correct image, so these cases do not reveal how the decoder reads them.
+/// Describes accepted malformed files if a misreading explains only these, although it would also affect other files. Malformed
+/// files have no correct image, so these cases do not reveal how the decoder reads them.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     indices: &[usize],

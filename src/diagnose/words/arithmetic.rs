@@ -90,7 +90,7 @@ fn parenthesize(value: f64) -> String {
     }
 }
 
-/// Formats a number with at most four decimals.
+/// Formats a number with at most four decimal places.
 fn short_number(value: f64) -> String {
     compare::format_short(value, 4)
 }

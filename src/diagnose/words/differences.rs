@@ -48,7 +48,7 @@ impl Phase {
         }
     }
 
-    /// Returns the behavior of the decoder, as a sentence without a subject, and the advice.
+    /// Returns the behavior of the decoder, as a sentence without a subject, and advice on how to fix it.
     fn effect_and_fix(self) -> [&'static str; 2] {
         match self {
             Phase::Size => [
@@ -98,8 +98,7 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that defines the step for all formats, if their layouts do not matter: colors are computed from the
-    /// same polynomial, and the format determines the number of channels.
+    /// Returns the clause that defines the step for all formats, or `None` if the step depends on the layout of the format.
     fn common_clause(self) -> Option<&'static str> {
         match self {
             Phase::Color => Phase::Color.clause(Format::Rgb),
@@ -182,9 +181,9 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
-/// Replaces the step of wrong final values and colors with a step of an earlier view that has more than half as many unexplained
-/// wrong images, counted in the same format or in all formats with wrong images in the earlier view. Images described elsewhere
-/// count as well. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
+/// Attributes wrong final values and colors to a step of an earlier view if that view has more than half as many unexplained
+/// wrong images. Images are counted in the same format, or in all formats with wrong images in the earlier view, even if they are
+/// described elsewhere. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -253,7 +252,8 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each entry of `formats`, takes out of `open` the groups of files with a property of most `open` files and no `known` file.
+/// For each entry of `formats`, removes groups of files from `open` that share a property. Most `open` files and no `known` file
+/// have the property.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -334,7 +334,7 @@ fn difference_text(
     }
 }
 
-/// Returns " (12 in view raw, 10 in view coef)" if the images belong to several views.
+/// Returns text such as " (12 in view raw, 10 in view coef)" if the images belong to several views.
 fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     let count = |view: &ViewKind| {
         let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == *view;
@@ -371,7 +371,7 @@ pub(in crate::diagnose) fn wrong_channels(
     (0..count).map(is_wrong).collect()
 }
 
-/// Returns ", only in a3" if all other channels are correct.
+/// Returns text such as ", only in a3" if all other channels are correct.
 fn channel_text(wrong: &[bool]) -> String {
     let names: Vec<String> = (0..wrong.len())
         .filter(|&channel| wrong[channel])
@@ -420,7 +420,7 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
 }
 
 /// Returns true if wrong final values must result from wrong stored values: each final value corresponds to a byte, but in some
-/// channel these bytes are not a monotonic function of the correct ones. No mistake in scale and bias explains this.
+/// channel these bytes are not a monotonic function of the correct ones. No mistake in applying scale and bias explains this.
 fn has_wrong_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
     let (ViewKind::Coef, Ok(ptm)) = (pair.view, witness.decoded()) else {
         return false;
@@ -513,7 +513,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may cause the crash.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain its crash.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,

@@ -88,7 +88,7 @@ fn format_names(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Returns ", in files of RGB" if a mistake that applies to all files affects only a few formats.
+/// Returns text such as ", in files of RGB" if a mistake that could affect all files affects only a few formats.
 pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     match format_names(witnesses, indices) {
         names if names.is_empty() => names,

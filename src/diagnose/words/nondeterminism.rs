@@ -1,4 +1,4 @@
-//! Describes requests with inconsistent responses. They indicate shared or uninitialized state, not a misreading.
+//! Describes requests with inconsistent responses. Such responses indicate shared or uninitialized state, not a misreading.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::diagnose::tuning::is_substantial;

@@ -11,7 +11,7 @@ use crate::ptm::Format;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes refusals by a property that the refused files share and no decoded file has. Removes them from `left`.
+/// Describes refusals by a property that the refused files share and no decoded file has. Removes these files from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let mut diagnoses = Vec::new();
     let read = files_read(witnesses);
@@ -157,7 +157,7 @@ impl WholeFormats {
     }
 }
 
-/// Describes these files if they are all the legal files with a common format or property, and all fail in the same way.
+/// Describes these files if all of them fail in the same way and no other legal file has their common format or property.
 pub(in crate::diagnose) fn describe_observation(
     witnesses: &[Witness],
     indices: &[usize],
@@ -195,7 +195,7 @@ pub(in crate::diagnose) fn describe_non_images(
     Some(refusal.with_clause(misreading.clause).cause)
 }
 
-/// Returns a list of outcomes: "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
+/// Returns a list of outcomes such as "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
 fn outcomes_text(witnesses: &[Witness], indices: &[usize], modes: &[FailureMode]) -> String {
     let files = |count: usize| match count {
         1 => "1 legal file".to_owned(),

@@ -1,5 +1,5 @@
-//! Color images side by side: expected, received, and their difference. The script of the page adds a third image with a
-//! movable divider: expected on the left, received on the right.
+//! Color images side by side: the expected one, the received one, and the difference between the two. The script of the page adds
+//! a third image with a movable divider: expected on the left, received on the right.
 
 use data_encoding::BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};

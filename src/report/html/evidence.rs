@@ -130,7 +130,7 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
     }
 }
 
-/// Returns the byte ranges that a sample of `view` is computed from.
+/// Returns the byte ranges of `file` from which the sample at `spot` is computed.
 fn sample_origins(case: &Case, file: &[u8], image: &Expected, spot: SamplePosition) -> Vec<Origin> {
     let (x, y, channel) = spot;
     let stored = |channels| origin_of_samples(case, file, image.size, (x, y), channels);
@@ -191,7 +191,7 @@ fn render_file_beginning(built: &Built) -> Markup {
     }
 }
 
-/// Formats a number with up to four decimals, or in scientific notation if it is very small or large.
+/// Formats a number with up to four decimal places, or in scientific notation if it is very small or large.
 pub(crate) fn number(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");

@@ -1,4 +1,4 @@
-//! Images of planes side by side: expected, received, and their difference.
+//! Images of planes side by side: the expected one, the received one, and the difference between the two.
 //!
 //! - The raw view is displayed as gray levels, rgb in color, and coef as gray levels scaled to the range of each plane.
 //! - The difference is modulo 256 for raw, absolute for rgb, and a fraction of the range of the plane for coef. Differences

@@ -1,4 +1,4 @@
-//! Lit ball at the top of the page, as rendered by the decoder, with a description of visible mistakes.
+//! Image of a lit ball at the top of the page, as rendered by the decoder, with a description of visible mistakes.
 
 use maud::{Markup, html};
 
@@ -52,7 +52,7 @@ u -v: The image is lit from below, so v points down.
 -u -v: The image is lit from the lower right, so u and v are both negated.
 ";
 
-/// Describes the visible mistake of the received image.
+/// Describes the visible mistake in the received image.
 fn describe_fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.correct, &scene.received);
     if right == received {

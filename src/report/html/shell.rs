@@ -51,7 +51,7 @@ pub(super) fn link(page: Option<String>, words: &Markup) -> Markup {
     }
 }
 
-/// Returns a symbol for an outcome, so that color is not the only distinction.
+/// Returns a symbol for an outcome, so that outcomes are not distinguished by color alone.
 pub(super) fn mark(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Pass => "✓",

@@ -86,7 +86,7 @@ impl Arrangement {
     }
 }
 
-/// Returns the same values in every possible order, with the mistakes of each.
+/// Returns the same values in every possible order, each with the mistakes that lead to that order.
 pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;

@@ -105,7 +105,7 @@ impl Reproduction {
 pub struct Checklist {
     /// The steps, in the order in which they were taken.
     pub steps: Vec<ProbeStep>,
-    /// True if the decoder returned a well-formed frame for any first file.
+    /// True if the decoder returned a well-formed frame for at least one first file.
     pub has_frames: bool,
 }
 

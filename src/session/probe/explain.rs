@@ -6,7 +6,7 @@ use crate::runner::run::Reply;
 
 use super::message::{ProbeFault, Slots, fault};
 
-/// Returns the last line of the decoder's standard error, on a separate line.
+/// Returns the last line of the decoder's standard error, with a label, as an additional line.
 fn last_stderr_line(reply: &Reply) -> String {
     last_message(&reply.stderr).map_or(String::new(), |line| {
         format!("\nlast line of its standard error: {line}")

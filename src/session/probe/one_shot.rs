@@ -155,7 +155,7 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
     }
 }
 
-/// Reports the result of each view of a file, with the repair of a wrong image.
+/// Reports the result of each view of a file. For a wrong image, describes how to repair it.
 fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checklist) {
     let name = sample.format.short_name();
     if sample.spelling != TableSpelling::default() {
@@ -250,7 +250,7 @@ pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Ch
     list.add_fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
 }
 
-/// Requests the capabilities.
+/// Requests the capabilities of the decoder.
 pub(super) fn request_capabilities(calls: &Calls, list: &mut Checklist) {
     let reply = calls.call_with_word("capabilities", &[], b"");
     let text = String::from_utf8_lossy(&reply.stdout);

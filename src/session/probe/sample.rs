@@ -50,7 +50,7 @@ impl Sample {
         Sample::new(format, "201x149", spelling)
     }
 
-    /// Describes a frame by its size.
+    /// Describes the size of a frame.
     pub(super) fn size_text(&self, view: &View) -> String {
         format!("a frame of {} texels in {view}", self.size.texels())
     }

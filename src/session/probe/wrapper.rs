@@ -1,4 +1,4 @@
-//! Finds faults of a wrapper with the first files, a large file and malformed files, before `check` requests any case.
+//! Requests the first files, a large file and malformed files to find faults of a wrapper, before `check` requests any case.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -24,7 +24,7 @@ use super::{message::ProbeFault, one_shot::malformed};
 
 /// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
 /// Each fault has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are
-/// tested only if the run judges any.
+/// tested only if the run judges cases that must be refused.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],
@@ -118,7 +118,8 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the fewest mistakes to undo so that most frames of a view are right, unless only the order of samples is wrong.
+/// Returns the fewest mistakes to undo so that most frames of a view are right. Returns `None` if the mistakes only reorder
+/// samples.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {

@@ -150,7 +150,7 @@ impl TextureCase {
     }
 }
 
-/// Returns the requirements of the chapter.
+/// Returns the requirements of the texture mapping chapter.
 ///
 /// # Errors
 /// Returns a message that names the error in the file.
@@ -159,7 +159,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
     Ok(from_files::<Vec<Clause>>(files)?.concat())
 }
 
-/// Returns the rulings.
+/// Returns the rulings on open questions of the texture mapping chapter.
 ///
 /// # Errors
 /// Returns a message that names the error in the file.

@@ -1,4 +1,4 @@
-//! Open questions of the chapter.
+//! Open questions of the texture mapping chapter.
 //!
 //! Each choice is a ruling of kind `choice`; see [`Choices`].
 

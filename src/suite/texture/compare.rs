@@ -1,7 +1,7 @@
 //! Compares an answer with the expected one.
 //!
 //! Only the expected fields are compared. Numbers may differ by 1e-5 of the larger one plus 1e-6, so that single precision
-//! passes; words may have the prefixes of the chapter. A color may be clamped to 0…1 (ruling `color-range`).
+//! passes; words may have the prefixes that the chapter uses. A color may be clamped to 0…1 (ruling `color-range`).
 
 use serde_json::{Value, json};
 
@@ -58,7 +58,7 @@ fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -
     }
 }
 
-/// Removes the prefix of the chapter from an enumerant.
+/// Removes the prefix that the chapter uses from an enumerant.
 fn without_prefix(field: &str, word: &str) -> Option<Value> {
     let value = match field {
         "boundary" => json!([word, word, word]),

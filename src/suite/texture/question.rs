@@ -143,7 +143,7 @@ enum TextureStep {
         w: Option<Vec<f64>>,
         correction: Correction,
     },
-    /// Returns the places where a surface is sampled.
+    /// Returns the points at which a surface is sampled.
     Sites {
         interp: Interpolation,
         frequency: Frequency,
@@ -152,9 +152,9 @@ enum TextureStep {
     Depth {
         /// Number of texels of the base level in each direction.
         size: Vec<usize>,
-        /// The change in the coordinates from a pixel to the one on its right.
+        /// The change in the coordinates from a pixel to its right neighbor.
         dtdx: Vec<f64>,
-        /// The change in the coordinates from a pixel to the one above it.
+        /// The change in the coordinates from a pixel to the pixel above.
         dtdy: Vec<f64>,
         /// The depth sampling bias hint.
         #[serde(default)]
@@ -443,7 +443,7 @@ impl TryFrom<Map<String, Value>> for PointGiven {
     }
 }
 
-/// Reads the point of a spline surface from the field `nurb`, or from the fields next to it if `nurb` is true or missing.
+/// Reads the point of a spline surface from the field `nurb`, or from the sibling fields if `nurb` is true or missing.
 fn spline(fields: &mut Map<String, Value>) -> serde_json::Result<Option<SplinePoint>> {
     let names = ["u", "v", "data_splines"].into_iter();
     let flat: Map<String, Value> = names.filter_map(|name| fields.remove_entry(name)).collect();

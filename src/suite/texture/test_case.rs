@@ -12,7 +12,7 @@ use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::texture::Rules;
 
-/// Maximum number of bytes of an answer, a small JSON object.
+/// Maximum size of an answer in bytes. Answers are small JSON objects.
 const MAX_ANSWER_BYTES: usize = 1 << 20;
 
 /// The single view of texture questions.
@@ -87,7 +87,7 @@ impl TestCase for TextureCase {
         self.op.clone()
     }
 
-    /// Returns the step and, if the step needs it, the feature for maps made from PTM files.
+    /// Returns the step and, if the question contains a PTM, the feature for such maps.
     fn features(&self, _: &TextureView) -> BTreeSet<String> {
         let mut features = BTreeSet::from([self.op.clone()]);
         if self.given.to_string().contains("\"ptm\"") {

@@ -1,4 +1,4 @@
-//! Effects of alternative readings of open questions on a file (rulings of kind *choice*).
+//! Effects on a file of alternative readings of open questions (rulings of kind *choice*).
 //!
 //! Every alternative reading is tried, and differences are reported. Nothing is guessed from the contents of the image.
 
@@ -40,7 +40,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file contains no such numbers and all readings
+/// Returns the role of the numbers that the ruling is about, or `None` if the file contains no such numbers, so that all readings
 /// agree.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {

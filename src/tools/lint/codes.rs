@@ -139,7 +139,7 @@ pub struct Code {
     /// Ruling of kind *choice* that changes the image.
     #[serde(skip_serializing)]
     pub ruling: Option<String>,
-    /// Names of damages and ids of cases that trigger the code.
+    /// Names of kinds of damage, and ids of cases, that trigger the code.
     pub provoked_by: Vec<String>,
 }
 

@@ -14,7 +14,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Offset in the file.
     pub offset: usize,
-    /// Clause that is violated, or the clause of the code.
+    /// Violated clause, or else the clause that the code is about.
     pub clause: &'static str,
     /// Description of the code, which is the same for every file.
     #[serde(rename = "says")]

@@ -23,7 +23,8 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size whose planes would exceed the memory limit, even if the file is shorter. Returns true in that case.
+/// Reports an image size whose planes would exceed the memory limit, even if the file is too short to contain the planes. Returns
+/// true in that case.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {

@@ -1,7 +1,7 @@
 //! Compares streams and samples with those of libjpeg and `CharLS` for every image in witnesses.txt.
 //!
 //! The file contains recipes and digests. It was written by `scripts/codec_witnesses.py`, which generates each image from its
-//! recipe, encodes and decodes it with the other codecs, and records the digests. This test generates the same images.
+//! recipe, encodes and decodes it with those codecs, and records the digests. This test generates the same images.
 
 #![allow(
     clippy::manual_midpoint,

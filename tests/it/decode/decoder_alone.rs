@@ -1,6 +1,6 @@
 //! Tests the decoder alone on the corpus, without any other part of the library. `cargo mutants` runs this test.
 //!
-//! `PTM_CORPUS` selects a different corpus, such as one with large files, written by `generate`.
+//! `PTM_CORPUS` selects a different corpus, for example one with large files that `generate` wrote.
 
 use std::path::PathBuf;
 

@@ -14,7 +14,7 @@ fn suite_files(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Returns small legal files of the suite with every format and spelling.
+/// Returns small legal files of the suite in every format and spelling.
 fn files() -> Vec<Vec<u8>> {
     let prefixes = ["header-plain", "space-behind-every", "hand-"];
     suite_files(|case| prefixes.iter().any(|prefix| case.id.starts_with(prefix)))

@@ -133,7 +133,7 @@ fn mistake_in_one_channel_names_the_channel() {
     }
 }
 
-/// A decoder that lacks a format may still refuse some of its files before it reads the format.
+/// A decoder that lacks a format may refuse some files in that format before it reads the format name.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {
     let mut suite = suite().with_prepared_files();
@@ -159,8 +159,8 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     assert!((1..=refusable.count()).contains(&refused), "{refused}");
 }
 
-/// Mistakes in formulas: the name of the formula, the wrong expression, the only view of the decoder, and parts of the first
-/// cause.
+/// Mistakes in formulas: the name of the formula, the wrong expression, the only view that the decoder supports, and parts of the
+/// text of the first cause.
 const FORMULA_MISTAKES: &str = "
 stored value | mod(raw + 128 * select(at_most(abs(i - 3), 0), 1, 0), 256) | raw | + 128 instead of && only in a3
 stored value | mod(raw + 1, 256) | raw | raw + 1 instead of raw
@@ -277,7 +277,7 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
     format!("{slugs:?}, {count} failures:\n{}", causes.join("\n"))
 }
 
-/// Misreadings that look alike if the decoder expects a line feed after tables and therefore reads hardly any of them.
+/// Misreadings that look alike if the decoder expects a line feed after tables and therefore reads hardly any tables.
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
@@ -372,7 +372,7 @@ fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     sets
 }
 
-/// Returns true if each mistake of the set changes at least one answer of a decoder that makes the others.
+/// Returns true if each mistake in the set changes at least one answer of a decoder that makes the other mistakes.
 fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     let answer = |set: &[&Misreading], file: &[u8], view| {
         misreadings::answer(set, Reading::SPEC, file, view)

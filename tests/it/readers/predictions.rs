@@ -1,4 +1,4 @@
-//! Predictions about readers compared with their recorded responses, and conversions for readers.
+//! Compares predictions about readers with the recorded responses, and tests conversions for readers.
 
 use std::collections::BTreeMap;
 
@@ -96,7 +96,7 @@ impl Tally {
         pairs.map(|(_, count)| count).sum()
     }
 
-    /// Returns the precision and recall of predictions of the results that satisfy `matches`.
+    /// Returns the precision and recall of predictions for the results that satisfy `matches`.
     fn scores(&self, matches: impl Fn(Rendering) -> bool) -> (f64, f64) {
         let both = self.count(|predicted, seen| matches(predicted) && matches(seen)) as f64;
         let share = |all: usize| both / (all.max(1) as f64);
@@ -194,7 +194,7 @@ fn files_converted_for_a_reader_keep_the_map() {
     assert!(converted > 90);
 }
 
-/// Asserts that the colors under six lights are equal and, if both maps have the same shape, the final coefficients too.
+/// Asserts that two maps have equal colors under six lights and, if they have the same shape, equal final coefficients.
 #[track_caller]
 fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, id: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());

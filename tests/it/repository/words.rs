@@ -1,4 +1,4 @@
-//! Words and openings that the style guide replaces in comments and documents, and the list of all messages.
+//! Tests that comments and documents avoid the words and openings that the style guide replaces, and lists all messages.
 
 use std::fmt::Write;
 use std::fs;

@@ -1,4 +1,4 @@
-//! The example decoders in C, shell and JavaScript pass, and the features that they lack are reported as unsupported.
+//! The example decoders in C, shell and JavaScript pass, and features that a decoder lacks are reported as unsupported.
 
 use std::process::Command;
 

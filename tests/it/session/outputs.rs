@@ -1,4 +1,4 @@
-//! Answers that are produced offline from an exported list of requests.
+//! Tests answers that are produced offline from an exported list of requests.
 
 use std::fs;
 

@@ -66,7 +66,7 @@ fn correct_decoder_is_ready() {
     assert!(!output.contains('✗'), "{output}");
 }
 
-/// Also asserts that `check` reports the same reason.
+/// `check` must report the same reason as `probe`.
 #[test]
 fn commands_that_cannot_be_started_are_explained() {
     let here = Workspace::new();

@@ -1,4 +1,5 @@
-//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows after a kill.
+//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows even if the program is
+//! killed.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -12,7 +13,7 @@ use serde_json::Value;
 
 use crate::common::{Workspace, have_python, repository, run_measured, stdout};
 
-/// Runs `lint` with CSV output and returns the rows of cells.
+/// Runs `lint` with CSV output and returns the cells of each row.
 fn lint_csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
     let output = here
         .command(&format!("lint --format csv -q {line}"))
@@ -44,7 +45,8 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files in folders below `directory`: in turn an LRGB file, a damaged file, a file that is not a PTM, and a LUM file.
+/// Writes files to folders below `directory`, cycling through an LRGB file, a damaged file, a file that is not a PTM, and a LUM
+/// file.
 fn write_collection(here: &Workspace, directory: &str, count: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
