@@ -1,4 +1,4 @@
-//! `ptm-conform check`: arguments, plan, first contact, cases, verdicts, report, causes.
+//! `ptm-conform check`: runs a suite, from first contact to the report and the likely causes.
 
 use std::cell::OnceCell;
 use std::sync::Arc;

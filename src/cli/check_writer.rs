@@ -1,4 +1,4 @@
-//! `ptm-conform check-writer`: arguments, plan, first contact, requests, verdicts, report, causes.
+//! `ptm-conform check-writer`: runs a suite of requests, from first contact to the report and the likely causes.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -41,8 +41,7 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, and a flag: true if the path is from a list. A path from the command line is read even if it is a
-/// device.
+/// Path of a file or folder, and true if a list contains it. Devices are read only if they are named on the command line.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.
@@ -107,8 +106,7 @@ fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
     }
 }
 
-/// Returns the entries of a folder, sorted by name within chunks. The folder is closed as soon as all names are read, so a
-/// deep walk keeps few folders open.
+/// Returns the entries of a folder, sorted by name within chunks. Closes the folder as soon as all names are read.
 fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = FolderEntry> + Send {
     let (mut folder, mut chunk) = (Some(folder), VecDeque::<FolderEntry>::new());
     std::iter::from_fn(move || {

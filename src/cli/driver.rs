@@ -1,4 +1,4 @@
-//! Driver of a run, shared by all suites: first contact, cases, verdicts, report, causes.
+//! Drives the run of any suite: first contact, cases, verdicts, report and causes, in this order.
 
 use std::fs;
 use std::io::{self, Write};
@@ -25,8 +25,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases outside the smoke subset for an early report of likely causes. Shorter runs report causes only at the
-/// end.
+/// Minimum number of cases outside the smoke subset for an early report of likely causes. Shorter runs report them at the end.
 const MIN_OTHER_CASES: usize = 200;
 
 /// Minimum time limit for the early search for causes. In a long run, the limit is a tenth of the estimated duration of the run.
@@ -43,7 +42,7 @@ pub struct Check<'a, C: Reportable> {
     /// File next to the report, with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
-    /// Hint on how to get answers faster; empty if there is none.
+    /// Hint on how to get answers faster; empty if there is no hint.
     pub speed_hint: &'static str,
     /// Recorder of the answers if this is a partial run.
     recorder: Option<(Shard, AnswerRecorder<C>)>,

@@ -46,8 +46,7 @@ impl Subject {
         }
     }
 
-    /// Reinterprets a crash on a file that tests a table spelling as a refusal if the two cannot be distinguished. No decoder has
-    /// to support every spelling.
+    /// Turns a crash on a table spelling, which no decoder has to support, into a refusal if the two cannot be distinguished.
     pub fn interpret_reply(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
         let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()
@@ -96,7 +95,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Limits a program called through a template to requests that the template can express and answers that can be recognized.
+    /// Selects the view that a template without `{view}` serves, and withholds cases whose refusal could not be recognized.
     fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
         let template = Template::parse(text)?;
         if !template.has_view() {

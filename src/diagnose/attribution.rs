@@ -163,8 +163,7 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
 }
 
 /// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures. This is so if it would spoil
-/// more responses than it explains: such a response is reproduced by one of the other mistakes alone, but not by both mistakes
-/// together.
+/// more responses than it explains: one of the others alone reproduces such a response, but both mistakes together do not.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {

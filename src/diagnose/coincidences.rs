@@ -109,7 +109,7 @@ pub(super) fn remove_coincidences(search: &Search, found: &mut Vec<Member>) {
     }
 }
 
-/// Rules for coincidences, in order of application.
+/// Rules that identify coincidences, in the order in which they are applied.
 #[derive(Clone, Copy)]
 enum Rule {
     Refusals,

@@ -13,7 +13,7 @@ use crate::misreadings::Misreading;
 /// A possible cause, with the cases that support and contradict it.
 pub(crate) struct CoverCandidate<T> {
     pub cause: T,
-    /// Indices in the suite of the failing cases that the candidate reproduces.
+    /// Suite indices of the failing cases that the candidate reproduces.
     pub explains: Vec<usize>,
     /// Indices of the passing cases that a decoder with this cause would fail.
     pub contradicted: Vec<usize>,

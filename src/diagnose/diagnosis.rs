@@ -11,7 +11,7 @@ use crate::misreadings::{Hook, Misreading};
 pub struct Diagnosis<A: 'static = Hook> {
     /// The cause.
     pub cause: Cause<A>,
-    /// Indices in the suite of the failing cases that the cause reproduces.
+    /// Suite indices of the failing cases that the cause reproduces.
     pub explains: Vec<usize>,
     /// Failing cases that the cause partially explains.
     pub partial: Vec<usize>,

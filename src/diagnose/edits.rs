@@ -70,8 +70,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe. Edits that reproduce the most probes
-/// come first.
+/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe, sorted by the number of such probes.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()

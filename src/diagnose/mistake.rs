@@ -76,7 +76,7 @@ impl ChannelSubset {
         all.into_iter().find(covers).unwrap_or(ChannelSubset::All)
     }
 
-    /// Returns a phrase that names the channels: ", only in a3".
+    /// Returns a phrase that names the channels, such as ", only in a3".
     pub fn describe(self) -> String {
         match self {
             ChannelSubset::All => String::new(),

@@ -13,8 +13,7 @@ pub(super) enum FileScope {
     Formats(Vec<Format>),
     /// Files with the property at this index. The string contains its clause and text, separated by a space.
     Property(usize, &'static str),
-    /// Files whose quantity at index `quantity` is at least or at most `bound`. The nearest value of any other file is
-    /// `other_bound`.
+    /// Files whose `quantity` (an index) is at least or at most `bound`. The nearest value of any other file is `other_bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and the text that describes the quantity.

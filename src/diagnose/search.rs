@@ -27,8 +27,7 @@ use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
-/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery, starting with the
-/// one that explains the most failures.
+/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery.
 pub(super) struct Member {
     pub id: MistakeId,
     /// Mistakes that explain the same cases.
@@ -43,7 +42,7 @@ pub(super) struct Search<'a> {
     /// Mistakes that the user knows about. Every set includes them, and they are never reported.
     pub assumed: MistakeSet,
     pub threads: usize,
-    /// True if many responses are nondeterministic or do not depend on the file, so that common properties are a coincidence.
+    /// True if many responses are nondeterministic or do not depend on the file, so that any common property is a coincidence.
     pub is_arbitrary: bool,
     stop: &'a AtomicBool,
     /// Units of work done so far. An answer is one unit, or several if the map is large.
@@ -58,7 +57,7 @@ pub(super) struct Search<'a> {
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, each with the mistakes in effect at the time.
     probed_files: HashSet<(usize, MistakeSet)>,
-    /// Effects of sets, by case and by the mistakes that affect the case.
+    /// Effects of sets of mistakes, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
     /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
     single_effects: Vec<Vec<OnceLock<Option<SetEffect>>>>,
@@ -362,8 +361,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
-    /// Returns the answer of a decoder with these mistakes. If the computation panics, which is a bug in this
-    /// program, returns the correct answer.
+    /// Returns the answer of a decoder with these mistakes. If a bug makes the computation panic, returns the correct answer.
     fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let witness = &self.witnesses[w];
         self.answer_count.fetch_add(1, Ordering::Relaxed);
@@ -415,8 +413,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds variants with the opposite order for mistakes that depend on their order. For example, a mistake that drops bytes at
-    /// the start of a payload changes what another mistake finds at the end.
+    /// Adds variants in which two mistakes whose order matters are swapped. For example, a mistake that drops bytes at the start
+    /// of a payload changes what another mistake finds at the end.
     fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
         for i in 0..variants.len() {
             let variant = &variants[i];
@@ -430,7 +428,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if the two mistakes affect the same bytes or a common formula.
+    /// Returns true if both mistakes edit the bytes of the file, or both change the same formula.
     fn depends_on_order(&self, a: MistakeId, b: MistakeId) -> bool {
         let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.step.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
@@ -446,7 +444,7 @@ impl<'a> Search<'a> {
         set.iter().map(|&id| &self.mistakes[id]).collect()
     }
 
-    /// Returns true if both mistakes can affect the same file. Two changes to the same decision cannot.
+    /// Returns true if a decoder can make both mistakes. Two changes to the same decision exclude each other.
     fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
         let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.step);
         !(a.is_decision() && a.changes_same_step(b))
@@ -559,8 +557,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns the mistake with the largest gain when added to `set`, among those that explain a case in `tried`.
-    /// Removes the finalists from `all`.
+    /// Returns the best mistake to add to `set`, of those that explain a case in `tried`. Removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
         let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
         let gains = self.par_map(all, |&id| {

@@ -13,7 +13,7 @@ pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
 pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
 /// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
 pub(super) const CONTRADICTION_SCORE: i64 = -16;
-/// Score of a response to a lenient case that is correct, but differs from the answer of a decoder with the mistake.
+/// Score of a correct response to a lenient case, if it differs from the answer of a decoder with the mistake.
 pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;
 
 // Extent of the search

@@ -47,12 +47,11 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// A property of a file: its clause and a text that completes "files …", separated by a space, and a flag that is true if the
-/// file has the property.
+/// A property: its clause and a text that completes "files …", separated by a space; and true if the file has the property.
 pub(super) type Property = (&'static str, bool);
 
-/// A numeric property of a file: the clause about it, a description in which {} stands for a phrase such as "at least 17", and
-/// the value.
+/// A numeric property of a file: the clause about it, a text in which {} stands for a phrase such as "at least 17", and the
+/// value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
 /// Properties and quantities of a file.
@@ -83,8 +82,8 @@ impl Agreement {
     }
 }
 
-/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to
-/// `reading`, or to the dialect that was inferred for the decoder.
+/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to `reading` or,
+/// without it, to the dialect inferred for the decoder.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
@@ -138,7 +137,7 @@ pub(super) fn witnesses<'a>(
     all.into_iter().flatten().collect()
 }
 
-/// Returns true if the decoder exited with 69 for a file in a format that its capabilities declare but that it never reads.
+/// Returns true if the decoder exited with 69 for a file in a format that it declares but never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
         .is_broken_by(case, observation, &run.judgement.unsupported)
@@ -303,8 +302,7 @@ impl Witness<'_> {
         !is_at_limits && !all_differ_by(1) && !all_differ_by(-1)
     }
 
-    /// Returns true if `image` equals the response, or differs from it in fewer than half as many samples as the reference's
-    /// image does.
+    /// Returns true if `image` equals the response, or differs from it in fewer than half as many samples as the correct image.
     fn is_closer_to_response(&self, image: &Frame, actual: &Frame) -> bool {
         let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.expected)
         else {
@@ -409,8 +407,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file: the file has the table, matrix or compressed planes that the clause is
-/// about.
+/// Returns true if the file has the table, matrix or compressed planes that the clause of the misreading is about.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

@@ -53,8 +53,7 @@ pub fn verdicts<C: Reportable>(
     Ok(report)
 }
 
-/// Returns the likely causes of the failures so far, sorted by the number of cases explained, or an empty list if the search
-/// panics.
+/// Returns the likely causes of the failures so far, sorted by the number of cases explained; empty if the search panics.
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
@@ -65,8 +64,7 @@ pub fn first_causes<C: TestCase, A: 'static>(
     causes.unwrap_or_default()
 }
 
-/// Adds the causes that `search` finds to a report. If the search panics or is interrupted, adds a remark that causes may be
-/// missing.
+/// Adds the causes that `search` finds to a report, and a remark if the search panicked or was interrupted.
 #[must_use]
 pub fn add_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,

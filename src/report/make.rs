@@ -124,7 +124,7 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
     readings
 }
 
-/// Returns everything for which the decoder always exits with status 69: whole features, and single views of a kind of file.
+/// Returns everything for which the decoder always exits with status 69: features, and single views of one kind of case.
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     let features = run.judgement.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();

@@ -1,7 +1,7 @@
 //! Merges partial runs. The merged run replays the recorded answers of the parts in place of a decoder.
 //!
-//! All results are therefore computed by the same code as in a whole run: first files, spelling of tables, verdicts,
-//! dialect, diagnoses. For a deterministic decoder, the report equals that of a whole run, byte for byte.
+//! All results (table spelling, verdicts, dialect and diagnoses) are therefore computed by the same code as in a whole run. For a
+//! deterministic decoder, the report equals that of a whole run, byte for byte.
 
 use std::collections::HashMap;
 use std::fs::File;

@@ -35,8 +35,7 @@ pub trait Reportable: TestCase {
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Returns the readings of open questions that affect only which files are sent to the decoder, not how its answers are
-    /// judged.
+    /// Returns the readings of open questions that affect only which files are sent to the decoder, not the correct answers.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
@@ -44,7 +43,7 @@ pub trait Reportable: TestCase {
     /// Renders the evidence of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
-    /// Finds transforms that all first files have in common, reports them, and undoes them in all later images.
+    /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.
     fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
     /// Assumes the given misreadings: failures that they explain no longer count as failures.
     ///

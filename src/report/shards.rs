@@ -38,8 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases to a
-    /// different part.
+    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -102,7 +101,7 @@ pub struct Trailer {
     pub part: Shard,
     /// Circumstances of the run.
     pub circumstances: Circumstances,
-    /// Plan of the run, with the cases of the part selected.
+    /// Plan of the run, in which only the cases of this part are selected.
     pub plan: RunPlan,
     /// Remarks on the run as a whole that do not follow from answers.
     pub remarks: OtherRemarks,
@@ -120,7 +119,7 @@ pub struct RecordedAnswer<T> {
     pub file: String,
     /// Requested view.
     pub view: String,
-    /// True if a new process was started for the request, to check whether its answer differs.
+    /// True if a new process was started for the request, to check whether the answer differs.
     #[serde(default, skip_serializing_if = "std::ops::Not::not", rename = "alone")]
     pub new_process: bool,
     /// Answer, or `None` if it equals the expected image.

@@ -1,7 +1,6 @@
 //! Requests for a case in a view, and their results.
 //!
-//! The decoder is a closure from request to reply, so simulated misreadings and external programs are called and judged in the
-//! same way.
+//! The decoder is a closure from request to reply, so simulated misreadings and external programs are judged in the same way.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -179,7 +178,7 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
     answers.any(|answer| matches!(answer, Answer::Hung(_)))
 }
 
-/// Returns the failure of a serving process, if a new process answered without reaching a limit.
+/// Returns the failure of a serving process, if a new process then answered within the limits.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.serve_mode_answer.as_ref()?;
     if served.is_of_kind(&reply.answer) {

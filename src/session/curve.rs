@@ -69,8 +69,7 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
 }
 
 impl Curve {
-    /// Returns the frame before the curve was applied. Where the curve maps the correct value to the received one, the result is
-    /// the correct value.
+    /// Returns the frame before the curve was applied. Uses the correct value where the curve maps it to the received one.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
@@ -111,8 +110,8 @@ impl Curve {
     }
 }
 
-/// Returns the least-squares factor between expected and received values if it differs enough from 1. Bytes at the ends of the
-/// range are not evidence.
+/// Returns the least-squares factor between expected and received values if it differs enough from 1. Ignores bytes at the ends
+/// of the range.
 fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;
@@ -152,8 +151,7 @@ fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotonic steps that best fit `points`, which are sorted by their first number. Decreasing neighbors are replaced
-/// by their mean.
+/// Returns the monotonic steps that best fit `points`, which are sorted by their first number. Averages decreasing neighbors.
 fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // Each step has the sums of both numbers and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();

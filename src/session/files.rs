@@ -21,7 +21,7 @@ use crate::suite::{choices::CHOICES, compare::Expected, dialect::Dialect, values
 /// Results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FilesReport {
-    /// `pass`, `fail`, or `not run` if no file fails and one cannot be read.
+    /// `fail` if a file fails, or else `not run` if a file cannot be read, or else `pass`.
     pub verdict: Outcome,
     /// Results, one per file.
     pub files: Vec<FileResult>,
@@ -250,7 +250,7 @@ impl FilesReport {
         FilesReport { verdict, files }
     }
 
-    /// Returns the exit status: 0 for a pass, 1 for a failure, or 3 if no file was decoded.
+    /// Returns the exit status: 3 if all files are unsupported, or else 0 for the verdict `pass` and 1 for any other.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let mut files = self.files.iter();

@@ -163,7 +163,8 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns how a wrong image differs from the correct one in the decoder's dialect, unless this is the reference's dialect.
+    /// Returns how a wrong image differs from the correct image in the decoder's dialect, unless the reference has the same
+    /// dialect.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;
@@ -241,8 +242,7 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
 }
 
 /// Returns the unsupported and the decoded features. A feature is unsupported if none of its must-accept files was decoded and
-/// most were answered with 69. Not all need be, because another mistake, perhaps in the header, may cause a refusal before the
-/// feature matters.
+/// most were answered with 69. The rest may be refused because of another mistake, for example in the header.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

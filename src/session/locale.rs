@@ -1,7 +1,7 @@
 //! Requests the first files again in a locale with a decimal comma.
 //!
-//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in such locales. Numbers in PTM files have a decimal
-//! point in every locale.
+//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in such locales. PTM files use a decimal point in
+//! every locale.
 
 use std::process::{Command, Stdio};
 
@@ -11,7 +11,7 @@ use crate::runner::scratch::Scratch;
 use crate::session::{contact::FirstFile, run::Run};
 use crate::suite::cases::Suite;
 
-/// Languages for which every locale has a decimal comma.
+/// Languages and territories whose locales have a decimal comma.
 const COMMA_LANGUAGES: [&str; 12] = [
     "de_DE", "fr_FR", "es_ES", "it_IT", "nl_NL", "pl_PL", "pt_BR", "ru_RU", "sv_SE", "da_DK",
     "fi_FI", "cs_CZ",

@@ -60,8 +60,7 @@ impl ListedRequest {
 /// The instructions in the exported directory.
 const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 
-/// Writes the files that can be requested in `view` (`raw`, `coef` or `rgb`) to `directory`, and the list of requests. Returns
-/// the number of requests.
+/// Writes to `directory` the files that can be requested in `view`, and the list of requests. Returns the number of requests.
 ///
 /// # Errors
 /// Returns an error with the path of a file that cannot be written.

@@ -93,8 +93,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests these cases once, each in the first of its views that the decoder offers.
     ///
-    /// If the run ends because of timeouts, the results of later cases are dropped, so that the number of jobs does not affect
-    /// the report.
+    /// If the run ends because of timeouts, results of later cases are dropped, so the number of jobs does not affect the report.
     pub fn request_cases(
         &self,
         contact: &Contact<C>,
@@ -253,8 +252,7 @@ impl<C: TestCase> Run<C> {
         }
     }
 
-    /// Reports why the run ended early, in a place that every report format shows: a remark or, if the program is not a decoder,
-    /// the reason for that.
+    /// Reports why the run ended early: in a remark or, if the program is not a decoder, in the reason for that verdict.
     fn report_early_end(&mut self) {
         let Some(why) = self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {

@@ -22,7 +22,7 @@ pub(super) struct HangWatch {
     legal: Vec<usize>,
     /// For each legal file, true if all its requests so far have timed out; `None` before the first result.
     hung: Mutex<Vec<Option<bool>>>,
-    /// The index of the last file that is requested.
+    /// The index of the last file to request.
     last_index: AtomicUsize,
 }
 
@@ -54,7 +54,7 @@ impl HangWatch {
         }
     }
 
-    /// Returns the index of the last file that is requested, or `None` if the run continues.
+    /// Returns the index of the last file to request, or `None` if the run continues.
     pub fn last(&self) -> Option<usize> {
         Some(self.last_index.load(Relaxed)).filter(|&last| last < usize::MAX)
     }

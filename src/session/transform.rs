@@ -1,8 +1,8 @@
-//! Transforms that make all first files wrong in the same way: flipped images, swapped channels, a factor or a tone curve.
+//! Transforms that make nearly all first files wrong in the same way: flipped images, swapped channels, a factor or a tone curve.
 //!
 //! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
-//! before comparison, so that other mistakes become visible. Undoing it must correct nearly all first files of a view, within the
-//! default tolerances, and none of them may already be right.
+//! before comparison, so that other mistakes become visible. Undoing it must correct nearly all wrong first files of a view,
+//! within the default tolerances, and leave the others correct.
 
 use std::sync::Arc;
 
@@ -32,8 +32,7 @@ fn is_explained_by(undo: &UndoneTransform<Case>, (reply, frame): &FirstImage) ->
     reply.expected.compare(&undone).is_none()
 }
 
-/// Returns, for each view, the change that explains nearly all images of the first files, if there is one and no image is already
-/// right.
+/// Returns, for each view, the change that explains nearly all wrong images of the first files, if there is one.
 #[must_use]
 pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);

@@ -26,9 +26,9 @@ pub struct Clause {
 pub enum ClauseStatus {
     /// Tested by cases that catch a misreading of the clause.
     Tested,
-    /// Not about the behavior of a reader.
+    /// The clause is not about the behavior of a reader.
     Informative,
-    /// Not visible in any file.
+    /// No file can reveal whether a reader follows the clause.
     Untestable,
     /// Tested by cases under a ruling, because the text leaves the question open.
     Ruled,

@@ -192,8 +192,8 @@ pub enum Difference {
     },
 }
 
-/// Returns true if `received` is close enough to a sample of a view. Correct inverse DCTs differ by at most `slack`, and a lossy
-/// image adds the tolerance `loss`.
+/// Returns true if `received` is close enough to a sample. `slack` allows for different inverse DCTs, and `loss` for lossy
+/// images.
 pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, loss: f64) -> bool {
     let apart = (expected - received).abs();
     match view {

@@ -67,8 +67,8 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Bodies of invalid cases, each with the beginning of the expected message. `MAKE` expands to the keys of an image, `↵` to a
-    /// line feed.
+    /// Invalid cases, each with the beginning of the expected message. `MAKE` expands to the keys of an image, `↵` to a line
+    /// feed.
     const INVALID_CASES: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`
   expcet: decode => line 4: unknown field `expcet`

@@ -79,7 +79,7 @@ impl Map<'_> {
         Some(vec![(name, block.clause, start..start + channels.len())])
     }
 
-    /// Returns the bytes of an index and of the entry that it refers to.
+    /// Returns the bytes of an index and of the table entry to which it refers.
     fn entry(&self, stride: usize, channels: Range<usize>) -> Option<Vec<Origin>> {
         let table = self.range("the table's entries", 0)?;
         let indices = self.range("the indices", 0)?;

@@ -283,8 +283,7 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if this line contains the byte or the compressed plane of the fault. The fault is then displayed after the
-    /// line.
+    /// Returns true if the fault is displayed after this line, which contains the byte or the compressed plane of the fault.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {

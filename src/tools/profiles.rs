@@ -24,7 +24,7 @@ use crate::tools::render::{encode_image, rgb};
 /// Selection of cases from the suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// One small file to decode and one to refuse for every clause, with stored values as arrays.
+    /// One small file to decode and one to refuse for every clause and format, with stored values as arrays.
     Minimal,
     /// Every file up to 64 KiB, with stored values as arrays and images, and the preferred view of each case.
     Standard,

@@ -5,8 +5,8 @@
 //! - bytes after the last value
 //! - records of side information that a later record for the same texel overrides
 //!
-//! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is
-//! ambiguous. For example, copying a file in text mode also changes payload bytes, which cannot be identified afterwards.
+//! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is ambiguous.
+//! For example, copying a file in text mode also changes payload bytes, which cannot be identified later.
 
 use std::collections::HashSet;
 

@@ -252,8 +252,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each entry of `formats`, removes groups of files from `open` that share a property. Most `open` files and no `known` file
-/// have the property.
+/// Removes from `open`, for each entry of `formats`, the files with a property that most `open` files and no `known` file have.
 fn take_scopes(
     search: &Search,
     known: &[usize],

@@ -93,7 +93,7 @@ fn common_mode(witnesses: &[Witness], indices: &[usize]) -> Option<FailureMode> 
 pub(in crate::diagnose) struct WholeFormats {
     mode: FailureMode,
     formats: Vec<Format>,
-    /// The legal files of these formats, and other files of the formats that fail in the same way.
+    /// The legal files in these formats, and any other files in these formats that fail in the same way.
     pub cases: Vec<usize>,
 }
 

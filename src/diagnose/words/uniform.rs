@@ -25,8 +25,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
     found.into_iter().map(diagnosis).collect()
 }
 
-/// Returns true if most failures are images that do not depend on the file. Any mistake that matches such images does so by
-/// chance.
+/// Returns true if most failures are images that do not depend on the file. Mistakes match such images only by chance.
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();

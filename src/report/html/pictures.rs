@@ -29,12 +29,11 @@ struct ImageComparison<'a> {
     columns: Range<usize>,
     /// Rows that are displayed.
     rows: Range<usize>,
-    /// Minimum and maximum of each plane over both frames, for views with real samples.
+    /// Minimum and maximum of each plane over both frames, for views with real-valued samples.
     spans: Vec<(f64, f64)>,
 }
 
-/// Renders the images of a frame whose first difference from the expected frame is at `spot`. Returns `None` if the frames
-/// have different shapes.
+/// Renders the images of a frame that first differs from the expected one at `spot`, or `None` if their shapes differ.
 pub(super) fn figure(expected: &Expected, frame: &Frame, spot: SamplePosition) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();

@@ -47,7 +47,7 @@ impl FileReplies {
         best
     }
 
-    /// Rates the best reply: true if it is a frame, if its size is right, and if its image is correct.
+    /// Rates the best reply with three flags: whether it is a frame, has the right size, and has the correct samples.
     fn rank(&self) -> [bool; 3] {
         let one = |(view, reply): &(View, Reply)| match &reply.answer {
             Answer::Decoded(frame) => {
@@ -123,7 +123,7 @@ pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<F
     None
 }
 
-/// Requests a file of every other format, which must be decoded or answered with 69.
+/// Requests a file of every other format. Each request must return an image or exit with 69.
 pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let mut unsupported = Vec::new();
     let mut failed: BTreeMap<String, (Vec<&str>, Reproduction)> = BTreeMap::new();

@@ -51,7 +51,7 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 /// Repaired bytes and the mistakes that were undone.
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
-/// Returns the bytes unchanged, and the results of undoing text mode, other encodings, and text before the frame.
+/// Returns the bytes unchanged, and the results of undoing text encodings, carriage returns, and text before the frame.
 fn candidate_streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));

@@ -1,7 +1,7 @@
 //! The steps of a probe in serve mode, which is optional but faster: one process for all files.
 //!
 //! `DECODER serve` reads lines of the form `SEQ VIEW PATH` and answers each at once: with `SEQ ok NBYTES` and a frame, `SEQ
-//! reject 65`, or `SEQ unsupported FEATURE`. The correct answer here is that of one-shot mode, even if its image is wrong.
+//! reject 65`, or `SEQ unsupported FEATURE`. The answer in one-shot mode is considered correct here, even if its image is wrong.
 
 use std::ffi::OsStr;
 use std::io::Write;

@@ -118,8 +118,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the fewest mistakes to undo so that most frames of a view are right. Returns `None` if the mistakes only reorder
-/// samples.
+/// Returns the fewest mistakes to undo so that most frames of a view are right, or `None` if they only reorder samples.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {

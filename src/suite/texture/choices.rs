@@ -72,8 +72,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
     Choice::new("ptm-texels", PTM_TEXELS),
 ]);
 
-/// Returns a reading by its name in the `also` lists of cases. The lists contain readings of choices and of points that are left
-/// to the implementation.
+/// Returns a reading by its name in the `also` lists of cases: a reading of a choice, or of a point left to the implementation.
 #[must_use]
 pub fn find(reading: &str) -> Option<fn(&mut Rules)> {
     Some(match reading {

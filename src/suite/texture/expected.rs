@@ -26,8 +26,8 @@ impl TextureCase {
         }
     }
 
-    /// Returns the expected answer under a dialect. For the reference's dialect, this is the answer in the case. For any other
-    /// dialect, the reference computes it.
+    /// Returns the expected answer under a dialect: for the reference's dialect, the answer in the case; for others, a computed
+    /// one.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {

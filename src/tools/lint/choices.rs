@@ -40,8 +40,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
     }
 }
 
-/// Returns the role of the numbers that the ruling is about, or `None` if the file contains no such numbers, so that all readings
-/// agree.
+/// Returns the role of the numbers that the ruling is about, or `None` if the file has no such numbers and cannot be affected.
 fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let any = |role: fn(usize) -> Role, test: fn(i64) -> bool| {
         let mut planes = 0..dissection.compressed_planes();
@@ -126,8 +125,7 @@ fn differing_planes(ptm: &Ptm, other: &StoredMap) -> Vec<bool> {
     differing
 }
 
-/// Returns one flag per texel: true if the color differs under any of [`LIGHTS`]. Works in chunks, because colors need far
-/// more memory than stored values.
+/// Returns one flag per texel: true if the color differs under any of [`LIGHTS`]. Works in chunks to save memory.
 fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
     let mut all = Vec::new();

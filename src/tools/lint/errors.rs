@@ -23,8 +23,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size whose planes would exceed the memory limit, even if the file is too short to contain the planes. Returns
-/// true in that case.
+/// Reports an image size whose planes would exceed the memory limit, even in a truncated file. Returns true if so.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {
