@@ -231,5 +231,5 @@ const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper f
 const SERVE_MODE_FAILED: &str =
     "serve mode failed: the first requests were not answered; fell back to one process per request";
 
-/// Hint for a decoder that starts slowly.
+/// Hint for the author of a decoder that starts slowly.
 const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. ptm-conform example python prints a decoder with both modes.";

@@ -31,7 +31,7 @@ const MIN_OTHER_CASES: usize = 200;
 /// Minimum time limit for the early search for causes. In a long run, the limit is a tenth of the estimated duration of the run.
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
-/// Minimum estimated duration of a run for the estimate to be announced.
+/// Minimum estimated duration of a run. Shorter estimates are not announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.

@@ -63,7 +63,7 @@ pub struct FuzzArgs {
     decoder: Vec<OsString>,
 }
 
-/// Runs the fuzzer and writes the mistakes that it finds.
+/// Runs the fuzzer and writes the findings.
 pub fn run(args: &FuzzArgs) -> CommandResult {
     let suite = Suite::load()?;
     let decoder = args.call.decoder(&args.decoder, &stop_on_signals()?)?;
@@ -131,7 +131,7 @@ impl FuzzArgs {
     }
 }
 
-/// Summarizes the number of files, calls and findings.
+/// Summarizes the numbers of files, calls and findings.
 fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.findings.len());
     let plural = if count == 1 { "" } else { "s" };

@@ -156,7 +156,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     Ok(worst)
 }
 
-/// Exit statuses from worst to best: cannot be read, errors, not a PTM, not judged, sound.
+/// Exit statuses from worst to best: unreadable, errors, not a PTM, not judged, sound.
 const STATUSES_WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {

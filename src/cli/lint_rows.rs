@@ -31,7 +31,7 @@ pub struct Rows {
     format: RowFormat,
     /// Maximum number of findings that are printed per file.
     max_findings: usize,
-    /// Number of requested readers.
+    /// Number of readers whose results are predicted.
     reader_count: usize,
     /// True if a row or a result has been printed.
     has_output: bool,

@@ -147,7 +147,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     }
 }
 
-/// Converts reports on a suite to the requested format and prints or writes the result.
+/// Converts reports on a suite to the requested format, and prints the result or writes it to a file.
 fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
     let (suite, report) = (C::suite()?, &reports[0]);
     match command {

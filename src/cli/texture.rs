@@ -1,4 +1,4 @@
-//! Subcommands for texture mapping.
+//! Subcommands of `ptm-conform texture`.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -81,9 +81,9 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but these images are less than a quarter of all
-/// wrong images of the same formats and views that have no other cause. A more general mistake may explain them all. Images in
-/// later views do not count, because a mistake in a later step may explain them.
+/// Returns true if most of the explained failures are images of legal files, but more than three times as many wrong images of
+/// the same formats and views remain unexplained. A more general mistake may explain all of these images. Images in later views
+/// do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();

@@ -50,7 +50,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
     }
 }
 
-/// Returns the fields of an answer that the case checks.
+/// Returns only those fields of an answer that the case checks.
 fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
     let fields = case.expect.as_object().into_iter().flatten();
     let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));

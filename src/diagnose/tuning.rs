@@ -92,7 +92,7 @@ pub(super) fn is_nearly_all(part: usize, whole: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
-    /// Every constant may have the wrong value, so their number is limited.
+    /// Every constant may have a wrong value, so there should be few of them.
     #[test]
     fn there_are_at_most_thirty_tuning_constants() {
         let is_number = |line: &&str| line.starts_with("pub") && line.contains(" const ");

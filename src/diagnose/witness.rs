@@ -34,7 +34,7 @@ pub(super) struct Witness<'a> {
     pub legal_files: usize,
     /// Number of judged legal files of the same format whose cases are inconclusive.
     pub inconclusive_files: usize,
-    /// Readings of open questions on top of which mistakes are applied.
+    /// Decisions of the decoder before any mistake is applied.
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
     pub expected: Answer,
@@ -82,8 +82,8 @@ impl Agreement {
     }
 }
 
-/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to `reading` or,
-/// without it, to the dialect inferred for the decoder.
+/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to `reading` or, if it
+/// is `None`, to the dialect inferred for the decoder.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
@@ -407,7 +407,7 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the file has the table, matrix or compressed planes that the clause of the misreading is about.
+/// Returns true if the misreading can affect the file. Its clause may require a table, a matrix or compressed planes.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

@@ -34,9 +34,9 @@ pub struct Report {
     /// Remarks on the run as a whole.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
-    /// Readings of open questions that the decoder follows.
+    /// The decoder's readings of open questions.
     pub dialect: Vec<FollowedReading>,
-    /// Behavior of the decoder for files outside the specification, one entry per ruling.
+    /// Behavior of the decoder on files outside the specification, one entry per ruling.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lenient: Vec<Leniency>,
     /// Comparison of the failures with the baseline, if a baseline was given.
@@ -85,7 +85,7 @@ pub struct DecoderInfo {
     pub unsupported: Vec<String>,
 }
 
-/// Reading of an open question that a decoder follows.
+/// A decoder's reading of an open question.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FollowedReading {
     /// Id of the ruling.

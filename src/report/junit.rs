@@ -71,7 +71,7 @@ pub fn junit(report: &Report) -> String {
     xml.0.replace(replaced, "\u{fffd}")
 }
 
-/// Returns the name and the markup of the element for a case, or `None` if the case passed.
+/// Returns the name and markup of the result element of a case, or `None` if the case passed.
 fn element(report: &Report, case: &CaseResult) -> Option<(&'static str, Markup)> {
     let says = match case.message.as_str() {
         "" => case.outcome.name(),

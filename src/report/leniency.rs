@@ -1,4 +1,4 @@
-//! Behavior of a decoder for files outside the specification.
+//! Behavior of a decoder on files outside the specification.
 
 use std::collections::BTreeMap;
 

@@ -155,7 +155,7 @@ fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> 
     })
 }
 
-/// Converts diagnoses to the causes of a report.
+/// Converts diagnoses to the likely causes listed in a report.
 pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
@@ -183,7 +183,7 @@ fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) ->
     cause
 }
 
-/// Converts a cause of a diagnosis to a cause of a report.
+/// Converts the cause in a diagnosis to the form used in reports.
 fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
     match cause {
         Cause::Misreading {

@@ -81,12 +81,12 @@ pub struct Circumstances {
     pub limits: Vec<String>,
 }
 
-/// Remarks on the run as a whole that do not follow from answers.
+/// Remarks on the run as a whole that are not derived from answers.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct OtherRemarks {
-    /// Remarks that precede those that follow from answers.
+    /// Remarks to place before those that are derived from answers.
     pub before: Vec<Remark>,
-    /// Remarks that come after those that follow from answers.
+    /// Remarks to place after those that are derived from answers.
     pub after: Vec<Remark>,
 }
 
@@ -103,7 +103,7 @@ pub struct Trailer {
     pub circumstances: Circumstances,
     /// Plan of the run, in which only the cases of this part are selected.
     pub plan: RunPlan,
-    /// Remarks on the run as a whole that do not follow from answers.
+    /// Remarks on the run as a whole that are not derived from answers.
     pub remarks: OtherRemarks,
     /// Reason why the run ended before all cases were requested, if it did.
     pub ended_early: Option<String>,

@@ -117,7 +117,7 @@ mod tests {
         (axes, combinations)
     }
 
-    /// Returns the dialect, and the settled readings by their rulings.
+    /// Returns the dialect, and each settled reading with its ruling.
     fn settled(images: &[Image]) -> (Vec<usize>, Vec<(&'static str, usize)>) {
         let shown = images.iter().map(|(axes, right)| (&**axes, &**right));
         let (dialect, certain) = dialect_in::<Case>(&shown.collect::<Vec<_>>());

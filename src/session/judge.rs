@@ -220,7 +220,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Describes the readings that the decoder mixes, given the `other` dialect, in which the answer is right.
+    /// Describes the readings that the decoder mixes. The answer is right in the `other` dialect.
     fn mixed_readings_text(&self, axes: &[usize], other: &Dialect) -> String {
         let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
         let readings = axes.iter().filter(differs).map(|&axis| {

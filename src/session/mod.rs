@@ -1,4 +1,4 @@
-//! A run, from first contact to the last answer and the verdicts.
+//! A run, from first contact to the verdicts.
 //!
 //! Start with [`run::check`], which calls all stages in order. All requests, for PTM files or texture questions, are
 //! [`TestCase`](crate::suite::test_case::TestCase)s.

@@ -18,11 +18,11 @@ use crate::runner::run::{Reply, Request};
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::corpus::write_file;
 
-/// The list of requests, for programs.
+/// File name of the list of requests for programs.
 const LIST_NAME: &str = "requests.yaml";
-/// The list of requests, for spreadsheets and scripts.
+/// File name of the list of requests for spreadsheets and scripts.
 const TABLE_NAME: &str = "requests.tsv";
-/// The directory for the answers.
+/// Name of the directory for the answers.
 const ANSWERS_DIR: &str = "outputs";
 
 /// A request for the output of one file.
@@ -96,7 +96,7 @@ pub fn export(
 /// Answer for a case: a file, or a refusal.
 type OfflineAnswer = Result<PathBuf, Answer>;
 
-/// For refused and for unsupported files: the name of the list, the suffix of a file that marks a single case, and the answer.
+/// Lists of refused and of unsupported files: name of the list, suffix of a file that marks a single case, and the answer.
 const REFUSALS: [(&str, &str, Answer); 2] = [
     ("rejected.txt", "reject", Answer::Rejected),
     ("unsupported.txt", "unsupported", Answer::Unsupported),

@@ -83,7 +83,7 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice::new("side-lossless", SIDE_LOSSLESS),
 ]);
 
-/// Returns the choices that affect a case in a view. Most cases have none.
+/// Returns the choices that affect a case in a view. Most cases are affected by none.
 ///
 /// A choice that is not returned must have no effect on the case: all of its readings produce the same image.
 #[must_use]

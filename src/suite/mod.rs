@@ -1,4 +1,4 @@
-//! Cases, their expected results, and the open questions that have several right answers.
+//! Cases, their expected results, and open questions with several right answers.
 
 pub mod address;
 pub mod cases;

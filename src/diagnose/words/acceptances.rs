@@ -85,7 +85,7 @@ fn list_faults(witnesses: &[Witness], indices: &[usize]) -> String {
     list_first(&faults, "fault")
 }
 
-/// Returns the damage to a file, or the reason for its case.
+/// Returns the effect of the damage to a file, or the purpose of the case if there is no damage.
 pub(super) fn fault_text(case: &Case) -> &str {
     let because = case.because.trim_end_matches('.');
     case.damage().map_or(because, |damage| &damage.effect)

@@ -19,7 +19,7 @@ use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, format_distinct};
 use crate::suite::origin;
 
-/// Maximum number of channels in a list.
+/// Maximum number of channels that are listed by name.
 const MAX_LISTED: usize = 3;
 
 /// The step at which the values of an image first differ, as far as a single image reveals it.

@@ -118,10 +118,10 @@ fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Maximum number of items in a list. The rest are counted.
+/// Maximum number of items in a list. Any further items are only counted.
 const MAX_LISTED: usize = 6;
 
-/// Lists the first items and counts the rest: "a; b; and 1 other fault".
+/// Lists the first items and counts the rest, as in "a; b; and 1 other fault".
 fn list_first(all: &[&str], noun: &str) -> String {
     let (named, more) = all.split_at(all.len().min(MAX_LISTED));
     let named = named.join("; ");

@@ -63,7 +63,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     all.flatten().collect()
 }
 
-/// Returns true if a quarter of the failing responses or more differ between calls. Properties of images are then coincidences.
+/// Returns true if at least a quarter of the failing responses differ between calls. Common properties are then coincidences.
 pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
     let differs = |index: &usize| {
         let observation = run.observations[*index].as_ref();

@@ -18,7 +18,7 @@ pub const MAX_EVIDENCE_BYTES: usize = 3_500_000;
 /// Number of cases per group that are initially visible.
 const INITIALLY_VISIBLE_CASES: usize = 12;
 
-/// Failing cases that share a cause, or all failing cases without a cause.
+/// Failing cases that share a cause, or all failing cases whose cause is unknown.
 pub(super) struct Group<'a> {
     pub cause: Option<&'a LikelyCause>,
     pub cases: Vec<&'a CaseResult>,

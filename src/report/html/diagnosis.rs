@@ -1,4 +1,4 @@
-//! Descriptions of causes and fixes, and next steps for programs that are not decoders.
+//! Renders causes and fixes, and next steps for programs that are not decoders.
 
 use maud::{Markup, html};
 

@@ -70,7 +70,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
     Ok(page_with_head(&title, &body))
 }
 
-/// Renders the command of report `i`, followed by a number if several reports have the same command.
+/// Renders the command of the decoder in report `i`, followed by a number if several reports have the same command.
 fn command_name(reports: &[Report], i: usize) -> Markup {
     let command = &reports[i].decoder.command;
     let has_same_command = |report: &&Report| report.decoder.command == *command;

@@ -32,7 +32,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
 /// Index of the last row and column.
 const LAST_INDEX: usize = SIDE as usize - 1;
 
-/// Common transforms of the image: the source of each column, row and channel, and a description.
+/// Common transforms of the image, each with the source of every column, row and channel, and a description.
 const IMAGE_TRANSFORMS: &str = "\
 x y rgb: This decoder shows the scene almost correctly.
 x -y rgb: The image is upside down.
@@ -45,7 +45,7 @@ x y rbg: Green and blue are swapped.
 x -y bgr: The image is upside down, and red and blue are swapped.
 ";
 
-/// Common changes to the light direction: the new u and v, and a description.
+/// Common changes to the light direction, each with the new u and v, and a description.
 const LIGHT_CHANGES: &str = "\
 u -v: The image is lit from below, so v points down.
 -u v: The image is lit from the right, so u points to the left.

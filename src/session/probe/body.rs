@@ -6,7 +6,7 @@ use crate::suite::compare::Expected;
 
 use super::message::{ProbeFault, Slots, fault};
 
-/// Samples as numbers, and the mistakes that were undone to read them.
+/// Samples as numbers, and the mistakes that were undone to read the samples.
 pub(super) type Interpretation = (Vec<f64>, Vec<ProbeFault>);
 
 /// Returns the mistakes in the first line, and the samples in all possible interpretations.
@@ -48,7 +48,7 @@ pub(super) fn interpret_frame(
     Some((mistakes, interpretations(&bytes[end + 1..], expected)))
 }
 
-/// Returns the mistakes in the words of the first line.
+/// Returns the mistakes in the words of the first line of the frame.
 fn line_mistakes(
     name: &str,
     (width, height, channels): (u32, u32, u32),

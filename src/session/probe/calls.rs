@@ -56,7 +56,7 @@ impl Calls<'_> {
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }
 
-    /// Returns a template with words around the command.
+    /// Returns a template with words before and after the command.
     fn template_around(&self, before: &[&str], after: &[&str]) -> Template {
         let before = before.iter().map(OsString::from);
         let after = after.iter().map(OsString::from);
@@ -64,7 +64,7 @@ impl Calls<'_> {
         Template::from_words(&before.chain(command).chain(after).collect::<Vec<_>>())
     }
 
-    /// Explains an answer that is not a frame, if its cause is known.
+    /// Explains an answer that is not a frame, if the cause is known.
     pub(super) fn explain_no_frame(
         &self,
         file: &[u8],
@@ -89,7 +89,7 @@ impl Calls<'_> {
         self.find_other_call(file, expected, view)
     }
 
-    /// Finds a different command line for which the decoder prints a frame.
+    /// Finds a different command line with which the decoder prints a frame.
     fn find_other_call(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");

@@ -26,7 +26,7 @@ pub struct ProbeStep {
     pub message: String,
     /// The next step, if there is something to do.
     pub next: Option<String>,
-    /// Instructions for reproducing the observation by hand, if there is something to fix.
+    /// Requests that reproduce the observation, if there is something to fix.
     pub repeat: Option<Reproduction>,
 }
 

@@ -82,7 +82,7 @@ pub fn wrapper_faults(
     merge_equal_fixes(faults)
 }
 
-/// Keeps one of several faults with the same fix and appends the number of the others.
+/// Keeps one of several faults with the same fix, and appends the number of faults that were dropped.
 fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let mut list: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {

@@ -106,7 +106,7 @@ impl Suite<TextureCase> {
     }
 }
 
-/// Parses a case file: a list, or a document whose `cases` are a list.
+/// Parses a case file: a list, or a document with a list under `cases`.
 ///
 /// # Errors
 /// Returns the error and its location.

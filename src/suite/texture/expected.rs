@@ -26,8 +26,7 @@ impl TextureCase {
         }
     }
 
-    /// Returns the expected answer under a dialect: for the reference's dialect, the answer in the case; for others, a computed
-    /// one.
+    /// Returns the expected answer: the answer in the case for the reference's dialect, or a computed answer for any other.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {

@@ -402,7 +402,7 @@ impl EntryGiven {
 const POINT_FIELDS: &str = "`mc`, `wc`, `vrc`, `eye_mc`, `eye_wc`, `eye_vrc`, `mc_normal`, `wc_normal`, `vrc_normal`, \
     `mc_geometric_normal`, `wc_geometric_normal`, `vrc_geometric_normal`, `fp_data`, `nurb`, `u`, `v`, `data_splines`, `i`, `s`";
 
-/// A point of a surface. Field names state the coordinate system, such as `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
+/// A point on a surface. Field names state the coordinate system, such as `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(try_from = "Map<String, Value>")]
 struct PointGiven(Point);

@@ -87,7 +87,7 @@ impl TestCase for TextureCase {
         self.op.clone()
     }
 
-    /// Returns the step and, if the question contains a PTM, the feature for such maps.
+    /// Returns the step and, if the question contains a PTM, the feature for PTM maps.
     fn features(&self, _: &TextureView) -> BTreeSet<String> {
         let mut features = BTreeSet::from([self.op.clone()]);
         if self.given.to_string().contains("\"ptm\"") {

@@ -125,7 +125,7 @@ fn differing_planes(ptm: &Ptm, other: &StoredMap) -> Vec<bool> {
     differing
 }
 
-/// Returns one flag per texel: true if the color differs under any of [`LIGHTS`]. Works in chunks to save memory.
+/// Returns one flag per texel: true if the color differs under any of [`LIGHTS`]. Works in chunks to limit memory use.
 fn differing_colors(ptm: &Ptm, reading: &Reading) -> Vec<bool> {
     let shape = ptm.planes.shape;
     let mut all = Vec::new();

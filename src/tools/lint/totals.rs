@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::{Lint, codes::Code, status::Status};
 
-/// Counts of all files of a run.
+/// Counts of all files in a run.
 #[derive(Clone, Debug, Default)]
 pub struct Totals {
     /// Number of files.
