@@ -214,7 +214,7 @@ fn plan(args: &CheckArgs, suite: &Suite, tested: &Subject, serve: bool) -> Resul
     })
 }
 
-/// Requests the capabilities of a program. Most programs do not declare any.
+/// Requests the capabilities of a program. Most programs declare none.
 fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
     let Answers::Program(decoder) = &mut subject.answers else {
         return Capabilities::default();

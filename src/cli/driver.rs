@@ -175,7 +175,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         }
     }
 
-    /// Writes the report with all verdicts, then searches for causes and writes it again.
+    /// Writes the report with all verdicts, then searches for causes and writes the report again.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
         let (suite, plan) = (self.writer.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();

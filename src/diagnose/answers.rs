@@ -15,7 +15,7 @@ use crate::session::observation::Response;
 const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 
 impl Witness<'_> {
-    /// Returns the answer of a decoder that makes `mistakes`.
+    /// Returns the answer of a decoder that makes these `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let in_scope = mistakes
             .iter()

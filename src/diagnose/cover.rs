@@ -17,7 +17,7 @@ pub(crate) struct CoverCandidate<T> {
     pub explains: Vec<usize>,
     /// Indices of the passing cases that a decoder with this cause would fail.
     pub contradicted: Vec<usize>,
-    /// Causes that no case distinguishes from this one. Filled in by [`cover`].
+    /// Causes that no case distinguishes from this cause. Filled in by [`cover`].
     pub equivalents: Vec<T>,
 }
 

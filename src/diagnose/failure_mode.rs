@@ -59,7 +59,7 @@ impl FailureMode {
     }
 }
 
-/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors are equal.
+/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors compare equal.
 fn generalize(error: &str) -> String {
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');

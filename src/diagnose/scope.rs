@@ -11,7 +11,7 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index. The string contains its clause and text, separated by a space.
+    /// Files with the property at this index. The string contains the clause and text of the property, separated by a space.
     Property(usize, &'static str),
     /// Files whose `quantity` (an index) is at least or at most `bound`. The nearest value of any other file is `other_bound`.
     Beyond {

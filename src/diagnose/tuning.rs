@@ -5,11 +5,11 @@
 pub(super) const IMAGE_SCORE: i64 = 16;
 /// Score of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
 pub(super) const REFUSAL_SCORE: i64 = 8;
-/// Score of a crash where the mistake implies a refusal. This is also the minimum score of a reported mistake.
+/// Score of a response that is a crash if the mistake implies a refusal. This is also the minimum score of a reported mistake.
 pub(super) const CRASH_SCORE: i64 = 3;
 /// Maximum score of a partially explained image. It is less than that of a refusal, because other channels remain wrong.
 pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
-/// Score of an image where the mistake implies a refusal. The decoder evidently does not make this mistake.
+/// Score of a response that is an image if the mistake implies a refusal. The decoder evidently does not make this mistake.
 pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
 /// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
 pub(super) const CONTRADICTION_SCORE: i64 = -16;
@@ -56,7 +56,7 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Minimum number of files that share a reported property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Minimum number of files that the decoder reads. With fewer, a property that only the refused files have is not significant.
+/// Minimum number of files that the decoder must read for a property shared by the refused files to be significant.
 pub(super) const MIN_READ_FILES: usize = 20;
 /// A property is reported if the probability of a coincidence is less than one in this many.
 pub(super) const COINCIDENCE_ODDS: f64 = 50.0;

@@ -120,7 +120,7 @@ pub struct LikelyCause {
     pub accompanying: Vec<String>,
     /// Failing cases that this cause reproduces exactly.
     pub explains: Vec<String>,
-    /// Failing cases that this cause explains in part.
+    /// Failing cases that this cause partly explains.
     #[serde(rename = "partly", default, skip_serializing_if = "Vec::is_empty")]
     pub partial: Vec<String>,
     /// Passing cases that a decoder with this mistake would fail.
@@ -204,7 +204,7 @@ impl Report {
         baseline.is_some_and(|baseline| baseline.known.contains(&case.id))
     }
 
-    /// Returns the first cause that reproduces this failure, or else the first that explains it in part.
+    /// Returns the first cause that reproduces this failure, or else the first cause that partly explains it.
     #[must_use]
     pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
         let with = |of: fn(&LikelyCause) -> &[String]| {

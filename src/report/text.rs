@@ -231,7 +231,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes the number of open questions that the decoder reads as the reference does, and its readings of the rest.
+    /// Writes how many open questions the decoder reads as the reference does, and the decoder's readings of the rest.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();

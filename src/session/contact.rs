@@ -144,7 +144,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel. A
-    /// serving process receives all of them in order. After a timeout, the other views of the same file are requested last.
+    /// serving process receives all requests in order. After a timeout, the other views of the same file are requested last.
     fn first_files(&self) -> Vec<FirstFile<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();

@@ -1,4 +1,4 @@
-//! Counts during a run, and reasons to end it.
+//! Counts during a run, and reasons to end the run.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};

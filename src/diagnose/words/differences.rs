@@ -560,7 +560,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes used in it.
+/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes that determine it.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }

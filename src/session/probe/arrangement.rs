@@ -30,7 +30,7 @@ pub(in crate::session) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Returns all arrangements, the right one first.
+    /// Returns all arrangements, the correct one first.
     pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
         let count = LAYOUTS.len() * ORDERS.len() * 4;
         (0..count).map(|i| Arrangement {
@@ -61,7 +61,7 @@ impl Arrangement {
         places
     }
 
-    /// Returns the same image with its samples in the right order.
+    /// Returns the same image with its samples in the correct order.
     pub(in crate::session) fn undo(&self, frame: &Frame) -> Frame {
         let [width, height, channels] =
             [frame.width, frame.height, frame.channels].map(|count| count as usize);
@@ -76,7 +76,7 @@ impl Arrangement {
         }
     }
 
-    /// Returns the mistakes of this arrangement; empty for the right one.
+    /// Returns the mistakes that lead to this arrangement; empty for the correct arrangement.
     pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
         let upside_down = if self.upside_down { "upside-down" } else { "" };
         let mirrored = if self.mirrored { "mirrored" } else { "" };

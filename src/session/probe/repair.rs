@@ -6,7 +6,7 @@ use crate::suite::compare::Expected;
 use super::message::{ProbeFault, fault, join_texts};
 use super::{arrangement::arrangements, body::interpret_frame};
 
-/// Mistakes that must be undone to get the correct image.
+/// Mistakes that must be undone to obtain the correct image.
 pub(super) struct Repair {
     pub(super) mistakes: Vec<ProbeFault>,
     /// True if all samples are right and only their order is wrong.

@@ -118,7 +118,8 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the fewest mistakes to undo so that most frames of a view are right, or `None` if they only reorder samples.
+/// Returns the smallest set of mistakes whose correction makes most frames of a view right, or `None` if it only reorders
+/// samples.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {

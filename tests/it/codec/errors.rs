@@ -204,7 +204,7 @@ SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
 SOI SOF SOS F7 EOI | 00
 ";
 
-/// Invalid streams. In the last row, an empty run, 22 zeros, a one and 1111 1111 code the mapped error 256, which is too large.
+/// Invalid streams. In the last row, an empty run, 22 zeros, a one and 1111 1111 encode the mapped error 256, which is too large.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
 D8 FF | byte 0: the stream does not start with SOI, bytes FF D8
