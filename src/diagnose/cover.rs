@@ -15,7 +15,7 @@ pub(crate) struct CoverCandidate<T> {
     pub cause: T,
     /// Suite indices of the failing cases that the candidate reproduces.
     pub explains: Vec<usize>,
-    /// Indices of the passing cases that a decoder with this cause would fail.
+    /// Suite indices of the passing cases that a decoder with this mistake would fail.
     pub contradicted: Vec<usize>,
     /// Causes that no case distinguishes from this cause. Filled in by [`cover`].
     pub equivalents: Vec<T>,

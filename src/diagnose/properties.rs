@@ -90,7 +90,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// Number of properties that describe the requested view. They come first.
+/// Number of properties that describe the requested view. These properties come first.
 pub(super) const VIEW_PROPERTIES: usize = 3;
 
 fn view_properties(f: &File) -> [Property; 6] {

@@ -330,7 +330,7 @@ impl<'a> Search<'a> {
             .any(explains)
     }
 
-    /// Returns the mistakes in `set`, and the assumed ones, that can change the answer.
+    /// Returns the mistakes that can change the answer, among those in `set` and the assumed ones.
     fn relevant_ids(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let all = self.assumed.iter().chain(set).copied();
         all.filter(|&id| self.witnesses[w].can_affect(&self.mistakes[id]))
@@ -486,8 +486,8 @@ impl<'a> Search<'a> {
         effect
     }
 
-    /// Returns the mistakes in `set`, and the assumed ones, that change the answer on their own. Other mistakes rarely have an
-    /// effect in combination, except for changes to the bytes of a file.
+    /// Returns the mistakes that change the answer on their own, among those in `set` and the assumed ones. Other mistakes rarely
+    /// have an effect in combination, except for changes to the bytes of a file.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));

@@ -42,7 +42,7 @@ impl Report {
         text
     }
 
-    /// Returns the number of cases with each outcome as a comma-separated list.
+    /// Returns a comma-separated list of the number of cases with each outcome.
     #[must_use]
     pub fn counts(&self) -> String {
         let mut counts = Vec::new();

@@ -12,7 +12,7 @@ use crate::session::plan::{Repeat, SAMPLE_INTERVAL};
 use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::test_case::TestCase;
 
-/// Maximum number of failures of one kind that are repeated at first.
+/// Maximum number of failures of each kind that are initially repeated.
 const MAX_REPEATED_PER_KIND: usize = 8;
 
 /// Number of repetitions that is always allowed, even if it exceeds a tenth of the run.

@@ -56,7 +56,7 @@ impl FirstReply<'_> {
 }
 
 impl Contact {
-    /// Returns the replies to the first files with known correct answers.
+    /// Returns the replies to those first files whose correct answers are known.
     pub(super) fn replies<'a>(&'a self, suite: &'a Suite) -> Vec<FirstReply<'a>> {
         let reply = |first: &'a FirstFile| {
             let case = &suite.cases[first.case];

@@ -29,7 +29,7 @@ pub enum Outcome {
     Unsupported,
     /// The valid twin was not decoded, so nothing can be concluded.
     Inconclusive,
-    /// A legal spelling or reading other than the decoder's.
+    /// The case uses a legal spelling or reading other than the decoder's.
     #[serde(rename = "other dialect")]
     OtherDialect,
     /// The response follows from an assumed mistake.

@@ -73,7 +73,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns true if neither the user nor the decoder's declared views exclude a view.
+    /// Returns true if neither the user nor the decoder's declaration excludes a view.
     pub(super) fn allows_view(&self, view: &str) -> bool {
         let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
         allows(&self.views) && allows(&self.declared_views)

@@ -237,7 +237,7 @@ fn all_unsupported_reason<C: TestCase>(
 }
 
 impl<C: TestCase> Run<C> {
-    /// Explains cases that were not requested, either on purpose or because the run ended early.
+    /// Explains why cases were not requested: on purpose, or because the run ended early.
     fn explain_skipped_cases(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
         let judged = suite.cases.iter().zip(&mut self.judgement.cases);
         for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {

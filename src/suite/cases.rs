@@ -14,7 +14,7 @@ use crate::generate::{plan::Compression, spelling::Count};
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
-/// The expected result of a case. It is serialized as its name in cases and manifests.
+/// The expected result of a case, which is serialized by name in case files and manifests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {

@@ -49,7 +49,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     }
     /// Returns the expected result.
     fn expect(&self) -> Expect;
-    /// Returns the name of the expected result for reports.
+    /// Returns the name that reports use for the expected result.
     fn expectation_name(&self) -> &'static str;
     /// Returns true if the case is requested in every view before all other cases.
     fn is_first(&self) -> bool;
@@ -124,7 +124,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn expected_text(&self) -> Option<String> {
         None
     }
-    /// Returns the fault of a file that must be refused.
+    /// Describes the fault in a file that must be refused.
     fn fault(&self) -> String;
 }
 

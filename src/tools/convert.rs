@@ -52,7 +52,7 @@ impl Target {
 pub struct ConvertedMap {
     /// Bytes of the file.
     pub bytes: Vec<u8>,
-    /// Largest change of a stored value by compression; 0 if the conversion is lossless.
+    /// Largest change to a stored value caused by compression; 0 if the conversion is lossless.
     pub max_difference: u8,
     /// Number of entries in the lookup table, if there is one.
     pub entries: Option<usize>,

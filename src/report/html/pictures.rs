@@ -13,7 +13,7 @@ use crate::ptm::channel_name;
 use crate::report::html::compare::{ComparedImages, png_data_url};
 use crate::suite::compare::Expected;
 
-/// Maximum number of columns and rows of a plane that are displayed.
+/// Maximum number of displayed columns and rows of a plane.
 const MAX_SIDE: usize = 48;
 
 /// Position of a sample: column, row and channel.
@@ -154,7 +154,7 @@ impl ImageComparison<'_> {
         self.plane_indices(channel).filter(is_wrong).count()
     }
 
-    /// Returns the minimum and maximum finite value of a plane over both frames.
+    /// Returns the minimum and maximum finite values of a plane over both frames.
     fn span(&self, channel: usize) -> (f64, f64) {
         let values = |i: usize| [self.expected.values[i], self.received[i]];
         let both = self.plane_indices(channel).flat_map(values);

@@ -11,7 +11,7 @@ use crate::protocol::frame::{Frame, Samples, View, ViewKind};
 use crate::ptm::{ColorMatrix, Ptm, Shape};
 use crate::suite::{cases::Built, compare::Expected};
 
-/// Maximum number of samples of a map with a preview. Larger maps have no preview.
+/// Maximum number of samples in a map with a preview. Larger maps have no preview.
 const MAX_SAMPLES: usize = 24 << 10;
 
 /// Renders a preview of `frame` next to the expected map. Returns `None` if the frame has a fixed light or another shape, or is

@@ -268,7 +268,7 @@ impl TextureStep {
         })
     }
 
-    /// Computes the steps that return a texel or a color.
+    /// Computes the result of a step that returns a texel or a color.
     fn color(&self, rules: &Rules) -> Result<Value, Unanswered> {
         Ok(match self {
             TextureStep::Sample {

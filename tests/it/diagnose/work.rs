@@ -11,7 +11,7 @@ use crate::in_process::{answer_with, misreading, reference_answer, run_all, suit
 /// Maximum number of answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
 
-/// Returns the correct answer with all samples set to one value.
+/// Returns the correct answer with all samples set to the same value.
 fn with_uniform_samples(request: &Request) -> Answer {
     let mut answer = reference_answer(request);
     if let Answer::Decoded(frame) = &mut answer {
