@@ -20,7 +20,7 @@ pub enum Class {
     Malformed,
     /// The file may be valid, but uses a feature that this decoder does not support.
     Unsupported,
-    /// The file needs more memory than [`crate::ptm::Limits`] allow.
+    /// The file needs more memory than [`crate::ptm::Limits`] allows.
     Limit,
 }
 

@@ -128,17 +128,17 @@ pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [y, cr, cb]
 }
 
-/// Returns the vector Cr, Y, Cb (alternative for ruling `lum-vector`).
+/// Returns the vector Cr, Y, Cb (alternative to ruling `lum-vector`).
 pub(crate) fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [cr, y, cb]
 }
 
-/// Returns the translation unchanged, in the range 0 … 255 of the values (ruling `lum-range`).
+/// Returns the translation unchanged: like the values, it ranges from 0 to 255 (ruling `lum-range`).
 pub(crate) fn lum_translation(t: f64) -> f64 {
     t
 }
 
-/// Scales a translation from 0 … 1 to 0 … 255 (alternative for ruling `lum-range`).
+/// Scales a translation from 0 … 1 to 0 … 255 (alternative to ruling `lum-range`).
 pub(crate) fn scaled_lum_translation(t: f64) -> f64 {
     t * 255.0
 }

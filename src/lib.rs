@@ -1,7 +1,7 @@
 //! Reference decoder, generator and conformance harness for Polynomial Texture Maps (PTM 1.2, HP Labs 2001).
 //!
 //! A PTM stores six coefficients of a polynomial for each texel, so that an image can be relit. Decoding takes a few steps. Each
-//! step is a public function, and the results of two decoders can be compared after each one:
+//! step is a public function, and the results of two decoders can be compared after each step:
 //!
 //! ```text
 //! &[u8] ──decode──→ Header, Planes ──coefficients──→ Coefficients ──evaluate──→ RelitImage

@@ -2,7 +2,7 @@
 //!
 //! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each decision is the
 //! function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder calls only these
-//! functions. For a different reading of an open point, or for a deliberate mistake, replace the function.
+//! functions. For a different reading of an open question, or for a deliberate mistake, replace the function.
 
 use std::borrow::Cow;
 
@@ -56,7 +56,7 @@ pub struct Reading {
     pub(crate) motion_sign: fn(displacement: i64) -> i64,
     pub(crate) motion_vertical: fn(my: i64) -> i64,
     pub(crate) motion_half: fn(samples: [u8; 4]) -> u8,
-    /// Returns the sample at (x, y). Readings differ only outside the plane.
+    /// Returns the sample at (x, y). Readings differ only for positions outside the plane.
     pub(crate) motion_border: fn(plane: &[u8], Size, x: i64, y: i64) -> u8,
     // 2.9.5
     pub(crate) predict: fn(residuals: &mut [u8], predictor: &[u8]),

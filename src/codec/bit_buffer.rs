@@ -43,7 +43,7 @@ impl<'a, const AFTER_FF: u32> ReadBits<'a, AFTER_FF> for BitBuffer<'a, AFTER_FF>
         Ok(number)
     }
 
-    /// Computes the position by moving back over the bytes in the window.
+    /// Returns a [`Bits`] at the same position, found by moving back over the bytes in the window.
     #[cold]
     fn plain_bits(&self) -> Bits<'a, AFTER_FF> {
         let (mut at, mut unread) = (self.at, self.count);
@@ -139,7 +139,7 @@ mod tests {
     use super::super::bits::{Bits, ReadBits, transcript};
     use super::BitBuffer;
 
-    /// Reads one number of each size, in bits.
+    /// Reads one number for each of `sizes`, which are numbers of bits.
     fn read_numbers<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],

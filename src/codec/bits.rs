@@ -21,7 +21,7 @@
 
 use super::stream_error::{StreamError, StreamResult, malformed};
 
-/// Operations on an entropy-coded segment. [`Bits`] implements them as the standards describe them, and
+/// Operations on an entropy-coded segment. [`Bits`] follows the standards bit by bit, and
 /// [`BitBuffer`](super::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
     /// Creates a reader for the segment that starts at byte `at`, after a marker or a marker segment. The previous byte must not
@@ -140,7 +140,7 @@ mod tests {
         results
     }
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn jpeg_stuffs_a_byte_and_jpeg_ls_a_bit_after_ff() {
         let t_81 = [0, 0xFF, 0x00, 0xA1, 0xFF, 0xD9];

@@ -55,7 +55,7 @@ impl fmt::Display for Marker {
 pub(crate) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
-    /// Name of the part that ends with `stream`, for error messages.
+    /// Name of the part of the stream that this cursor reads, for error messages.
     name: &'static str,
 }
 

@@ -83,7 +83,7 @@ pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     /// Bits that do not yet fill a byte, right-aligned.
     window: u64,
     count: u32,
-    /// Number of data bits in the next byte.
+    /// Number of data bits that fit in the next byte.
     free_bits: u32,
 }
 
@@ -109,8 +109,8 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
         }
     }
 
-    /// Pads the last byte with copies of `padding`, 0 or 1. The stuffing after a final 0xFF is part of the data.
-    /// Without it, a decoder would detect a marker too early.
+    /// Pads the last byte with copies of `padding`, 0 or 1. A final 0xFF is followed by stuffing as well; otherwise, a decoder
+    /// would mistake it for the start of a marker.
     pub fn finish(mut self, padding: u32) {
         while self.count > 0 || self.free_bits < 8 {
             self.put_bits(padding, 1);

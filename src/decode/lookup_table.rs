@@ -62,13 +62,13 @@ pub(crate) fn read_entry_count(input: &mut Input) -> Result<usize> {
     Ok(entries as usize)
 }
 
-/// Reads nothing (ruling `lut-newline`).
+/// Reads nothing between the table and the indices (ruling `lut-newline`).
 #[allow(clippy::unnecessary_wraps)] // the alternative can fail
 pub(crate) fn read_no_separator(_: &mut Input) -> Result<()> {
     Ok(())
 }
 
-/// Reads one line feed (alternative for ruling `lut-newline`).
+/// Reads one line feed between the table and the indices (alternative to ruling `lut-newline`).
 pub(crate) fn read_newline_separator(input: &mut Input) -> Result<()> {
     match input.take("2.5/3", "a line end after the table", 1)? {
         b"\n" => Ok(()),

@@ -61,10 +61,10 @@ mod channels;
 /// Fast copying of channels
 mod runs;
 
-/// Rows of the image, assembled from the values that 2.7, 2.8 and 2.9.8 store
+/// Rows of the image, assembled from the values of 2.7, 2.8 or 2.9.8
 mod stored;
 
-/// [`Reading::SPEC`], and alternative readings of the open points
+/// [`Reading::SPEC`], and alternative readings of the open questions
 mod spec;
 
 #[cfg(feature = "harness")]
@@ -93,7 +93,7 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Decodes `file` with a different reading of the open points, or with different limits.
+/// Decodes `file` with a different reading of the open questions, or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -122,7 +122,7 @@ pub fn open(file: &[u8]) -> Result<StoredMap<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Parses `file` like [`open`], with a different reading of the open points or with different limits.
+/// Parses `file` like [`open`], with a different reading of the open questions or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -144,7 +144,7 @@ pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     examine_as(file, &Reading::SPEC)
 }
 
-/// Returns the fields of `file` with a different reading of the open points, and the result of [`decode_as`].
+/// Returns the fields of `file` with a different reading of the open questions, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {

@@ -35,8 +35,8 @@ use crate::parts::{Block, Coded, Plan, PlaneStream, Record};
 use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
-/// Reads the payload of a compressed file. Returns an error if it is incomplete (clause 2.9.8/2, ruling `payload-end`) or its
-/// planes are too large. `declared_size` is used as the size of the payload if the plan overflowed.
+/// Reads the payload of a compressed file. Returns an error if the payload is incomplete (clause 2.9.8/2, ruling `payload-end`)
+/// or its planes are too large. `declared_size` replaces the size of the payload if the byte ranges of `plan` overflow.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference regardless of their size"
@@ -169,7 +169,7 @@ pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] 
     &coded.payload[coded.plan.extents[plane].side.clone()]
 }
 
-/// Returns the side information of a plane, or an empty block for lossless JPEG-LS (alternative for ruling `side-lossless`).
+/// Returns the side information of a plane, or an empty block for lossless JPEG-LS (alternative to ruling `side-lossless`).
 pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if coded.coding == Coding::JpegLs && coded.plan.parameter == 0 {
         &[]

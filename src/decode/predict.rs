@@ -59,7 +59,7 @@ pub(crate) fn invert_then_displace<'a>(
     predictor
 }
 
-/// Returns the reference, first displaced and then inverted (alternative for ruling `motion-inversion`).
+/// Returns the reference, first displaced and then inverted (alternative to ruling `motion-inversion`).
 pub(crate) fn displace_then_invert<'a>(
     reference: &'a [u8],
     step: &Step,
@@ -91,7 +91,7 @@ pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
     }
 }
 
-/// Computes residual + predictor, modulo 256, for JPEG-LS planes (alternative for ruling `jpeg-ls-offset`).
+/// Computes residual + predictor, modulo 256, for JPEG-LS planes (alternative to ruling `jpeg-ls-offset`).
 pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted);
@@ -135,7 +135,7 @@ pub(crate) fn texel_to_predictor(displacement: i64) -> i64 {
     displacement
 }
 
-/// Returns the displacement of a vector that points from the predictor to the texel (alternative for ruling `motion-sign`).
+/// Returns the displacement of a vector that points from the predictor to the texel (alternative to ruling `motion-sign`).
 pub(crate) fn predictor_to_texel(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }
@@ -145,7 +145,7 @@ pub(crate) fn y_along_stored_rows(my: i64) -> i64 {
     my
 }
 
-/// Returns the displacement if y increases downward in the image (alternative for ruling `motion-vertical`).
+/// Returns the displacement if y increases downward in the image (alternative to ruling `motion-vertical`).
 pub(crate) fn y_against_stored_rows(my: i64) -> i64 {
     my.saturating_neg()
 }
@@ -156,7 +156,7 @@ pub(crate) fn mean_rounded_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
 
-/// Returns the mean of four samples, with halves rounded down (alternative for ruling `motion-half`).
+/// Returns the mean of four samples, with halves rounded down (alternative to ruling `motion-half`).
 pub(crate) fn mean_rounded_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
@@ -172,13 +172,13 @@ pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
 
-/// Returns a sample. Outside the plane, wraps around to the other side (alternative for ruling `motion-border`).
+/// Returns the sample at a position, which wraps around at the edges of the plane (alternative to ruling `motion-border`).
 pub(crate) fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
-/// Returns the sample at a position, or 128 if it is outside the plane (alternative for ruling `motion-border`).
+/// Returns the sample at a position, or 128 if it is outside the plane (alternative to ruling `motion-border`).
 pub(crate) fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     if (0..width).contains(&x) && (0..height).contains(&y) {

@@ -1,6 +1,6 @@
 //! Reuse of decoded streams under several readings
 //!
-//! Most open points of §2.9 concern steps after a stream is decoded: how its plane is predicted, and which records
+//! Most open questions of §2.9 concern steps after a stream is decoded: how its plane is predicted, and which records
 //! correct it. To find out whether another decoder would decode a file differently, prediction and correction are
 //! repeated. The streams are decoded only once, because decoding takes most of the time.
 //!

@@ -1,4 +1,4 @@
-//! The reading of the reference, and equally correct alternative readings of the open points.
+//! The reading of the reference, and equally correct alternative readings of the open questions.
 //!
 //! Each line of [`Reading::SPEC`] maps a decision to the function that implements its clause.
 
@@ -75,7 +75,7 @@ impl Reading {
         self
     }
 
-    /// Replaces one decision with another correct reading of an open point.
+    /// Replaces one decision with another correct reading of an open question.
     pub const fn set(&mut self, alternative: Alternative) {
         match alternative {
             Alternative::NewlineAfterTable => {
@@ -98,7 +98,7 @@ impl Reading {
     }
 }
 
-/// Another correct reading of an open point: an alternative of a ruling of kind *choice* in `spec-cases/rulings.yaml`.
+/// Another correct reading of an open question: an alternative of a ruling of kind *choice* in `spec-cases/rulings.yaml`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alternative {
     /// `lut-newline`: one line end separates the table from the indices.

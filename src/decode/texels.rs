@@ -56,7 +56,7 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
     }
 }
 
-/// Returns the block that contains `channel`, and its index.
+/// Returns the block that contains `channel`, and the index of the block.
 #[cfg(feature = "harness")]
 #[cfg_attr(
     not(unix),

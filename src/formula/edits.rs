@@ -198,7 +198,7 @@ fn split_product(factors: &[Expression]) -> Vec<Expression> {
     ranges.flat_map(split_at).collect()
 }
 
-/// Replaces a variable with another one in its scope, a list with another one, or an index with a nearby one.
+/// Replaces a variable or a list with another in its scope, or an index with a nearby one.
 fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
     match node {
         Expression::Variable(index) => {
@@ -293,7 +293,7 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
     all
 }
 
-/// Rounds `value` up to a multiple.
+/// Returns an expression that rounds `value` up to a multiple of `multiple`.
 fn round_up(value: &Expression, multiple: f64) -> Expression {
     let sum = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
     let quotient = Expression::Quotient(Box::new(sum), Box::new(number(multiple)));
@@ -313,7 +313,7 @@ fn permutations(count: usize) -> Vec<Vec<usize>> {
     all.split_off(1)
 }
 
-/// Replaces a constant with its neighbors, its half, its double, and the constants that it is commonly confused with.
+/// Replaces a constant with its neighbors, its half, its double, and constants that are commonly confused with it.
 fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let Expression::Number(value) = *node else {
         return Vec::new();

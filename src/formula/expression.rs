@@ -179,7 +179,7 @@ impl Expression {
             || self.children().iter().any(|child| child.uses(index))
     }
 
-    /// Formats the expression. Addresses become sums of products, and choices become words.
+    /// Formats the expression. Addresses become sums of products, and `select` becomes `a if …, else b`.
     #[must_use]
     pub fn display(&self, scope: Scope) -> String {
         let mut text = String::new();

@@ -162,7 +162,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if an edit of the formula may address bytes outside the data, so that the file is refused.
+    /// Returns true if an edited formula may address bytes outside the data, which causes a refusal of the file.
     #[must_use]
     pub fn may_refuse(self) -> bool {
         let addresses = [

@@ -1,6 +1,6 @@
 //! The specification as formulas, and decoders that compute a formula differently.
 //!
-//! The decoding of a file to an image can be written as about forty formulas (`spec-cases/formulas.yaml`). The functions of
+//! Decoding a file to an image can be written as about forty formulas (`spec-cases/formulas.yaml`). The functions of
 //! [`decode`](mod@crate::decode) and [`evaluate`](crate::evaluate) remain the definition, and a test checks that each formula
 //! equals its function. An [`Edit`] replaces a formula with a different expression. The catalog states some misreadings in this
 //! way, and the diagnosis finds mistakes by trying the edits that [`edits::all`] generates.

@@ -1,7 +1,7 @@
 //! The stages of decoding from stored bytes to an image, in terms of formulas.
 //!
-//! A formula without an edit is computed by the function of the [`Reading`]. Edits can therefore be combined with
-//! other readings of the open questions, and with misreadings that are functions.
+//! A formula without an edit is computed by the function of the [`Reading`]. Edits can therefore be combined with other readings
+//! of the open questions, and with misreadings that are implemented as functions.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -388,7 +388,8 @@ impl CompressedPlanes<'_> {
         })
     }
 
-    /// Returns the predictor of a plane. `sources` are its reference (corrected, uncorrected, as coded) and the previous plane.
+    /// Returns the predictor of a plane. `sources` contains three versions of the reference (corrected, uncorrected, as coded)
+    /// and the previous plane.
     fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
         if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
             let plane = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);

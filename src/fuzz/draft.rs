@@ -1,7 +1,8 @@
 //! Randomly generated files, described like cases.
 //!
 //! A file is generated as the `make` record of a case, not as bytes. A finding is therefore a complete case, and every
-//! simplification removes or simplifies one word. The expected result is known by construction and depends on no lenient ruling.
+//! minimization step removes or simplifies one word. The expected result is known by construction and depends on no lenient
+//! ruling.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

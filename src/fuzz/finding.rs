@@ -155,7 +155,7 @@ impl Explanation {
         }
     }
 
-    /// Returns a short name.
+    /// Returns a short name of the explanation.
     #[must_use]
     pub fn name(&self) -> String {
         match self {

@@ -8,7 +8,7 @@ use super::draft::{Draft, DraftDamage};
 use crate::ptm::Format;
 use crate::suite::cases::{Expect, Suite};
 
-/// One of this many generated files is damaged and must be refused.
+/// One in this many generated files is damaged and must be refused.
 const FILES_PER_DAMAGE: u32 = 6;
 /// Number of random bytes for one file.
 const RANDOM_BYTES: usize = 2048;
@@ -20,7 +20,8 @@ pub struct DraftGenerator {
 }
 
 impl DraftGenerator {
-    /// Creates a generator of legal files, and of files with any damage for which all cases in the suite expect the same result.
+    /// Creates a generator of legal and damaged files. Only damages for which all cases in the suite expect the same result are
+    /// used.
     #[must_use]
     pub fn new(suite: &Suite) -> DraftGenerator {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();

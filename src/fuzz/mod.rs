@@ -35,7 +35,7 @@ const BATCH_SIZE: usize = 500;
 /// The plan of a run.
 #[derive(Clone, Debug)]
 pub struct FuzzPlan {
-    /// The seed.
+    /// The seed of the file generator.
     pub seed: u64,
     /// Number of requests after which no further batch starts.
     pub executions: usize,
@@ -47,7 +47,7 @@ pub struct FuzzPlan {
     pub declared: Capabilities,
     /// Formats to generate; if empty, all formats.
     pub formats: Vec<Format>,
-    /// True if the run should stop.
+    /// Set to true to stop the run.
     pub stop: Arc<AtomicBool>,
 }
 
@@ -127,7 +127,7 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &DecoderFn) -> Run {
     check(suite, &plan, &ask, &|_, _, _, _| ())
 }
 
-/// Returns the cases at the beginning of every batch: the first files and the spellings of tables.
+/// Returns the cases at the beginning of every batch: the `first` cases, and the cases that spell the table count differently.
 fn opening_cases(suite: &Suite) -> Vec<Case> {
     let is_opening = |case: &&Case| case.first || case.expect == Expect::Spelling;
     suite.cases.iter().filter(is_opening).cloned().collect()

@@ -121,7 +121,7 @@ pub fn re_encoding(bytes: &[u8]) {
     assert_eq!(plain.samples, natural.samples);
 }
 
-/// Checks that decoding any bytes as JPEG returns the requested number of samples, or an error inside the stream.
+/// Checks that decoding any bytes as JPEG returns the requested number of samples, or an error at an offset in the stream.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -129,7 +129,7 @@ pub fn jpeg_stream(bytes: &[u8]) {
     check_stream(bytes, jpeg::decode);
 }
 
-/// Checks that decoding any bytes as JPEG-LS returns the requested number of samples, or an error inside the stream.
+/// Checks that decoding any bytes as JPEG-LS returns the requested number of samples, or an error at an offset in the stream.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -287,7 +287,7 @@ fn planes(recipe: &Recipe, model: &Model) -> Planes {
     decode(&file).expect("a legal recipe").planes
 }
 
-/// Checks that the diagnosis does not panic, whatever the answers, and attributes every failure to at most one cause.
+/// Checks that the diagnosis attributes every failure to at most one cause, and does not panic, whatever the answers are.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -324,7 +324,7 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// Every case whose index is a multiple of this number is used if its file is small, in addition to the first cases.
+/// In addition to the first cases, every case whose index is a multiple of this number is used if its file is small.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

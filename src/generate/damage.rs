@@ -36,7 +36,7 @@ pub struct Damage {
     insert: BTreeMap<DamagePlace, String>,
     /// Number of bytes to remove from the beginning, or from the end if negative.
     cut: BTreeMap<DamagePlace, isize>,
-    /// The amount to add to a number, which may need 65 bits.
+    /// Amounts to add to numbers. An amount may need 65 bits.
     add: BTreeMap<DamagePlace, String>,
     /// A number to remove, together with one adjacent space.
     remove: Option<DamagePlace>,
@@ -79,7 +79,7 @@ enum Index {
     AllOnes,
 }
 
-/// A change of the values for a reader that ignores the damage.
+/// A change to the values that a reader finds if it ignores the damage.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum DamageChange {
@@ -191,7 +191,7 @@ impl Damage {
         Ok(removed.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
-    /// Returns the values for a reader that ignores the damage.
+    /// Returns the values that a reader finds if it ignores the damage.
     #[must_use]
     pub fn values(&self, model: &Model) -> Model {
         match self.reads_as {

@@ -49,8 +49,9 @@ enum StreamPart {
 enum Offset {
     Forward(usize),
     Back(usize),
-    /// Backward from the end, by texels of the last block (`Texels`) or by rows of texels (`Rows`).
+    /// Backward from the end, by texels of the last block.
     Texels(usize),
+    /// Backward from the end, by rows of texels.
     Rows(usize),
     Half,
 }

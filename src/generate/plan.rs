@@ -144,7 +144,7 @@ pub enum Structure {
     Intra,
     /// Each plane is predicted from the previous one.
     Chain,
-    /// All planes are predicted from plane 0.
+    /// All other planes are predicted from plane 0.
     Star,
     /// A chain with steps of 5: plane 5k + 2 is predicted from plane 5k − 3, modulo the number of planes.
     Deep,
@@ -154,7 +154,8 @@ pub enum Structure {
     SharedReference,
     /// Each plane is predicted from the next one. The last plane is intra.
     Upward,
-    /// All planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its inverse.
+    /// All other planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its
+    /// inverse.
     Rotated,
     /// The structure of the only real file, which shows a clay tablet.
     Tablet,

@@ -6,8 +6,8 @@
 //! Format notes
 //! - All coordinates are in the stored raster, where row 0 is the bottom row.
 //! - The text names the transforms but gives no formulas. Inversion is 255 − reference (ruling `prediction`).
-//! - Motion by half texels and past the edge involves our choices: rulings `motion-sign`, `motion-vertical`,
-//!   `motion-half`, `motion-border`, `motion-inversion`.
+//! - Half-texel motion and motion past the edge follow our rulings: `motion-sign`, `motion-vertical`, `motion-half`,
+//!   `motion-border`, `motion-inversion`.
 
 use crate::ptm::Size;
 
@@ -31,7 +31,7 @@ pub fn predictor(reference: &[u8], size: Size, transform: u32, vector: (i32, i32
     }
 }
 
-/// Displaces a plane by half a vector: the value at (x, y) is the input at (x + mx / 2, y + my / 2).
+/// Displaces a plane by half the vector: the value at (x, y) is the input at (x + mx / 2, y + my / 2).
 fn displace(plane: &[u8], size: Size, (mx, my): (i32, i32)) -> Vec<u8> {
     let mut displaced = Vec::with_capacity(plane.len());
     for y in 0..i64::from(size.height) {

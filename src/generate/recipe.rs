@@ -46,7 +46,7 @@ pub enum Indices {
     Any,
     /// Only entries below this number.
     Below(u32),
-    /// Only entries whose two bytes differ.
+    /// Only entries whose two-byte index has two different bytes.
     BytesDiffer,
     /// These entries in a cycle, starting with the top row.
     List(Vec<u32>),
@@ -67,7 +67,7 @@ pub struct Recipe {
     pub scale: Numbers<6>,
     /// The biases (2.4).
     pub bias: Numbers<6>,
-    /// The color matrix (2.6), in the order of the file.
+    /// The color matrix (2.6), in file order.
     pub matrix: Numbers<16>,
     /// Number of entries of the lookup table (2.5).
     pub entries: u32,

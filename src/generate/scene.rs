@@ -17,11 +17,11 @@ pub enum Scene {
     Flat(u8),
     /// Like `Noise`, but all coefficients except a5 are 128, so that the light has no effect.
     Unlit,
-    /// Like `Unlit`, but Cr equals a5: luminance and Cr are equal with scale 1 and bias 0.
+    /// Like `Unlit`, but Cr equals a5, so luminance equals Cr if all scales are 1 and all biases are 0.
     LuminanceIsCr,
     /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends of the range.
     Soft,
-    /// Like `Noise`, with a border two texels wide that has a constant value.
+    /// Like `Noise`, but with a border of this constant value, two texels wide.
     Framed(u8),
     /// One value along every diagonal from the bottom left to the top right. Successive diagonals cycle through four values.
     Diagonals,
@@ -33,9 +33,9 @@ pub enum Scene {
     Edges,
     /// A constant value, with isolated texels that are larger or smaller by one.
     Dots,
-    /// 0, except at isolated texels at the beginning of the top row, whose values differ between channels.
+    /// 0, except for isolated texels at the beginning of the top row. Their values differ between channels.
     Breaks,
-    /// 0, except in the last column, whose value differs between channels.
+    /// 0, except in the last column, where the value differs between channels.
     LastColumn,
 }
 

@@ -109,11 +109,11 @@ pub enum Lists {
     /// Each list on its own line, and motion vectors on two lines (ruling `list-layout`).
     #[default]
     Lines,
-    /// Each list on its own line, with all motion vectors on one line (ruling `list-lines`, as for all variants below).
+    /// Each list on its own line, with all motion vectors on one line (ruling `list-lines`).
     MotionOnOneLine,
-    /// All numbers on one line.
+    /// All numbers on one line (ruling `list-lines`).
     OneLine,
-    /// Every number on its own line.
+    /// Every number on its own line (ruling `list-lines`).
     NumberPerLine,
 }
 
@@ -132,7 +132,7 @@ pub struct Spelling {
     pub count: Count,
     /// True to write a line feed between table and indices (ruling `lut-newline`).
     pub newline_after_table: bool,
-    /// Number of matrix elements per line: 16, or 4 or 1 according to ruling `lum-layout`.
+    /// Number of matrix elements per line: 16, 4 or 1 (ruling `lum-layout`).
     pub matrix_line: usize,
     /// The line breaks in the lists of 2.9.
     pub lists: Lists,

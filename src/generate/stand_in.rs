@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::{model::Model, place::segment};
 use crate::codec::Coding;
 
-/// A gray plane in which all samples are 128: `gray-one-wider` and so on.
+/// A stream of a gray plane, in which all samples are 128, with a wrong property: `gray-one-wider`, for example.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {

@@ -114,7 +114,7 @@ enum Value {
     Map(Vec<(Node, Node)>),
 }
 
-/// An error with its line, or 0 if the line is not known yet.
+/// An error and its line number, which is 0 while the line is unknown.
 #[derive(Debug)]
 struct YamlError {
     line: usize,
@@ -206,7 +206,7 @@ fn parse(text: &str) -> Result<Node, String> {
     }))
 }
 
-/// Adds a finished node to the innermost open node. An open mapping stores the key that waits for a value.
+/// Adds a finished node to the innermost open node. An open mapping also stores a key that has no value yet.
 fn add_node(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Node>) {
     let Some((parent, waiting)) = open.last_mut() else {
         *root = Some(node);

@@ -104,7 +104,7 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Replaces the start of a file that starts with `known`.
+/// Replaces `known` at the start of a file with `start`. Other files remain unchanged.
 fn replace_start(file: &Anatomy, known: &[u8], start: &[u8]) -> EditedFile {
     match file.file.strip_prefix(known) {
         Some(rest) => EditedFile::File([start, rest].concat()),

@@ -183,7 +183,7 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Decodes all planes. A stream without a segment with this marker reuses the segment of the previous stream.
+/// Decodes all planes. A stream that lacks a segment with this marker reuses the segment of the previous stream.
 fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
     let mut payload = Vec::new();
     let mut plan = coded.plan.clone();

@@ -31,7 +31,8 @@ pub enum Hook {
     FinalCoefficient(fn(u8, usize, &ScaleBias) -> f64),
     Finals(Finals),
     // 2.6
-    /// The vector that the matrix multiplies, for decoders that put Y first or Cr first (ruling `lum-vector`).
+    /// Changes the vector that the matrix multiplies. Contains one function for decoders that put Y first and one for decoders
+    /// that put Cr first (ruling `lum-vector`).
     LumVector(fn(f64, f64, f64) -> [f64; 3], fn(f64, f64, f64) -> [f64; 3]),
     LumMatrix(fn(&ColorMatrix) -> [[f64; 4]; 3]),
     LumTranslation(fn(f64) -> f64),

@@ -46,7 +46,7 @@ pub enum Symptom {
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sighting {
-    /// Name of the decoder. For a repository, owner and name.
+    /// Name of the decoder. For a repository, its owner and name.
     pub reader: String,
     /// Version that was examined, if known.
     pub version: Option<String>,

@@ -37,7 +37,7 @@ mod transforms;
 /// §2.9.3: motion vectors
 mod motion;
 
-/// §2.9.4 and §2.9.5: ranks, references, and the sum
+/// §2.9.4 and §2.9.5: ranks, references, and adding predictors to residuals
 mod prediction;
 
 /// §2.9.6–2.9.8/1: sizes, offsets and order of the planes

@@ -69,7 +69,7 @@ fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// Returns a sample, or 0 outside the plane.
+/// Returns the sample at a position, or 0 if it is outside the plane.
 fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let is_inside = (0..width).contains(&x) && (0..height).contains(&y);

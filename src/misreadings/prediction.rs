@@ -1,4 +1,4 @@
-//! §2.9.4 and §2.9.5: mistakes in handling ranks and references, and in the sum
+//! §2.9.4 and §2.9.5: mistakes in handling ranks and references, and in adding predictors to residuals
 
 #![allow(
     clippy::cast_possible_wrap,

@@ -138,7 +138,7 @@ fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
     (u32::from_be_bytes([p3, p2, p1, p0]), value)
 }
 
-/// Returns the side information of a plane, or an empty block if it is skipped.
+/// Returns the side information of a plane, or an empty block if `skipped` is true.
 fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]

@@ -16,7 +16,7 @@ use crate::texture::{
 };
 use crate::texture::{primitive::Terms, stage::is_split};
 
-/// A mistake in the rules of texture mapping.
+/// A function that introduces a mistake into the rules of texture mapping.
 pub type Change = fn(&mut Rules);
 
 impl Misreading<Change> {
@@ -722,7 +722,7 @@ fn with_change<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     value
 }
 
-/// Returns the fallback values after changing some fields.
+/// Returns an entry with fallback values, some of which are changed by `change`.
 fn entry_with(change: fn(&mut Entry)) -> Entry {
     with_change(Entry::default(), change)
 }
@@ -745,7 +745,7 @@ fn blend_with(x: &Terms, color: Color) -> Shade {
     )
 }
 
-/// Covers the primitive with `color` in the proportions `weights`, like a decal (R-CMP-37).
+/// Covers the primitive with `color`, weighted per channel by `weights`, like a decal (R-CMP-37).
 fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
     with_color(x.input, mix(x.input.color, color, weights))
 }

@@ -1,6 +1,6 @@
 //! Writing mistakes that correspond to misreadings in the catalog.
 //!
-//! `spec-cases/writers/mistakes.yaml` contains their texts. A mistake has the same slug and clause as the misreading.
+//! `spec-cases/writers/mistakes.yaml` contains their texts. A mistake has the same slug and clause as its misreading.
 
 use std::sync::LazyLock;
 

@@ -122,7 +122,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Returns u and v as they were spelled in the request.
+    /// Returns `lu` and `lv` as spelled in the request.
     #[must_use]
     pub fn texts(&self) -> [&str; 2] {
         let (u, v) = self.text.split_once(',').unwrap_or((&self.text, ""));
@@ -207,7 +207,7 @@ impl FromStr for View {
 /// Maximum length of a PTM1 line in bytes.
 const MAX_LINE_LENGTH: usize = 200;
 
-/// A decoded image as a decoder outputs it.
+/// The output of a decoder for one view of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// View of the samples.
@@ -500,11 +500,11 @@ pub enum Answer<T = Frame> {
     ProtocolError(String),
     /// A signal, or any other exit status.
     Crashed(String),
-    /// Timeout.
+    /// The decoder did not answer before the timeout.
     Hung(String),
-    /// More output than the largest possible frame for the file.
+    /// The decoder wrote more output than the largest possible frame of the file.
     Flooded(String),
-    /// More memory than the limit.
+    /// The decoder used more memory than allowed.
     OutOfMemory(String),
     /// The decoder changed or removed its input file.
     Tampered(String),
@@ -578,7 +578,8 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns true if both answers are of the same kind. All limits are one kind, because timing determines which comes first.
+    /// Returns true if both answers are of the same kind. All exceeded limits count as one kind, because timing determines which
+    /// one is exceeded first.
     #[must_use]
     pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {

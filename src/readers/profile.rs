@@ -15,7 +15,7 @@ use crate::ptm::Format;
 pub struct ReaderProfile {
     /// Short name by which the reader is selected.
     pub name: String,
-    /// Repository (owner and name), or the reader's name if it has none.
+    /// Repository (owner and name), or the name of a reader that has no repository.
     pub reader: String,
     /// Version or commit that was examined, if known.
     pub version: Option<String>,
@@ -48,7 +48,7 @@ pub enum Evidence {
 pub struct KnownMisreading {
     /// The slug of the misreading in `misreadings.yaml`.
     pub slug: String,
-    /// The evidence.
+    /// Evidence for the misreading.
     pub evidence: Evidence,
 }
 
@@ -56,9 +56,9 @@ pub struct KnownMisreading {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownLimit {
-    /// The limit.
+    /// The known limit.
     pub limit: Limit,
-    /// The evidence.
+    /// Evidence for the limit.
     pub evidence: Evidence,
 }
 

@@ -1,4 +1,4 @@
-//! A running decoder process: reads its output, enforces limits, and ends it.
+//! Supervises a running decoder process: reads its output, enforces its limits, and ends it.
 
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};

@@ -21,7 +21,7 @@ const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Processes that this process started and has not reaped yet. All other children are orphans.
 static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Read-locked while a process is started and added to [`STARTED_PROCESSES`], so that a writer never sees it missing there.
+/// Read-locked while a process is started and added to [`STARTED_PROCESSES`]. While it is write-locked, the list is complete.
 static START_LOCK: RwLock<()> = RwLock::new(());
 
 /// Returns true if the system allows measuring memory and finding orphans.
@@ -50,7 +50,7 @@ pub fn prepare_for(largest_file: u64) {
     }
 }
 
-/// Returns true if the environment has a lower limit on file sizes than [`prepare`] sets.
+/// Returns true if the environment imposes a lower limit on file sizes than [`prepare`] does.
 pub(crate) fn is_file_size_limited_by_environment() -> bool {
     let limit = getrlimit(Resource::Fsize).current;
     limit.is_some_and(|limit| limit < MAX_FILE_BYTES)
@@ -101,8 +101,8 @@ pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
     pages * page
 }
 
-/// Kills all orphans of the call in `workplace`. Reaps all orphans that have ended, so that they do not count against
-/// the limit on processes.
+/// Kills all orphans of the call in `workplace`. Reaps all orphans that have ended, so that they do not count against the process
+/// limit.
 pub fn kill_orphans(workplace: &Path) {
     kill_until_none(|| orphans(|pid| belongs_to(pid, workplace)));
     for pid in orphans(has_ended).into_iter().filter_map(to_pid) {

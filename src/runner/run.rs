@@ -230,7 +230,7 @@ impl Decoder {
         })
     }
 
-    /// Returns the same decoder with the same limits and a different command line.
+    /// Returns a decoder with the same limits and a different command line.
     #[must_use]
     pub(crate) fn with_command_line(&self, template: Template) -> Decoder {
         Decoder {

@@ -143,7 +143,7 @@ pub(crate) struct Workspace<'a> {
 }
 
 impl Workspace<'_> {
-    /// Writes an input, read-only, to the first root with enough space.
+    /// Writes a read-only input file to the first root with enough space.
     pub fn write_input(&mut self, file_name: &str, bytes: &[u8]) -> Result<PathBuf, Trouble> {
         let mut failure = None;
         for root in self.scratch.directories() {

@@ -25,7 +25,7 @@ pub struct Attachment {
 /// A request to write a file.
 #[derive(Clone, Debug)]
 pub struct WriteCall<'a> {
-    /// Request in JSON. A string `"{name}"` in it is replaced with the path of the attachment with this name.
+    /// Request in JSON. Each string `"{name}"` in it is replaced with the path of the attachment called `name`.
     pub request: &'a str,
     /// Files that the request refers to.
     pub attachments: &'a [Attachment],

@@ -16,9 +16,9 @@ pub struct Chapter {
     pub section: String,
     /// Title of the chapter.
     pub title: String,
-    /// Introduction.
+    /// Introductory text.
     pub intro: String,
-    /// Table after the introduction.
+    /// Table after the introductory text.
     pub table: Option<ChapterTable>,
     /// Decoding steps, in order.
     #[serde(default)]
@@ -91,7 +91,7 @@ pub struct Part {
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
-    /// Number of repetitions.
+    /// Number of times that the bytes are repeated, 1 by default.
     times: Option<usize>,
 }
 

@@ -17,7 +17,7 @@ pub struct Execution {
     pub view: String,
     /// Result of decoding.
     pub found: Decoding,
-    /// Results that differ under the other readings of the clause's choice.
+    /// Results under the other readings of the clause, where they differ from `found`, with the name of each reading.
     pub alternatives: Vec<(&'static str, Decoding)>,
 }
 
@@ -150,7 +150,7 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     })
 }
 
-/// Checks that the result equals the result that the example states.
+/// Checks that the result equals the one that the example states.
 fn check_result(example: &WorkedExample, found: &Decoding) -> Result<(), String> {
     match (found, &example.value, &example.refused) {
         (Decoding::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),

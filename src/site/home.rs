@@ -12,7 +12,7 @@ use crate::session::lit_scene::ball;
 const SPECIFICATION: &str =
     "https://web.archive.org/web/2012/http://www.hpl.hp.com/research/ptm/downloads/PtmFormat12.pdf";
 
-/// Light directions of the small images at the top.
+/// Light directions of the small images at the top of the page.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
 /// Renders the home page.

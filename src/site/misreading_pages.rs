@@ -83,7 +83,7 @@ fn witness_markup(paper: PageContext, misreading: &Misreading, w: &MisreadingWit
     }
 }
 
-/// Renders the public readers that make the mistake.
+/// Lists the public readers that make the mistake.
 pub(super) fn sightings(paper: PageContext, misreading: &Misreading) -> Markup {
     html! {
         @for (i, (reader, version)) in readers_with_mistake(misreading).into_iter().enumerate() {

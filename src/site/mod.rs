@@ -36,8 +36,8 @@ const STYLE: &str = crate::report::html::STYLE;
 /// Script of every page.
 const SCRIPT: &str = include_str!("site.js");
 
-/// Generates all files of the site. `annotated` replaces the embedded annotated format. `module` is the reference as
-/// WebAssembly, which the page for dropped files requires.
+/// Generates all files of the site. `annotated` replaces the embedded annotated format. `module` is the reference decoder as
+/// WebAssembly, which runs in the page for dropped files.
 ///
 /// # Errors
 /// Returns a message that names the clause whose example fails, or the file of the suite that cannot be read.

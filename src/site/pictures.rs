@@ -13,7 +13,7 @@ use crate::tools::render::{encode_image, render_lit};
 const MAX_DISPLAYED_SIDE: u32 = 224;
 /// Maximum side length of an image in texels. Larger images are subsampled.
 const MAX_SIDE: u32 = 128;
-/// Gray of the separator between two planes.
+/// Gray level of the separator between two planes.
 const SEPARATOR_GRAY: Luma<u8> = Luma([128]);
 
 /// Renders a map under a light as an embedded image. `alt` is the alternative text.

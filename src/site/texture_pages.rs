@@ -55,7 +55,7 @@ fn requirement(paper: PageContext, clause: &Clause) -> Markup {
     }
 }
 
-/// Renders the shortest question about a step and its answer, which is verified with the reference.
+/// Renders the shortest question about a step, and its answer, which is verified against the reference.
 fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Markup, String> {
     let cases = paper.library.textures.cases.iter();
     let cases = cases.filter(|case| case.op == *op);

@@ -1,8 +1,8 @@
 //! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
-//! - A clause is *covered* by its cases, and by its misreadings that the suite catches.
-//! - A misreading is *killed* by the cases that fail a decoder with it. Two misreadings are *separated* by a case
-//!   with different answers.
+//! - A clause is *covered* by its cases, and by those of its misreadings that the suite catches.
+//! - A case *kills* a misreading if a decoder with the misreading fails it. A case *separates* two misreadings if they lead to
+//!   different answers.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 
@@ -75,9 +75,9 @@ pub struct Pairwise {
     pub parameters: BTreeMap<String, BTreeSet<String>>,
     /// Number of pairs of values that can occur together.
     pub pairs: usize,
-    /// Number of those pairs that occur in a must-accept file.
+    /// Number of pairs of values that occur together in a must-accept file.
     pub covered: usize,
-    /// Pairs of values that do not occur together.
+    /// Pairs of values that can occur together, but do not.
     pub missing: Vec<String>,
 }
 

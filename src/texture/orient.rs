@@ -6,7 +6,7 @@
 //! Format notes
 //! - t' = O·(t0, t1, t2, 1), where O is stored in row-major order. The result is divided by w if w is neither 0 nor 1
 //!   (ruling `orientation-w`).
-//! - The correction method Vertex is too vague to implement (ruling `vertex-correction`).
+//! - The specification of the correction method Vertex is too vague to implement (ruling `vertex-correction`).
 
 use super::entry::{Matrix, Vector};
 use super::no_value::NoValue;
@@ -30,8 +30,8 @@ pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     [row(0) / w, row(1) / w, row(2) / w]
 }
 
-/// Interpolates coordinates inside a facet. Each corner has coordinates in `ts`, a screen-space weight in `b`, and a value of
-/// `w`.
+/// Interpolates coordinates inside a facet. For each corner, `ts` contains its coordinates, `b` its screen-space weight, and `w`
+/// its homogeneous coordinate.
 ///
 /// # Errors
 /// Returns [`NoValue::ImplementationDefined`] for the correction method Vertex.

@@ -166,7 +166,7 @@ pub(crate) fn half_turn_fraction(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
-/// Maps x linearly to t0 (alternative reading of ruling `vrc-azimuth`).
+/// Maps x linearly to t0 (alternative to ruling `vrc-azimuth`).
 #[cfg(feature = "harness")]
 pub(crate) fn azimuth_proportional_to_x(s: Vector) -> f64 {
     let radius = s[0].hypot(s[2]);
@@ -186,13 +186,13 @@ pub(crate) fn height_by_angle(s: Vector) -> f64 {
     (-s[1] / length(s)).clamp(-1.0, 1.0).acos() / PI
 }
 
-/// Maps y linearly to t1 (alternative reading of rulings `vrc-height` and `wc-height`).
+/// Maps y linearly to t1 (alternative to rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
 pub(crate) fn height_by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
-/// Returns the angle from +y as a fraction of a half turn (alternative reading of rulings `vrc-height` and `wc-height`).
+/// Returns the angle from +y as a fraction of a half turn (alternative to rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
 pub(crate) fn height_from_top(s: Vector) -> f64 {
     1.0 - height_by_angle(s)

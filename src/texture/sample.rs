@@ -113,13 +113,13 @@ pub(crate) fn cells_around(boundary: Boundary, t: f64, size: usize, rules: &Rule
     ]
 }
 
-/// Returns the index of the closest texel if texel k of N is the point k/(N − 1) (alternative reading of ruling `texel-grid`).
+/// Returns the index of the closest texel if texel k of N is the point k/(N − 1) (alternative to ruling `texel-grid`).
 #[cfg(feature = "harness")]
 pub(crate) fn point_index(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
     ((fold_coordinate(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
 }
 
-/// Returns the two points closest to `t` with linear weights (alternative reading of ruling `texel-grid`).
+/// Returns the two points closest to `t` with linear weights (alternative to ruling `texel-grid`).
 #[cfg(feature = "harness")]
 pub(crate) fn points_around(boundary: Boundary, t: f64, size: usize, _: &Rules) -> CellPair {
     let u = fold_coordinate(boundary, t) * (size - 1) as f64;

@@ -1,7 +1,7 @@
 //! Finds mistakes that explain the wrong files of a writer.
 //!
-//! A mistake explains a file if only a reader that makes it sees the right values in the file, or if the file contains the values
-//! that such a reader sees in the reference's file. A correct file contradicts the mistake if such a reader misreads the
+//! A mistake explains a wrong file if only a reader with this mistake sees the right values in it. It also explains a file with
+//! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads the
 //! reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 
 use std::cmp::Reverse;

@@ -58,7 +58,7 @@ fn with_values(request: &WriteRequest, map: &Ptm) -> WriteRequest {
     other
 }
 
-/// Returns a file with each value where a reader with this mistake expects it, if the mistake only moves values.
+/// Returns a file in which each value is where a reader with this mistake expects it, if the mistake only moves values.
 fn move_values(request: &WriteRequest, mistake: &Misreading) -> Option<Vec<u8>> {
     let count = request.samples.len();
     let mut other = request.clone();

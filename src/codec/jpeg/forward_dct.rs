@@ -34,7 +34,7 @@ pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     coefficients
 }
 
-/// Computes the one-dimensional forward transform, times √8 and times 2¹³.
+/// Computes the one-dimensional forward transform, scaled by √8 · 2¹³.
 fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
     // The part that is symmetric about the middle determines the even coefficients, and the rest the odd ones. With four
     // sums and four differences, each half of the transform uses half of the values.
@@ -69,7 +69,7 @@ fn forward_dct_of_8(s: [i64; 8]) -> [i64; 8] {
 mod tests {
     use super::forward_dct;
 
-    /// Checks the worked example above: 64 samples that are 3 above gray have the DC coefficient 24.
+    /// Checks the worked example of this module: 64 samples that are 3 above gray have the DC coefficient 24.
     #[test]
     fn flat_block_has_only_a_dc_coefficient() {
         let mut expected = [0; 64];

@@ -16,8 +16,8 @@ use super::huffman_table::HuffmanTable;
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// Operations of block decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes them,
-/// and [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
+/// Block-decoding operations on an entropy-coded segment. [`Bits`] follows the standard bit by bit, and
+/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadSymbols<'a>: ReadBits<'a, 0> {
     /// Representation of a Huffman table for this reader.
     type Table: for<'t> From<&'t HuffmanTable>;

@@ -71,7 +71,7 @@ impl HuffmanTable {
 mod tests {
     use super::HuffmanTable;
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn codes_follow_from_their_lengths() {
         let mut counts = [0; 16];

@@ -127,8 +127,8 @@ fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
     }
 }
 
-/// Shortens codes of more than 16 bits (Figure K.3). Of two siblings that are too long, one replaces their parent.
-/// The other one becomes the sibling of a shorter code, which gets one bit longer.
+/// Shortens codes of more than 16 bits (Figure K.3). Of two sibling codes that are too long, one replaces their parent. The other
+/// becomes the sibling of a shorter code, which grows by one bit.
 fn limit_to_16_bits(counts: &mut [usize; PLACEHOLDER + 1]) {
     for length in (17..=PLACEHOLDER).rev() {
         while counts[length] > 0 {
@@ -148,7 +148,7 @@ fn limit_to_16_bits(counts: &mut [usize; PLACEHOLDER + 1]) {
 mod tests {
     use super::optimal_table;
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn frequent_symbols_have_short_codes() {
         let mut occurrences = [0; 256];

@@ -13,8 +13,8 @@
 //! ```
 //!
 //! Format notes
-//! - The last step keeps ten bits of the result as a signed number, and clamps it. For every stream of a real encoder
-//!   this equals plain clamping, but coefficients far out of range wrap.
+//! - The last step keeps ten bits of the result as a signed number, and clamps it. For streams from real encoders, this equals
+//!   plain clamping, but coefficients far out of range wrap.
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
@@ -52,7 +52,7 @@ fn to_sample(value: i32) -> u8 {
     (ten_bits + 128).clamp(0, 255) as u8
 }
 
-/// Computes the one-dimensional inverse transform, times √8 and times 2¹³.
+/// Computes the one-dimensional inverse transform, scaled by √8 · 2¹³.
 #[inline]
 fn inverse_dct_of_8<T: FixedPoint>(c: [T; 8]) -> [T; 8] {
     // Even coefficients: 0 and 4 need no factor, and 2 and 6 are rotated by 6π/16 with three multiplications.

@@ -22,7 +22,7 @@ use crate::codec::stream_error::StreamResult;
 /// Number of index bits. Longer codes are rare, and two tables with ten bits still fit in the L1 cache.
 const SHORT_BITS: u32 = 10;
 
-/// A Huffman table with a lookup table, indexed by the next bits.
+/// A Huffman table with a lookup table for its short codes, which is indexed by the next bits.
 pub(super) struct CodeTable {
     table: HuffmanTable,
     /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or invalid.
@@ -76,7 +76,7 @@ mod tests {
     use crate::codec::bit_buffer::BitBuffer;
     use crate::codec::bits::{Bits, transcript};
 
-    /// Reads symbols until an error. Each symbol is followed by additional bits, whose number is in its low four bits.
+    /// Reads symbols until an error occurs. Each symbol is followed by additional bits, whose number is in its low four bits.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
         transcript(stream, |bits: &mut B| {

@@ -1,6 +1,6 @@
 //! T.81 A.3.4, K.1: quantization of coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded. This is the lossy step of the format. The steps of Annex K
+//! A coefficient is divided by its quantization step and rounded. Information is lost only in this step. The steps of Annex K
 //! correspond to quality 50. Other qualities scale them by a percentage. The scaling is a convention of the Independent JPEG
 //! Group, not part of the standard.
 //!
@@ -82,7 +82,7 @@ fn quantize(coefficient: i32, step: u16) -> i32 {
 mod tests {
     use super::scaled_steps;
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn quality_scales_the_tables_of_annex_k() {
         let dc_steps = [10, 50, 75, 90, 100].map(|quality| scaled_steps(quality, true)[0]);

@@ -25,7 +25,7 @@ use crate::codec::stream_error::{StreamResult, malformed};
 const DHT: u8 = 0xC4;
 const DQT: u8 = 0xDB;
 
-/// Tables that are defined at some position in the stream, by index.
+/// Tables in effect at the current position in the stream, by index.
 #[derive(Default)]
 pub(super) struct Tables {
     /// Quantization tables in zigzag order, as stored.
@@ -37,7 +37,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Reads tables up to a marker in `codes`. Skips comments and application data. Any other marker is an error.
+    /// Reads tables up to the first marker in `codes`. Skips comments and application data. Any other marker is an error.
     pub fn read_until(&mut self, input: &mut Cursor, codes: &[u8], what: &str) -> StreamResult<()> {
         loop {
             let marker = input.read_marker_after_comments()?;

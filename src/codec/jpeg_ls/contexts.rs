@@ -33,8 +33,8 @@ pub(super) struct Context {
     n: i32,
 }
 
-/// Returns the contexts at the start of a scan (A.2.1). The context with index 0, that of the flat neighborhood, is not used,
-/// because it belongs to run mode.
+/// Returns the contexts at the start of a scan (A.2.1). Index 0, the flat neighborhood, is unused, because run mode handles that
+/// neighborhood.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     let (a, b, c, n) = (initial_error_sum(parameters), 0, 0, 1);
     [Context { a, b, c, n }; 365]
@@ -57,7 +57,7 @@ pub(super) fn golomb_parameter(a: i32, n: i32) -> u32 {
 }
 
 impl Context {
-    /// Returns the prediction, corrected by C (A.4.2). `sign` is −1 in the mirrored neighborhood.
+    /// Returns the prediction, corrected by C (A.4.2). `sign` is −1 if the neighborhood is mirrored.
     #[inline]
     pub fn correct_prediction(&self, predicted: i32, sign: i32, maxval: i32) -> i32 {
         (predicted + sign * self.c).clamp(0, maxval)
@@ -103,7 +103,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Context, fresh_contexts};
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn context_learns_the_prediction_bias() {
         let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");

@@ -155,7 +155,7 @@ impl ScanEncoder<'_, '_> {
 mod tests {
     use super::super::encoder::{JpegLsOptions, encode};
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn runs_are_coded_in_segments() {
         let (near, presets) = (0, None);

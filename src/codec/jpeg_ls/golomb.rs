@@ -14,8 +14,8 @@
 use crate::codec::bits::{Bits, ReadBits};
 use crate::codec::stream_error::{StreamResult, malformed};
 
-/// Operations of scan decoding on an entropy-coded segment. [`Bits`] implements them as the standard describes them,
-/// and [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
+/// Scan-decoding operations on an entropy-coded segment. [`Bits`] follows the standard bit by bit, and
+/// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
     /// Reads the next Golomb code and returns its number.
     fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
@@ -57,7 +57,7 @@ mod tests {
     use super::ReadGolomb;
     use crate::codec::bits::{Bits, ReadBits};
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn long_codes_are_limited() {
         let stream = [0, 0b1110_0010, 0b1000_0000, 0, 0, 0b1110_0011, 0b1000_0000];

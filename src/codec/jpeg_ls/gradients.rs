@@ -13,8 +13,8 @@
 
 use super::{parameters::Parameters, template::Neighbors};
 
-/// Returns the signed index of the context, which is negative in the mirrored neighborhood. Index 0 is the flat
-/// neighborhood, which belongs to run mode. The standard does not specify the numbering.
+/// Returns the signed index of the context, which is negative if the neighborhood is mirrored. Index 0 is the flat neighborhood,
+/// which run mode handles. The standard does not specify the numbering.
 #[inline]
 pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, d } = neighbors;
@@ -37,7 +37,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Neighbors, context_number};
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn mirrored_neighborhoods_share_a_context() {
         let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");

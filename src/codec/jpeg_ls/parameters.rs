@@ -155,7 +155,7 @@ pub(crate) fn limit_thresholds(thresholds: [i32; 3], maxval: i32, near: i32) -> 
 mod tests {
     use super::{Parameters, PresetParameters};
 
-    /// Checks the worked example above, and the smallest MAXVAL.
+    /// Checks the worked example of this module, and the smallest MAXVAL.
     #[test]
     fn defaults_follow_from_maxval_and_near() {
         let all = |maxval, near| {

@@ -60,7 +60,7 @@ mod tests {
     use super::super::parameters::{Parameters, PresetParameters};
     use super::{Neighbors, predict};
 
-    /// Checks the worked example above.
+    /// Checks the worked example of this module.
     #[test]
     fn prediction_errors_are_reduced_modulo_range() {
         let (a, b, d) = (5, 12, 40);
