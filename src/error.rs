@@ -68,7 +68,7 @@ pub enum Kind {
         plane: usize,
         /// Index of the nonexistent reference.
         reference: i64,
-        /// Number of planes.
+        /// Number of planes in the file.
         planes: usize,
     },
     /// A plane is predicted from a plane that is not decoded before it.
@@ -100,7 +100,7 @@ pub enum Kind {
     PositionOutOfRange {
         /// Position in the record.
         position: u32,
-        /// Number of texels.
+        /// Number of texels in the map.
         texels: usize,
     },
     /// The file uses a legal feature that this decoder does not support.

@@ -2,8 +2,7 @@
 //!
 //! - **texel**: one position in the map.
 //! - **plane**: one byte for every texel. The planes of a map are in the order of the specification.
-//! - **coefficient**: one of the six values a0…a5 of a polynomial, *raw* as stored or *final* after scale and bias
-//!   (2.4).
+//! - **coefficient**: one of the six values a0…a5 of a polynomial, *raw* as stored or *final* after scale and bias (2.4).
 //! - **channel**: one component of every texel. Its values form a plane. A texel of an RGB map has 18 channels.
 //! - **entry**, **index**: a row of the lookup table (2.5), and its number (2.8).
 //! - **`lu`, `lv`**: the light direction, projected onto the plane of the texture (1.0).

@@ -1,7 +1,7 @@
 //! T.81 B.1.1.5, F.1.2.3 and T.87 A.1, C.1.1: the bits of an entropy-coded segment
 //!
-//! Codes are packed into bytes without gaps, most significant bit first. To allow finding markers without decoding, a 0xFF byte
-//! in the data is followed by *stuffing*: a 0x00 byte in T.81, a single zero bit in T.87. In general, the byte after 0xFF
+//! Codes are packed into bytes without gaps, most significant bit first. So that markers can be found without decoding, a 0xFF
+//! byte in the data is followed by *stuffing*: a 0x00 byte in T.81, a single zero bit in T.87. In general, the byte after 0xFF
 //! contains only `AFTER_FF` bits of data (0 in T.81 and 7 in T.87), and the upper bits are zeros. If the upper bits are not zero,
 //! 0xFF is the first byte of a marker, which ends the segment.
 //!

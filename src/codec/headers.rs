@@ -113,7 +113,7 @@ fn check_sampling_factors(header: &mut Cursor) -> StreamResult<()> {
 pub(super) struct ScanHeader {
     pub tables: u8,
     pub parameters: [u8; 3],
-    /// Offset of `tables`, directly followed by `parameters`.
+    /// Offset of `tables` in the stream. `parameters` follows directly.
     pub at: usize,
 }
 

@@ -17,7 +17,6 @@ pub(crate) struct MarkerSegment {
 /// Splits a stream into its segments up to the scan header, and the remaining bytes.
 ///
 /// # Errors
-///
 /// Returns an error if a marker or a segment is truncated.
 pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;

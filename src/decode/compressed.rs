@@ -18,9 +18,9 @@
 //! Format notes
 //! - The text does not specify line ends. The only real file has one line per list and two for the motion vectors.
 //!   Any other line breaks are accepted as well (clause 2.9/2, ruling `list-layout`).
-//! - A number in the order list is a *rank*. Its index in the list is the index of the plane, not of the step (ruling
-//!   `order`). Equal ranks, gaps between ranks and a missing rank 0 are accepted if every reference has a lower rank
-//!   (clause 2.9.4/3, ruling `ranks`).
+//! - A number in the order list is a *rank*. Its index in the list is the index of the plane, not of the step (ruling `order`).
+//!   Equal ranks, gaps between ranks and a missing rank 0 are accepted if every reference has a lower rank than the planes that
+//!   it predicts (clause 2.9.4/3, ruling `ranks`).
 //! - The parameter is for the encoder (clause 2.9.1/2). A decoder uses the quantization tables or the NEAR of each stream.
 //! - All lists, and the planes themselves (clause 2.9.8/1), are in plane order, regardless of the order of decoding.
 //! - References are zero-based. Only −1 means that there is no reference (clause 2.9.5/2).
@@ -214,7 +214,8 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     })
 }
 
-/// Returns the reference of a plane. Checks that the reference exists and has a lower rank (clauses 2.9.4/2, 2.9.5/3).
+/// Returns the reference of a plane. Checks that the reference exists and has a lower rank than the plane (clauses 2.9.4/2,
+/// 2.9.5/3).
 fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
     let number = lists.references[plane];

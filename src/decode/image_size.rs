@@ -1,6 +1,6 @@
 //! §2.3 Image Size
 //!
-//! Width, then height, in ASCII (clause 2.3/1), optionally separated by a line end (clause 2.3/2).
+//! Width, then height, in ASCII (clause 2.3/1), separated by spaces or a line end (clause 2.3/2).
 //!
 //! ```text
 //! 36 34 30 0A 34 38 30 0A        640 and 480, on separate lines
@@ -10,8 +10,7 @@
 //! Format notes
 //! - HP's programs write two lines. The text's first form is one line. Both are accepted.
 //! - A size without texels is rejected (ruling `dimensions`).
-//! - A token that is not a decimal number violates clause 2.3/1. A number below 1 or above 2³² − 1 violates clause
-//!   2.3/3.
+//! - A token that is not a decimal number violates clause 2.3/1. A number below 1 or above 2³² − 1 violates clause 2.3/3.
 //! - No file needs a number above 2³² − 1. A decoder that lets it wrap around reads 4294967297 as 1.
 //! - Both numbers may be as large as 2³² − 1, and their product may exceed the available memory. Do not allocate
 //!   memory for texels here: compare the size first with the rest of the file, then with the limits of the caller.

@@ -11,13 +11,11 @@
 //! ```
 //!
 //! Format notes
-//! - Scales may have exponents, signs and leading or trailing points. Zero and negative scales are legal (ruling
+//! - Scales may have exponents, signs, and leading or trailing decimal points. Zero and negative scales are legal (ruling
 //!   `numbers`).
-//! - Biases below 0 and above 255 occur in real files. An integer written as `3.0` is accepted (ruling
-//!   `odd-numbers`).
-//! - In the uncompressed formats without a table, this is the last line of the header. The payload starts right after
-//!   its line feed, and its first byte may be 0x0A or 0x20. A decoder that skips whitespace here loses texels
-//!   (ruling `header-line-end`).
+//! - Biases below 0 and above 255 occur in real files. An integer written as `3.0` is accepted (ruling `odd-numbers`).
+//! - In the uncompressed formats without a table, this is the last line of the header. The payload starts right after its line
+//!   feed, and its first byte may be 0x0A or 0x20. A decoder that skips whitespace here loses texels (ruling `header-line-end`).
 
 use crate::error::Result;
 use crate::input::Input;

@@ -98,7 +98,7 @@ impl Reading {
     }
 }
 
-/// Another correct reading of an open question: an alternative of a ruling of kind *choice* in `spec-cases/rulings.yaml`.
+/// Another correct reading of an open question: an alternative to a ruling of kind *choice* in `spec-cases/rulings.yaml`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alternative {
     /// `lut-newline`: one line end separates the table from the indices.

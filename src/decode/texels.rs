@@ -14,8 +14,7 @@
 //! ```
 //!
 //! Format notes
-//! - The first byte of the first block directly follows the line feed of the last header line, regardless of its
-//!   value.
+//! - The first byte of the first block directly follows the line feed of the last header line, regardless of its value.
 //! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaves the
 //!   nine bytes of a texel, and some decoders derived from 1.1 decoders still expect that.
 //! - The six coefficients of a texel are adjacent in every uncompressed format. Only §2.9 has planes.

@@ -12,7 +12,7 @@ use arbitrary::{Result, Unstructured};
 use crate::ptm::{Coding, Format, Storage};
 use crate::suite::cases::{Case, Expect, Suite};
 
-/// A generated file: the parts of a case record that differ from the default file.
+/// A generated file: the parts of its case record that differ from those of the default file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Draft {
     /// The format.

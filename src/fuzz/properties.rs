@@ -150,8 +150,8 @@ fn check_stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
 
 type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
 
-/// Checks that a JPEG stream decodes to the samples that its encoder returns. Returns the stream, its size and those samples,
-/// for comparison with another decoder.
+/// Checks that a JPEG stream decodes to the samples that its encoder returns. Returns the stream, the size of the image and those
+/// samples, for comparison with another decoder.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -233,7 +233,7 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
 
-/// Fills samples with the remaining bytes, repeated: runs if there are few bytes, noise if there are many.
+/// Fills samples with the remaining bytes, repeated as needed: few bytes produce runs, and many produce noise.
 fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
     let bytes = u.bytes(u.len()).unwrap_or_default();
     let bytes = if bytes.is_empty() { &[128][..] } else { bytes };

@@ -74,7 +74,7 @@ enum TexelPlace {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Index {
-    /// The number of entries.
+    /// The number of entries, which is the first invalid index.
     Entries,
     AllOnes,
 }

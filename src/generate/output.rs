@@ -6,7 +6,7 @@ use crate::ptm::Field;
 /// A written file and its fields.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GeneratedFile {
-    /// The file.
+    /// The bytes of the file.
     pub bytes: Vec<u8>,
     /// Fields in file order, which describe the meaning of each byte.
     pub fields: Vec<Field>,

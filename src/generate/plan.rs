@@ -44,14 +44,14 @@ pub struct Stream {
     pub jfif: bool,
     /// JPEG-LS: preset parameters.
     pub presets: Option<PresetParameters>,
-    /// The component id.
+    /// The component id in the headers of the stream.
     pub component: u8,
     /// True if the frame header precedes the quantization tables (JPEG) or follows the preset parameters (JPEG-LS).
     pub frame_moved: bool,
 }
 
 impl Stream {
-    /// The default options.
+    /// The default encoding options.
     pub const PLAIN: Stream = Stream {
         jpeg: JpegOptions::new(75),
         jfif: true,
@@ -74,7 +74,7 @@ pub enum Residuals {
     Framed,
     /// Like `Blocks`, but the first texel of each block in predicted planes is −1, 0, 255 or 256 before reduction modulo 256.
     Wraps,
-    /// 128 everywhere.
+    /// Residuals that are 128 everywhere.
     Gray,
 }
 

@@ -21,7 +21,7 @@ use crate::ptm::{Coding, Size};
 /// The contents of a compressed file (2.9).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compressed {
-    /// The lists.
+    /// The compression plan, which contains the lists.
     pub plan: Compression,
     /// The planes, in plane order.
     pub planes: Vec<StoredPlane>,

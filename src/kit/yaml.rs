@@ -280,7 +280,7 @@ fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors without a line.
+/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors that have no line.
 macro_rules! read {
     ($($name:ident($($parameter:ident: $type:ty),*) = $read:expr;)*) => {$(
         fn $name<V: Visitor<'de>>(self, $($parameter: $type,)* visitor: V) -> Result<V::Value, YamlError> {

@@ -60,7 +60,7 @@ pub enum Hook {
 }
 
 impl Hook {
-    /// Applies the mistake to `reading` if it is a decision of [`Reading`].
+    /// Applies the mistake to `reading` if the mistake changes a decision of [`Reading`].
     pub(crate) fn apply_to(self, reading: Reading) -> Reading {
         let mut other = reading;
         match self {

@@ -61,7 +61,7 @@ impl fmt::Display for Sighting {
     }
 }
 
-/// A record of the YAML file.
+/// A record of `misreadings.yaml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MisreadingRecord {

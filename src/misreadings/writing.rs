@@ -12,7 +12,7 @@ use crate::kit::yaml;
 /// A mistake of a writer, corresponding to a misreading.
 pub type WriterMistake = Misreading<&'static Misreading>;
 
-/// A record of the YAML file.
+/// A record of `mistakes.yaml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WriterMistakeRecord {

@@ -8,8 +8,7 @@
 //! - Components that a method does not provide are 0.
 //! - `i` points from the eye to the vertex, so the reflection is `i − 2(n·i)n`. Another common form uses −i.
 //! - The reflection matrix rotates directions: its last column has no effect (ruling `reflection-matrix`).
-//! - The formulas that map the sphere to (t0, t1) are lost (rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`,
-//!   `wc-height`).
+//! - The formulas that map the sphere to (t0, t1) are lost (rulings `vrc-azimuth`, `wc-azimuth`, `vrc-height`, `wc-height`).
 //! - Normals are not normalized (ruling `normal-length`).
 
 use std::f64::consts::PI;
@@ -21,9 +20,8 @@ use super::rules::Rules;
 
 /// Returns the texture coordinates of `point` before orientation. Coordinates beyond the `dimensions` of the map are arbitrary.
 ///
-/// # Errors
-/// Returns [`NoValue::ImplementationDefined`] if there are too few data for the map (R-PAR-25) or the reflection vector is
-/// zero, and [`NoValue::Missing`] if the point lacks a value that the method needs.
+/// # Errors Returns [`NoValue::ImplementationDefined`] if there are too few data values for the map (R-PAR-25) or the reflection
+/// vector is zero, and [`NoValue::Missing`] if the point lacks a value that the method needs.
 pub fn parameterize(
     entry: &Entry,
     point: &Point,
@@ -84,7 +82,7 @@ pub(crate) fn spline_parameters(point: &Point) -> Vector {
     [u, v, 0.0]
 }
 
-/// Returns as many data as the map has dimensions, beginning at `index` (R-PAR-21 … R-PAR-23). On a B-spline surface, the
+/// Returns as many data values as the map has dimensions, beginning at `index` (R-PAR-21 … R-PAR-23). On a B-spline surface, the
 /// first value of each data spline is used (R-PAR-24).
 pub(crate) fn float_data(point: &Point, index: usize, count: usize) -> Result<Vector, NoValue> {
     let mut t = [0.0; 3];

@@ -3,8 +3,7 @@
 //! Valid indices are 1 to 65535. The fallback entry is entry 1 (R-RST-02, R-RST-03).
 //!
 //! Format notes
-//! - An index without an entry selects entry 1. If entry 1 is undefined, the fallback values are used (ruling
-//!   `undefined-entry`).
+//! - An index without an entry selects entry 1. If entry 1 is undefined, the fallback values are used (ruling `undefined-entry`).
 
 use super::entry::{Entry, Table};
 use super::{no_value::NoValue, rules::Rules};

@@ -20,11 +20,10 @@
 //! ```
 //!
 //! Format notes
-//! - A run has at most fifteen zeros. ZRL (RUN 15, SIZE 0) represents sixteen zeros. A run that extends past the end
-//!   of the block is malformed, even if it consists of ZRL only.
+//! - A run has at most fifteen zeros. ZRL (RUN 15, SIZE 0) represents sixteen zeros. A run that extends past the end of the block
+//!   is malformed, even if it consists only of ZRL.
 //! - A block whose last coefficient is nonzero has no EOB.
-//! - For 8-bit samples, differences have at most 11 bits (Table F.1), and AC coefficients have at most 10
-//!   (Table F.2).
+//! - For 8-bit samples, differences have at most 11 bits (Table F.1), and AC coefficients have at most 10 (Table F.2).
 
 use super::{huffman::ReadSymbols, zigzag::ZIGZAG};
 use crate::codec::stream_error::{StreamResult, malformed};

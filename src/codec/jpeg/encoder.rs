@@ -8,8 +8,7 @@
 //! ```
 //!
 //! Format notes
-//! - The samples returned with the stream are computed by `inverse_dct`, because other planes are predicted from
-//!   decoded samples.
+//! - The samples returned with the stream are computed by `inverse_dct`, because other planes are predicted from decoded samples.
 //! - libjpeg writes each Huffman table in a separate segment, followed by the restart interval.
 //! - Unused tables are legal. Here, the quantization steps of unused tables are all 1, and each unused Huffman table contains
 //!   only the one-bit code 0, for symbol 0.
@@ -66,7 +65,6 @@ impl JpegOptions {
 /// Encodes `width` × `height` samples, which are in row order from the top.
 ///
 /// # Panics
-///
 /// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, or an option is out of range.
 #[must_use]
 pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) -> EncodedImage {

@@ -1,7 +1,7 @@
 //! T.81 F.2.2.3: decoding a Huffman code
 //!
-//! Codes of equal length are consecutive numbers, so a decoder needs only the first code of each length, the number
-//! of codes, and the index of the first symbol. It appends bits until the number is a code of its length.
+//! Codes of equal length are consecutive numbers, so a decoder needs only three numbers for each length: the first code, the
+//! number of codes, and the index of the first symbol. It appends bits until they form a code of that length.
 //!
 //! Worked example, with the table of `huffman_table` (00 = 05, 01 = 07, 10 = 06, 110 = 08):
 //!

@@ -15,8 +15,7 @@
 //! ```
 //!
 //! Format notes
-//! - The code of all ones is never assigned (Annex C), so that no code starts with it. A table with two one-bit codes
-//!   is therefore illegal.
+//! - No code consists only of ones (Annex C). A table with two one-bit codes is therefore illegal.
 //! - If a symbol occurs twice, both codes have the same meaning.
 
 /// A Huffman table, as stored in a stream.

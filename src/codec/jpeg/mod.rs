@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Format notes
-//! - Tables must precede the scan header that names them, but not the frame header.
+//! - Tables must precede the scan header that names them, but may follow the frame header.
 //! - libjpeg writes 16-bit quantization tables under SOF1 if the quality is below 24. B.2.4.1 forbids them with
 //!   8-bit samples. This decoder nevertheless accepts them, even under SOF0.
 //! - Decoded samples are exact: see `inverse_dct`.

@@ -62,7 +62,7 @@ fn push_ac(symbols: &mut Vec<Symbol>, coefficients: &[i16]) {
     }
 }
 
-/// Returns the size and the additional bits of a number (F.1.2.1). For a negative number, these are the low bits of
+/// Returns the size and the additional bits of a number (F.1.2.1). The additional bits of a negative number are the low bits of
 /// the number minus one, so that the first bit is zero.
 fn size_and_bits(value: i32) -> (u8, u32) {
     let size = 32 - value.unsigned_abs().leading_zeros();

@@ -15,8 +15,7 @@
 //! ```
 //!
 //! Format notes
-//! - When N reaches RESET, A, B and N are halved before N is incremented. B is rounded down, for negative values as
-//!   well.
+//! - When N reaches RESET, A, B and N are halved before N is incremented. B is rounded down, for negative values as well.
 
 use super::parameters::Parameters;
 

@@ -24,7 +24,6 @@ const LSE: u8 = 0xF8;
 /// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
 /// # Errors
-///
 /// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or has a
 /// different size or number of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other
 /// precisions, mapping tables, point transforms, oversize images and restart intervals.

@@ -16,7 +16,6 @@ pub struct JpegLsOptions {
 /// Encodes `width` × `height` samples, which are in row order from the top.
 ///
 /// # Panics
-///
 /// Panics if the number of samples is not `width` × `height`, a side is not within 1 … 65,535, a sample exceeds
 /// MAXVAL, or an option is out of range.
 #[must_use]

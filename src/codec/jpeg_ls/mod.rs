@@ -1,9 +1,9 @@
 //! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of 8 bits
 //!
-//! Samples are coded one by one, from left to right and from top to bottom. Each sample is predicted from four known
-//! neighbors, and the prediction error is written with a limited-length Golomb code. The gradients of the
-//! neighborhood select one of 364 *contexts*, which adapt the correction of the prediction and the lengths of the
-//! codes to the errors so far. If the neighborhood is flat, the coder counts equal samples instead (*run mode*).
+//! Samples are coded one by one, from left to right and from top to bottom. Each sample is predicted from neighbors that are
+//! already known, and the prediction error is written with a limited-length Golomb code. The gradients of the neighborhood select
+//! one of 364 *contexts*, which adapt the correction of the prediction and the lengths of the codes to the errors so far. If the
+//! neighborhood is flat, the coder counts equal samples instead (*run mode*).
 //!
 //! ```text
 //! c b d     template → gradients ─┬→ prediction → contexts → golomb    regular mode (A.4 – A.6)
