@@ -53,7 +53,7 @@ impl Format {
         Format::JpeglsLrgb,
     ];
 
-    /// Returns the name in a file (clause 2.2/1), the shape of a texel, and the storage of the planes.
+    /// Returns the name of the format in a file (clause 2.2/1), the shape of a texel, and the storage of the planes.
     const fn definition(self) -> (&'static str, Shape<()>, Storage) {
         use Coding::{Jpeg, JpegLs};
         use Storage::{ColorTable, Streams, Table, Texels};
@@ -202,7 +202,7 @@ impl Size {
         (self.width as usize).saturating_mul(self.height as usize)
     }
 
-    /// Returns the number of bytes for `bytes_per_texel` bytes per texel, or `u64::MAX` on overflow.
+    /// Returns the total number of bytes if each texel takes `bytes_per_texel` bytes, or `u64::MAX` on overflow.
     pub(crate) fn bytes(self, bytes_per_texel: usize) -> u64 {
         (u64::from(self.width) * u64::from(self.height)).saturating_mul(bytes_per_texel as u64)
     }
@@ -276,7 +276,7 @@ impl<Matrix> Shape<Matrix> {
         }
     }
 
-    /// Returns the number of coefficients in a texel. The coefficients are its first channels.
+    /// Returns the number of coefficients in a texel. The first channels of a texel are its coefficients.
     #[must_use]
     pub const fn coefficients(&self) -> usize {
         match self {

@@ -135,7 +135,7 @@ pub(super) fn read(
     streams.channels(residuals, reading)
 }
 
-/// Reads the parameter and the seven lists in file order (clause 2.9/1). Motion has two numbers per plane.
+/// Reads the parameter and the six lists in file order (clause 2.9/1). The list of motion vectors has two numbers per plane.
 fn read_lists(plane_count: usize, input: &mut Input) -> Result<RawLists> {
     let parameter = read_number(input, "2.9.1/1", "a compression parameter")?;
     let mut list = |clause, name, count| -> Result<Vec<Number>> {

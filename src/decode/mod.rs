@@ -78,7 +78,7 @@ use crate::input::Input;
 use crate::ptm::{Field, Header, Limits, Ptm, Storage};
 use crate::reading::Reading;
 
-/// Decodes `file` with the reading of the reference.
+/// Decodes `file` under the reading of the reference.
 ///
 /// ```
 /// let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb";
@@ -93,7 +93,7 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
     decode_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Decodes `file` with a different reading of the open questions, or with different limits.
+/// Decodes `file` under a different reading of the open questions, or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -122,7 +122,7 @@ pub fn open(file: &[u8]) -> Result<StoredMap<'_>> {
     open_as(file, &Reading::SPEC, &Limits::default())
 }
 
-/// Parses `file` like [`open`], with a different reading of the open questions or with different limits.
+/// Parses `file` like [`open`], but under a different reading of the open questions, or with different limits.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
@@ -144,7 +144,7 @@ pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
     examine_as(file, &Reading::SPEC)
 }
 
-/// Returns the fields of `file` with a different reading of the open questions, and the result of [`decode_as`].
+/// Returns the fields of `file` under a different reading of the open questions, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
     let mut input = Input::new(file);
     let outcome = read_header(&mut input).and_then(|header| {

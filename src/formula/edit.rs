@@ -22,7 +22,7 @@ pub enum EditedForm {
 }
 
 impl Edit {
-    /// Parses an edit from the name of a formula and the expression that replaces it.
+    /// Parses an edit from the name of a formula and the expression that replaces the formula.
     ///
     /// # Errors
     /// Returns a sentence that names the unknown formula or describes the error in the expression.

@@ -283,7 +283,7 @@ impl Expression {
         right.write(text, scope, 0);
     }
 
-    /// Writes an address as the last digit plus the value of the other digits times its radix.
+    /// Writes an address as the last digit plus its radix times the value of the other digits.
     fn write_address(digits: &[(Expression, Expression)], text: &mut String, scope: Scope) {
         if let [others @ .., (digit, radix)] = digits {
             if !others.is_empty() {

@@ -289,7 +289,7 @@ fn are_equal(a: &Answer, b: &Answer) -> bool {
     }
 }
 
-/// Returns true if the decoder fails on a draft for the same reason.
+/// Returns true if the decoder fails on `draft` because of `cause`.
 pub(super) fn fails_for_same_reason(
     draft: &Draft,
     cause: &Explanation,

@@ -1,4 +1,4 @@
-//! Properties that hold for every input, one function each, called by fuzz targets and proptest.
+//! Properties that must hold for every input. Fuzz targets and proptest call one function for each property.
 //!
 //! Each function takes untrusted bytes and panics if its property does not hold. Functions that need structured input derive it
 //! from the bytes. If there are too few bytes, they return without testing.

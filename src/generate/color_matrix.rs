@@ -1,6 +1,6 @@
 //! §2.6 Color Matrix
 //!
-//! Sixteen numbers (clause 2.6/2) on one line, or with four numbers or one number per line (ruling `lum-layout`).
+//! Sixteen numbers (clause 2.6/2) on one line, or four numbers or one number per line (ruling `lum-layout`).
 
 use super::{output::Output, recipe::Numbers, spelling::Line};
 

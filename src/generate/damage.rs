@@ -34,7 +34,7 @@ pub struct Damage {
     fill: BTreeMap<DamagePlace, String>,
     flip: BTreeMap<DamagePlace, String>,
     insert: BTreeMap<DamagePlace, String>,
-    /// Number of bytes to remove from the beginning, or from the end if negative.
+    /// Number of bytes to remove from the beginning of each place, or from its end if negative.
     cut: BTreeMap<DamagePlace, isize>,
     /// Amounts to add to numbers. An amount may need 65 bits.
     add: BTreeMap<DamagePlace, String>,

@@ -181,13 +181,13 @@ impl Model {
         colors.map(|value| value.clamp(0.0, 255.0)).collect()
     }
 
-    /// Returns, for each final value, the maximum difference between inverse DCTs, or an empty list if they all agree.
+    /// Returns the maximum difference that inverse DCTs cause in each final value, or an empty list if they all agree.
     #[must_use]
     pub fn coefficient_slack(&self) -> Vec<f64> {
         self.final_values(&self.slack, |slack, i| slack * self.scale[i].abs())
     }
 
-    /// Returns, for each color, the maximum difference between inverse DCTs, or an empty list if they all agree.
+    /// Returns the maximum difference that inverse DCTs cause in each color, or an empty list if they all agree.
     #[must_use]
     pub fn color_slack(&self, u: f64, v: f64) -> Vec<f64> {
         let powers = [u * u, v * v, u * v, u, v, 1.0];

@@ -74,7 +74,7 @@ pub fn from_files<T: DeserializeOwned>(files: &[(&str, &str)]) -> Result<Vec<T>,
     files.iter().map(read).collect()
 }
 
-/// Parses a list of records, each with its first line. An empty file is an empty list.
+/// Parses a list of records, each with the number of its first line. An empty file is an empty list.
 ///
 /// # Errors
 /// Returns a message that names the offending line.
@@ -98,7 +98,7 @@ pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
     serde_saphyr::to_string(value).map_err(|error| error.to_string())
 }
 
-/// A scalar, list or mapping, with its first line (starting at 1).
+/// A scalar, list or mapping, with the number of its first line, counted from 1.
 struct Node {
     line: usize,
     value: Value,

@@ -76,7 +76,7 @@ impl<'a> Anatomy<'a> {
             .collect()
     }
 
-    /// Returns a refusal if a header field with one of these clauses has a text for which `is_refused` is true.
+    /// Returns a refusal if `is_refused` is true for the text of a header field with one of these clauses.
     pub(super) fn refuse_text(&self, clauses: &[&str], is_refused: fn(&str) -> bool) -> EditedFile {
         self.refuse_if(self.field_texts(clauses).into_iter().any(is_refused))
     }
@@ -122,7 +122,7 @@ impl<'a> Anatomy<'a> {
     /// Replaces the texts of header fields that have these clauses, or of all header fields for [`ANY`]. `spell` returns the new
     /// text of a field, or `None` to keep it.
     ///
-    /// Fields after an error are unknown, so this is repeated until the file no longer changes.
+    /// Fields after an error are unknown, so the replacement is repeated until the file no longer changes.
     pub(super) fn respell(
         &self,
         clauses: &[&str],

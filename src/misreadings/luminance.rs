@@ -1,4 +1,4 @@
-//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes in applying the matrix and in its operands
+//! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes in applying the matrix and in choosing its operands
 
 use super::anatomy::EditedFile;
 use super::hook::{Hook, Steps};

@@ -78,8 +78,8 @@ struct MisreadingRecord {
     edits: BTreeMap<String, String>,
 }
 
-/// Joins the records of a YAML file with the steps that they change: the step of the slug, or the step that `step_of_edits`
-/// creates from the formulas of a record.
+/// Joins each record of a YAML file with the step that it changes: the step for its slug, or the step that `step_of_edits`
+/// creates from its formula edits.
 ///
 /// The strings are leaked, because each catalog is created only once.
 ///

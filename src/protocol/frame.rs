@@ -515,7 +515,7 @@ pub enum Answer<T = Frame> {
 }
 
 impl<T> Answer<T> {
-    /// Returns the decoded value, or converts any other answer to another type.
+    /// Returns the decoded value, or any other answer as an answer of type `U`.
     ///
     /// # Errors
     /// Returns any answer other than [`Answer::Decoded`].

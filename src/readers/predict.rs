@@ -86,7 +86,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// Returns the result of a reader with its description, and the slugs of the responsible misreadings.
+    /// Returns the result of a reader, a description of the result, and the slugs of the responsible misreadings.
     fn result(&self, profile: &ReaderProfile) -> ((Rendering, String), Vec<&'static str>) {
         if let Ok(ptm) = &self.truth
             && !profile.reads(ptm.header.format)

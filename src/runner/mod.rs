@@ -1,4 +1,4 @@
-//! Programs under test: starting them, limiting them, sending requests and ending them.
+//! Programs under test: starting them, limiting their resources, sending requests to them, and ending them.
 //!
 //! Requires a Unix system.
 

@@ -293,7 +293,7 @@ impl<'a> Server<'a> {
         }))
     }
 
-    /// Returns an error if the process uses too much memory. Measures at intervals.
+    /// Returns an error if the process uses too much memory, which is measured at intervals.
     fn check_memory(&mut self, decoder: &Decoder) -> Result<(), Answer> {
         if self.last_measured.elapsed() < POLL_INTERVAL || !processes::can_inspect_processes() {
             return Ok(());

@@ -1,7 +1,7 @@
 //! Command lines for programs that do not implement the decoder protocol: `viewer -u {lu} -v {lv} {in} -o {out}.png`.
 //!
-//! The text is split into words as in a shell, but no shell is run. A placeholder may be anywhere in a word, so paths with spaces
-//! remain one word. `{{` and `}}` are literal braces.
+//! The text is split into words as in a shell, but no shell is run. Placeholders may be anywhere in a word. They are replaced
+//! after the text is split, so paths with spaces remain one word. `{{` and `}}` are literal braces.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
@@ -171,7 +171,7 @@ impl Template {
         self.words.iter().map(joined).collect()
     }
 
-    /// Returns the output file of a call, if the template has one. Call this before the program starts: it opens
+    /// Returns the output file of a call, if the template has one. Must be called before the program starts, because it opens
     /// `workplace`, so that replacing the directory later has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {

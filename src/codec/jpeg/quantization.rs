@@ -1,6 +1,6 @@
 //! T.81 A.3.4, K.1: quantization of coefficients
 //!
-//! A coefficient is divided by its quantization step and rounded. Information is lost only in this step. The steps of Annex K
+//! A coefficient is divided by its quantization step and rounded. This is the lossy step of JPEG. The steps of Annex K
 //! correspond to quality 50. Other qualities scale them by a percentage. The scaling is a convention of the Independent JPEG
 //! Group, not part of the standard.
 //!

@@ -38,7 +38,7 @@ pub(super) static MISTAKES: LazyLock<Vec<FitMistake>> = LazyLock::new(|| {
 
 /// Criterion that identifies a mistake.
 enum Criterion {
-    /// The map is near the best fit of the photographs that result from this change.
+    /// The map is near the best fit to the photographs that result from this change.
     Photographs(fn(&mut ImageSet)),
     /// The map is near the best fit under lights with these directions.
     Lights(fn(&Photograph) -> [f64; 2]),
@@ -106,7 +106,7 @@ impl WrongMap {
         })
     }
 
-    /// Returns the raw value and the expected raw value of coefficient `i` of each texel, for the scale and bias of the file.
+    /// Returns the raw value and the expected raw value of coefficient `i` of each texel, given the scale and bias of the file.
     fn raw_and_expected_values(&self, i: usize) -> Vec<(f64, f64)> {
         let set = &self.ptm.header.scale_bias;
         let channels = self.ptm.planes.shape.channels();

@@ -59,7 +59,7 @@ impl FitRequest {
 }
 
 impl Photograph {
-    /// Returns `lu` and `lv`, the projection of the normalized vector to the light (clause 1.0/2).
+    /// Returns `lu` and `lv`: the vector to the light, normalized and projected (clause 1.0/2).
     #[must_use]
     pub fn direction(&self) -> [f64; 2] {
         let [x, y, z] = self.light;
@@ -116,8 +116,8 @@ impl ImageSet {
     }
 }
 
-/// Reads the photograph in a line, which consists of a name, possibly with spaces, and three numbers. Returns an error if the
-/// size of the photograph differs from `size`.
+/// Reads the photograph that a line describes. The line consists of a name, possibly with spaces, and three numbers. Returns an
+/// error if the size of the photograph differs from `size`.
 fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<Photograph, String> {
     let invalid = || format!("expected a name and three numbers, found {line:?}");
     let mut words = line.trim().rsplitn(4, char::is_whitespace);
