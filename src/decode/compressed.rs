@@ -214,8 +214,7 @@ fn prediction_step(lists: &RawLists, plane: usize) -> Result<Step> {
     })
 }
 
-/// Returns the reference of a plane. Checks that the reference exists and has a lower rank than the plane (clauses 2.9.4/2,
-/// 2.9.5/3).
+/// Returns the reference of a plane. Checks that it exists and has a lower rank than the plane (clauses 2.9.4/2, 2.9.5/3).
 fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     let planes = lists.planes;
     let number = lists.references[plane];

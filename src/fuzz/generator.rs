@@ -20,8 +20,7 @@ pub struct DraftGenerator {
 }
 
 impl DraftGenerator {
-    /// Creates a generator of legal and damaged files. Only damages for which all cases in the suite expect the same result are
-    /// used.
+    /// Creates a generator of legal and damaged files. Uses only damages for which all cases in the suite expect the same result.
     #[must_use]
     pub fn new(suite: &Suite) -> DraftGenerator {
         let mut expected: BTreeMap<(Format, &'static str), Vec<Expect>> = BTreeMap::new();

@@ -159,8 +159,7 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// Rejects bytes after the image, whose samples end at `end`. For formats that declare a length, the decoder has already checked
-/// the end.
+/// Rejects bytes after the image, whose samples end at `end`. For formats that declare a length, the decoder has checked the end.
 fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {

@@ -1,8 +1,7 @@
 //! Texture mapping table of `PEXlib` 5.2: applying texture maps to surfaces.
 //!
 //! A PTM lit from one direction is an image, and an image can be used as a texture map. This module implements the chapter
-//! "Texture Mapping Table" as pure functions in the order of the pipeline. Two implementations can be compared function by
-//! function:
+//! "Texture Mapping Table" as pure functions in the order of the pipeline. Implementations can be compared function by function:
 //!
 //! ```text
 //! Surface ──select──→ indices ──resolve──→ Entry ──parameterize──→ t ──orient──→ t' ──interpolate──→ t''

@@ -12,8 +12,7 @@
 //! - `matrix`: sixteen numbers in file order, for LUM only.
 //! - `quality`: 20 to 100, for JPEG formats. `near`: maximum error, 0 for lossless, for JPEG-LS formats.
 //! - `prediction`: optional; suggests how to predict planes from one another. A writer may ignore it. Its five lists,
-//!   `references`, `order`, `transforms`, `motion_x` and `motion_y`, contain one number per plane, with the meanings defined in
-//!   2.9.2 to 2.9.5.
+//!   `references`, `order`, `transforms`, `motion_x` and `motion_y`, contain one number per plane, as defined in 2.9.2 to 2.9.5.
 //! - `planes`: path of the stored values, height × width × channels, u8, top row first.
 
 use serde::{Deserialize, Serialize};

@@ -32,8 +32,7 @@ pub(super) struct Context {
     n: i32,
 }
 
-/// Returns the contexts at the start of a scan (A.2.1). Index 0, the flat neighborhood, is unused, because run mode handles that
-/// neighborhood.
+/// Returns the contexts at the start of a scan (A.2.1). Index 0, the flat neighborhood, is unused, because run mode handles it.
 pub(super) fn fresh_contexts(parameters: &Parameters) -> [Context; 365] {
     let (a, b, c, n) = (initial_error_sum(parameters), 0, 0, 1);
     [Context { a, b, c, n }; 365]
