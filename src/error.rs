@@ -59,7 +59,7 @@ pub enum Kind {
     TooLarge {
         /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
         needed: u64,
-        /// Maximum number of bytes.
+        /// Maximum number of bytes allowed.
         limit: usize,
     },
     /// A plane is predicted from a plane that does not exist.

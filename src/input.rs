@@ -39,7 +39,7 @@ impl<'a> Input<'a> {
         self.fields
     }
 
-    /// Returns the rest of the file.
+    /// Returns the unread rest of the file.
     pub(crate) fn rest(&self) -> &'a [u8] {
         &self.file[self.at..]
     }

@@ -55,7 +55,7 @@ pub struct IndexBlock<'a> {
 /// Numbers in the lists (2.9.1–2.9.7), as stored.
 #[derive(Clone, Debug)]
 pub struct RawLists {
-    /// Number of planes.
+    /// Number of planes in the file.
     pub planes: usize,
     /// Parameter of the encoder (2.9.1).
     pub parameter: Number,
@@ -95,7 +95,7 @@ pub struct Plan {
     pub extents: Vec<Extent>,
 }
 
-/// Prediction of a plane.
+/// Prediction step of a plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Step {
     /// Index of the reference, or `None` for an intra plane.
@@ -143,7 +143,7 @@ pub struct PlaneStream<'a> {
     pub at: usize,
     /// Bytes of the stream.
     pub bytes: &'a [u8],
-    /// Required size of the image.
+    /// Size that the decoded image must have.
     pub size: Size,
 }
 

@@ -378,6 +378,6 @@ pub struct Field {
     pub clause: &'static str,
     /// Name of the field: `width`, `scale`, `table`.
     pub name: &'static str,
-    /// Byte range in the file.
+    /// Byte range of the field in the file.
     pub range: Range<usize>,
 }

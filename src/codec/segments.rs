@@ -6,11 +6,11 @@
 use super::markers::{Cursor, SOS};
 use super::{stream_error::StreamResult, writer::Writer};
 
-/// A marker segment.
+/// A marker segment, without its length.
 pub(crate) struct MarkerSegment {
-    /// Second byte of the marker.
+    /// Marker code, the second byte of the marker.
     pub code: u8,
-    /// Bytes after the length.
+    /// Content of the segment: the bytes after its length.
     pub content: Vec<u8>,
 }
 

@@ -28,9 +28,9 @@ pub(super) struct Channels<'a> {
 
 /// Representation of the values, texel by texel, in the stored order of rows.
 pub(super) enum ValueLayout<'a> {
-    /// Plain bytes.
+    /// Plain bytes, one per value.
     Bytes(Cow<'a, [u8]>),
-    /// Table entries. Every index is valid.
+    /// Indices of table entries. Every index is valid.
     Entries(IndexBlock<'a>, LookupTable<'a>),
 }
 

@@ -47,7 +47,7 @@ pub(super) fn displace_rows(
 
 /// One axis of a plane, and the displacement along it.
 struct DisplacedAxis {
-    /// Offsets of the two nearest samples.
+    /// Offsets from a position to the two samples that are nearest to its displaced position.
     offsets: [i64; 2],
     /// Positions at which both samples are inside the plane.
     interior: Range<i64>,

@@ -15,13 +15,13 @@ use crate::suite::cases::{Case, Expect, Suite};
 /// A generated file: the parts of its case record that differ from those of the default file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Draft {
-    /// The format.
+    /// The format of the file.
     pub format: Format,
     /// Width in texels.
     pub width: u32,
     /// Height in texels.
     pub height: u32,
-    /// Values in `make` and in its parts.
+    /// Values in `make` and in its parts, by key.
     pub words: BTreeMap<DraftKey, String>,
     /// Views, in order of preference.
     pub views: Vec<String>,

@@ -166,7 +166,7 @@ impl Explanation {
     }
 }
 
-/// Describes an unexplained answer independently of the file.
+/// Describes an unexplained answer in words that do not depend on the file.
 fn symptom(name: &str, words: Option<&str>) -> String {
     match name {
         "decoded" => "a wrong image".to_owned(),
@@ -209,13 +209,13 @@ pub struct Finding {
     pub cause: Explanation,
     /// The cause from the diagnosis, if no misreading or damage explains the failure.
     pub diagnosis: Option<LikelyCause>,
-    /// The original file.
+    /// The file on which the failure was first observed.
     pub original: Draft,
     /// The minimized file.
     pub small: Draft,
     /// The view in which the minimized file was requested.
     pub view: Option<View>,
-    /// Name of the decoder's answer.
+    /// Name of the decoder's answer to the minimized file.
     pub answer: String,
     /// The received frame, if any.
     pub received: Option<Frame>,

@@ -32,7 +32,7 @@ use generator::DraftGenerator;
 /// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;
 
-/// The plan of a run.
+/// The parameters of a fuzzing run.
 #[derive(Clone, Debug)]
 pub struct FuzzPlan {
     /// The seed of the file generator.
@@ -51,10 +51,10 @@ pub struct FuzzPlan {
     pub stop: Arc<AtomicBool>,
 }
 
-/// The results of a run.
+/// The results of a fuzzing run.
 #[derive(Default)]
 pub struct FuzzResult {
-    /// Number of requests.
+    /// Number of requests that were sent.
     pub executions: usize,
     /// Number of generated files.
     pub files: usize,

@@ -20,7 +20,7 @@ use crate::ptm::{Coding, Format, Size};
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Damage {
-    /// Slug used in cases.
+    /// Slug by which cases refer to the damage.
     #[serde(rename = "slug")]
     pub name: String,
     /// Clause that the damaged file violates or goes beyond.
@@ -41,7 +41,7 @@ pub struct Damage {
     /// A number to remove, together with one adjacent space.
     remove: Option<DamagePlace>,
     remove_line: Option<DamagePlace>,
-    /// The new end of the file.
+    /// The place at which the file is cut off.
     end: Option<DamagePlace>,
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,

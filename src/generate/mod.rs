@@ -54,7 +54,7 @@ pub mod spelling;
 /// Painted scenes.
 pub mod scene;
 
-/// The samples of a scene.
+/// Painting the samples of a scene.
 mod paint;
 
 /// Painted maps whose planes, coefficients and colors are known by construction.

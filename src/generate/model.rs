@@ -12,7 +12,7 @@ use crate::ptm::{Format, Size};
 /// The values of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// The format.
+    /// The format of the file.
     pub format: Format,
     /// Width and height.
     pub size: Size,
@@ -22,9 +22,9 @@ pub struct Model {
     pub table: Vec<u8>,
     /// The entry of each texel, top row first; empty without a table.
     pub indices: Vec<u32>,
-    /// The scales.
+    /// The scales of the coefficients.
     pub scale: [f64; 6],
-    /// The biases.
+    /// The biases of the coefficients.
     pub bias: [f64; 6],
     /// The sixteen numbers of the matrix, column-major.
     pub matrix: [f64; 16],

@@ -42,7 +42,7 @@ impl<'a> Output<'a> {
         }
     }
 
-    /// Writes one field.
+    /// Writes one field of the header.
     pub fn token(&mut self, clause: &'static str, name: &'static str, text: &str) {
         self.field(clause, name, text.as_bytes());
     }

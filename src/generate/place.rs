@@ -56,7 +56,7 @@ enum Offset {
     Half,
 }
 
-/// Names of fields.
+/// Names of fields, separated by `|`.
 const NAMES: &str = "file|header|payload|version|format|width|height|scale|bias|count|count keyword|table|matrix|indices|\
     coefficients|colors|blue coefficients|parameter|transforms|motion x|motion y|order|references|compressed sizes|side sizes|\
     plane|side information";

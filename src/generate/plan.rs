@@ -11,7 +11,7 @@ use crate::ptm::{Coding, Format, Size};
 /// Parameters for the compression of planes. Each list has one number per plane.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compression {
-    /// The standard of the streams.
+    /// The coding standard of the streams.
     pub coding: Coding,
     /// JPEG quality or maximum error of JPEG-LS (2.9.1).
     pub parameter: u8,
@@ -99,7 +99,7 @@ pub(super) enum Texels {
     First,
     Last,
     All,
-    /// The texels at the edge.
+    /// The texels at the edge of the plane.
     Border,
     /// The first texel, twice: a wrong value, then the correct one (ruling `side-twice`).
     Twice,
@@ -140,7 +140,7 @@ impl FromStr for Records {
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
 pub enum Structure {
-    /// No references.
+    /// No plane has a reference.
     Intra,
     /// Each plane is predicted from the previous one.
     Chain,
@@ -238,7 +238,7 @@ impl Compression {
         }
     }
 
-    /// Sets references and ranks.
+    /// Sets the references and ranks to those of a structure.
     pub fn set_structure(&mut self, structure: Structure) {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }

@@ -55,7 +55,7 @@ pub enum Indices {
 /// The description of a file to write.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
-    /// The format.
+    /// The format of the file.
     pub format: Format,
     /// Width and height.
     pub size: Size,

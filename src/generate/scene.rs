@@ -7,13 +7,13 @@ use std::str::FromStr;
 pub enum Scene {
     /// An independent pseudo-random byte for every sample.
     Noise,
-    /// 0 or 255, pseudo-random.
+    /// A pseudo-random choice of 0 or 255 for every sample.
     Extremes,
     /// Values that increase to the right, downward and from channel to channel.
     Ramp,
     /// One value per channel, the same for all texels.
     Stripes,
-    /// One value for all samples.
+    /// This value for all samples.
     Flat(u8),
     /// Like `Noise`, but all coefficients except a5 are 128, so that the light has no effect.
     Unlit,

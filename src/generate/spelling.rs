@@ -66,12 +66,12 @@ impl Line {
 /// The spelling of the number of table entries (ruling `lut-count`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Count {
-    /// `256 N_LUT_ENTRIES`
+    /// The number, then a word: `256 N_LUT_ENTRIES`.
     #[default]
     NumberWord,
-    /// `256`
+    /// The number alone: `256`.
     Number,
-    /// `nentries 256`
+    /// A word, then the number: `nentries 256`.
     WordNumber,
 }
 

@@ -50,7 +50,7 @@ pub enum Hook {
     Predictor(Predictor),
     Invert(fn(&mut [u8])),
     MotionHalf(fn([u8; 4]) -> u8),
-    /// Changes both JPEG and JPEG-LS planes.
+    /// Changes the sum of residual and predictor in both JPEG and JPEG-LS planes.
     Predict(fn(&mut [u8], &[u8])),
     Reconstruct(Reconstruct),
     Stream(fn(&PlaneStream) -> Result<Vec<u8>>),

@@ -13,13 +13,13 @@ use crate::kit::yaml;
 /// the record type and have different steps.
 #[derive(Clone, Debug)]
 pub struct Misreading<A = Hook> {
-    /// Permanent name.
+    /// Permanent name of the misreading.
     pub slug: &'static str,
     /// Clause that the decoder misreads.
     pub clause: &'static str,
     /// Effect, as a sentence without a subject: "reads …".
     pub effect: &'static str,
-    /// Fix, as a sentence without a period.
+    /// Suggested fix, as a sentence without a period.
     pub fix: &'static str,
     /// Symptom of the mistake.
     pub symptom: Symptom,

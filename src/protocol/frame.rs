@@ -41,11 +41,11 @@ pub enum View {
 /// A view without its light, as named in the PTM1 line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ViewKind {
-    /// Stored values; `u8`.
+    /// Stored values, of type `u8`.
     Raw,
-    /// Final values; `f32`.
+    /// Final values, of type `f32`.
     Coef,
-    /// Colors; `u8`.
+    /// Colors, of type `u8`.
     Rgb,
 }
 
@@ -227,9 +227,9 @@ pub struct Frame {
 /// The samples of a frame, texel by texel, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Samples {
-    /// Bytes.
+    /// Samples of type `u8`.
     U8(Vec<u8>),
-    /// Real numbers.
+    /// Samples of type `f32`.
     F32(Vec<f32>),
 }
 
@@ -492,13 +492,13 @@ pub fn write_view(map: &StoredMap<'_>, view: &View, out: &mut impl Write) -> io:
 pub enum Answer<T = Frame> {
     /// Exit status 0 and the requested output.
     Decoded(T),
-    /// Exit status 65.
+    /// Exit status 65: the decoder considers the file malformed.
     Rejected,
-    /// Exit status 69.
+    /// Exit status 69: the decoder does not support the file.
     Unsupported,
     /// Exit status 0 and output that is not exactly one frame.
     ProtocolError(String),
-    /// A signal, or any other exit status.
+    /// The decoder was killed by a signal, or exited with any other status.
     Crashed(String),
     /// The decoder did not answer before the timeout.
     Hung(String),
@@ -535,7 +535,7 @@ impl<T> Answer<T> {
         })
     }
 
-    /// Returns a short name for reports.
+    /// Returns a short name of the answer, for reports.
     #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {

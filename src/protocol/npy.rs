@@ -90,7 +90,7 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     Ok((header, &bytes[end..]))
 }
 
-/// The entries of the dictionary.
+/// The entries of the header dictionary.
 struct NpyHeader {
     descr: String,
     fortran_order: bool,
@@ -133,7 +133,7 @@ impl NpyHeader {
     }
 }
 
-/// The unread part of the dictionary.
+/// The unread part of the header dictionary.
 struct DictionaryText<'a>(&'a str);
 
 impl<'a> DictionaryText<'a> {

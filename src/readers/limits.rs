@@ -113,7 +113,7 @@ impl<'de> Deserialize<'de> for Limit {
 pub(super) struct FileTraits<'a> {
     file: &'a [u8],
     fields: Vec<Field>,
-    /// Format of a legal file.
+    /// Format of the file, if the file is legal.
     format: Option<Format>,
     payload: usize,
 }

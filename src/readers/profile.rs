@@ -36,9 +36,9 @@ pub struct ReaderProfile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Evidence {
-    /// The reader was run on the cases.
+    /// The reader was run on the cases of the suite.
     Run,
-    /// The source of the reader was examined.
+    /// The source code of the reader was examined.
     Code,
 }
 

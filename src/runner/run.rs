@@ -61,7 +61,7 @@ pub struct Request<'a, V = View> {
     pub file: &'a [u8],
     /// Maximum size of a frame of the file, in bytes.
     pub max_frame_bytes: usize,
-    /// Factor for the timeout. The first call may need time to warm up.
+    /// Factor by which the timeout is multiplied. The first call may need time to warm up.
     pub timeout_factor: u32,
     /// True to use a new process, even in serve mode.
     pub needs_new_process: bool,
@@ -351,7 +351,7 @@ impl Decoder {
         Ok(self.call_result(output, &limits)?)
     }
 
-    /// Starts a command line.
+    /// Starts a process with a command line.
     pub(crate) fn start_command(
         &self,
         words: &[OsString],

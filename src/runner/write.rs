@@ -33,7 +33,7 @@ pub struct WriteCall<'a> {
     pub values: &'a [(&'static str, String)],
     /// Maximum size of the written file, in bytes.
     pub max_bytes: usize,
-    /// Factor for the timeout.
+    /// Factor by which the timeout is multiplied.
     pub timeout_factor: u32,
 }
 

@@ -81,7 +81,7 @@ pub struct WorkedExample {
     pub because: Option<String>,
 }
 
-/// Part of a file with a description.
+/// Part of an example file, with a description.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
@@ -103,7 +103,7 @@ pub struct Files {
     streams: BTreeMap<String, String>,
 }
 
-/// Annotated format.
+/// Annotated format: all chapters, and the files of their examples.
 #[derive(Clone, Debug)]
 pub struct Annotated {
     /// Chapters in the order of the specification.

@@ -15,7 +15,7 @@ use super::primitive::{
 use super::{map::TextureMap, no_value::NoValue, orient::orient};
 use super::{rules::Rules, sample::fetch, stage::stage};
 
-/// Textured shape.
+/// Shape to which the map is applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PreviewShape {
     /// Square that faces the eye.
@@ -27,11 +27,11 @@ pub enum PreviewShape {
 /// Parameters of a preview.
 #[derive(Clone, Debug)]
 pub struct Preview {
-    /// Textured shape.
+    /// Shape to which the map is applied.
     pub shape: PreviewShape,
-    /// Texture map.
+    /// Texture map that is applied to the shape.
     pub map: TextureMap,
-    /// Table entry.
+    /// Table entry that determines how the map is applied.
     pub entry: Entry,
     /// Direction of the light on a hemisphere in front of the shape: +u points right, +v up.
     pub light: (f64, f64),

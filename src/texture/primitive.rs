@@ -88,9 +88,9 @@ pub struct VertexData {
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(default))]
 pub struct SplinePoint {
-    /// First parameter.
+    /// First surface parameter.
     pub u: f64,
-    /// Second parameter.
+    /// Second surface parameter.
     pub v: f64,
     /// Values of each data spline at this point.
     #[cfg_attr(feature = "harness", serde(rename = "data_splines"))]
@@ -153,7 +153,7 @@ enumerants! {
 }
 
 enumerants! {
-    /// Sites at which a texture is sampled.
+    /// Site at which a texture is sampled.
     Site [] {
         /// Once per facet.
         Facet,
@@ -189,7 +189,7 @@ impl MapValue {
 /// Color and opacity of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
-    /// Red, green, blue.
+    /// Red, green and blue.
     pub color: Color,
     /// Opacity.
     pub alpha: f64,

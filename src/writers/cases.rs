@@ -19,7 +19,7 @@ use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues};
 use crate::writers::{diagnose::diagnose, fault::WriterFault, judge::judge};
 
-/// Embedded requests.
+/// YAML source of the embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
 /// Request to a writer. Its values are the requested contents of the file.

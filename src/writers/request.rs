@@ -37,7 +37,7 @@ pub struct WriteRequest {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RequestHeader {
-    /// Format name from 2.2.
+    /// Name of the format (2.2).
     pub format: String,
     /// Width in texels.
     pub width: u32,
@@ -59,7 +59,7 @@ pub struct RequestHeader {
     /// Suggested prediction between planes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prediction: Option<PredictionAdvice>,
-    /// Path of the planes.
+    /// Path of the NumPy file that contains the planes.
     pub planes: String,
 }
 

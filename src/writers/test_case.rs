@@ -57,7 +57,7 @@ impl<'de> Deserialize<'de> for WrittenFile {
 /// Request for a file, with the expected result.
 #[derive(Clone, Debug)]
 pub struct FileCase<V> {
-    /// Permanent slug.
+    /// Permanent slug of the case.
     pub id: String,
     /// Clauses that the case tests.
     pub clauses: Vec<String>,

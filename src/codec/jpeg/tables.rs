@@ -30,7 +30,7 @@ const DQT: u8 = 0xDB;
 pub(super) struct Tables {
     /// Quantization tables in zigzag order, as stored.
     quantization: [Option<[u16; 64]>; 4],
-    /// DC tables, then AC tables.
+    /// Huffman tables: DC tables, then AC tables.
     huffman: [[Option<HuffmanTable>; 4]; 2],
     /// Number of blocks between restart markers, or 0 for no restart markers.
     restart_interval: u16,

@@ -66,7 +66,7 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
 #[derive(Default)]
 struct StoredPresets {
     parameters: PresetParameters,
-    /// Offset of the parameters in the stream.
+    /// Offset of the preset parameters in the stream.
     at: usize,
 }
 

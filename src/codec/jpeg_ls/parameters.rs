@@ -37,7 +37,7 @@ pub struct PresetParameters {
 /// Parameters of a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Parameters {
-    /// Largest sample.
+    /// MAXVAL, the largest sample.
     pub maxval: i32,
     pub near: i32,
     /// Gradient thresholds T1, T2, T3.
@@ -45,11 +45,11 @@ pub(super) struct Parameters {
     pub reset: i32,
     /// Distance between adjacent quantized errors, 2·NEAR + 1.
     pub step: i32,
-    /// Number of distinct errors.
+    /// RANGE, the number of distinct errors.
     pub range: i32,
-    /// Number of bits of an error in plain binary.
+    /// Number of bits that represent an error in plain binary.
     pub qbpp: u32,
-    /// Number of bits of the longest code.
+    /// LIMIT, the length of the longest code in bits.
     pub limit: u32,
 }
 

@@ -26,7 +26,7 @@ pub(crate) const J: [u32; 32] = [
     14, 15,
 ];
 
-/// State of run mode.
+/// State of run mode that is kept between runs.
 pub(super) struct RunMode {
     /// `RUNindex`, a measure of recent run lengths.
     index: usize,

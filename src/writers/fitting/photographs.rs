@@ -16,7 +16,7 @@ pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FitRequest {
-    /// Format name from 2.2, for RGB or LRGB.
+    /// Name of the format (2.2): RGB or LRGB.
     pub format: String,
     /// Width of the map and of the photographs.
     pub width: u32,
