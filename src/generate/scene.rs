@@ -15,9 +15,9 @@ pub enum Scene {
     Stripes,
     /// This value for all samples.
     Flat(u8),
-    /// Like `Noise`, but all coefficients except a5 are 128, so that the light has no effect.
+    /// Like `Noise`, but all coefficients except a5 are 128. If their biases are also 128, the light has no effect.
     Unlit,
-    /// Like `Unlit`, but Cr equals a5, so luminance equals Cr if all scales are 1 and all biases are 0.
+    /// Like `Unlit`, but Cr equals a5, so luminance equals Cr if a5 has scale 1 and bias 0.
     LuminanceIsCr,
     /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends of the range.
     Soft,

@@ -17,7 +17,7 @@ pub struct Execution {
     pub view: String,
     /// Result of decoding.
     pub found: Decoding,
-    /// Results under the other readings of the clause, where they differ from `found`, with the name of each reading.
+    /// Results under the other readings of the clause, where they differ from `found`, with a description of each reading.
     pub alternatives: Vec<(&'static str, Decoding)>,
 }
 
