@@ -51,8 +51,8 @@ struct OrderedResults<R, S> {
     emit: S,
 }
 
-/// Calls `work` with every item, up to `jobs` in parallel, and `emit` with every result, in the order of the items.
-/// Buffers only a few results: a thread that is too far ahead waits. `work` must not panic.
+/// Calls `work` with every item, with up to `jobs` calls in parallel, and calls `emit` with every result in the order of the
+/// items. Buffers only a few results: a thread that is too far ahead waits. `work` must not panic.
 pub fn process_in_order<T: Send, R: Send>(
     items: impl Iterator<Item = T> + Send,
     jobs: usize,

@@ -89,8 +89,8 @@ struct PlaneAxis {
     other_length: i64,
 }
 
-/// Function that returns the positions of the two samples to average along an axis. `at` is the position of the texel, and
-/// `displacements` are the displacements along this axis and the other one, in half texels.
+/// Function that returns the positions of the two samples to average along an axis. `at` is the position of the texel. The
+/// displacements, along this axis and the other one, are in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
 /// Displaces a reference according to the correct rule, except that `taps` determines the positions of the four averaged samples.

@@ -133,20 +133,20 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     check_result(example, &found)?;
     let mut choices = CHOICES.iter();
     let choice = choices.find(|choice| Some(choice.ruling) == ruling);
-    let mut otherwise = Vec::new();
+    let mut alternatives = Vec::new();
     for (says, change) in choice.map_or(&[][..], |choice| &choice.readings[1..]) {
         let mut reading = Reading::SPEC;
         change(&mut reading);
         let other = example.evaluate_under(&file, &reading)?;
         if other != found {
-            otherwise.push((*says, other));
+            alternatives.push((*says, other));
         }
     }
     Ok(Execution {
         parts,
         view: example.requested_view().to_owned(),
         found,
-        alternatives: otherwise,
+        alternatives,
     })
 }
 

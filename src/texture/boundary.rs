@@ -8,7 +8,7 @@
 //! - If the coordinate of any direction with an explicit clamp is outside, the conditions of the other directions have no effect.
 //! - Directions beyond the dimensions of the map have no boundary condition.
 //! - A texel index may be out of range; the boundary condition maps it to a texel of the map.
-//! - Inside the map, weighted averages under an explicit clamp may need neighbors outside. In that case, the edge is
+//! - Inside the map, weighted averages under an explicit clamp may need neighbors outside the map. In that case, the edge is
 //!   replicated (ruling `explicit-neighbour`).
 
 use super::entry::{Boundary, ClampMethod, Entry, Vector};

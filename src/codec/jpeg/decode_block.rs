@@ -1,8 +1,8 @@
 //! T.81 F.2.2: decoding a block of coefficients
 //!
-//! A coefficient is coded in two parts: a Huffman code for its *size* (the number of bits of its magnitude), and as many
-//! additional bits, which select a number of this size. The code of an AC coefficient also contains the preceding run of zeros:
-//! RUN in the high four bits of the symbol, SIZE in the low four.
+//! A coefficient is coded in two parts: a Huffman code for its *size* (the number of bits of its magnitude), and that number of
+//! additional bits, which select one of the numbers of this size. The code of an AC coefficient also contains the preceding run
+//! of zeros: RUN in the high four bits of the symbol, SIZE in the low four.
 //!
 //! ```text
 //! size 1:  −1              |  1             bits 0 | 1

@@ -1,7 +1,7 @@
 //! T.81 B.2.1: writing a stream
 //!
-//! This is the inverse of `decoder` and its neighbors. It works like libjpeg: with the default options, every byte
-//! equals the output of `cjpeg -baseline -dct int -grayscale -quality Q`.
+//! This is the inverse of `decoder` and its neighbors. It works like libjpeg: with the default options, the stream is identical
+//! to that of `cjpeg -baseline -dct int -grayscale -quality Q`.
 //!
 //! ```text
 //! SOI  APP0 (JFIF)  DQT  SOF0 or SOF1  DHT (DC)  DHT (AC)  [DRI]  SOS  data  EOI
@@ -9,7 +9,7 @@
 //!
 //! Format notes
 //! - The samples returned with the stream are computed by `inverse_dct`, because other planes are predicted from decoded samples.
-//! - libjpeg writes each Huffman table in a separate segment, followed by the restart interval.
+//! - libjpeg writes each Huffman table in a separate segment, and the restart interval after the last table.
 //! - Unused tables are legal. Here, the quantization steps of unused tables are all 1, and each unused Huffman table contains
 //!   only the one-bit code 0, for symbol 0.
 

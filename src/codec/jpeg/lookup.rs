@@ -22,7 +22,7 @@ use crate::codec::stream_error::StreamResult;
 /// Number of index bits. Longer codes are rare, and two tables with ten bits still fit in the L1 cache.
 const SHORT_BITS: u32 = 10;
 
-/// A Huffman table with a lookup table for its short codes, which is indexed by the next bits.
+/// A Huffman table, with a lookup table that maps the next bits of a segment to the short codes.
 pub(super) struct CodeTable {
     table: HuffmanTable,
     /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or invalid.
