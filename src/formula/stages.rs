@@ -97,6 +97,10 @@ fn coefficient_index(channel: usize) -> [f64; 2] {
 fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
+    let mut formulas = edits.0.iter().map(|edit| edit.formula);
+    if !formulas.any(|formula| formula.is_used_by(header.format)) {
+        return decode_as(file, reading, &Limits::default());
+    }
     let shape = header.format.shape();
     let shape = shape.with_matrix(|| decode::color_matrix::read(&mut input))?;
     let texels = TexelLayout {
@@ -164,6 +168,7 @@ impl TexelLayout<'_> {
 
     /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column, and the channel.
     fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
+        let edits = self.edits;
         let [width, height] = self.size();
         let channels = self.header.format.channels();
         let mut samples = Vec::new();
@@ -171,8 +176,8 @@ impl TexelLayout<'_> {
             for column in 0..self.header.size.width {
                 let texel = [f64::from(column), f64::from(row), width, height];
                 let unedited = || (self.reading.stored_row)(self.header, row as usize) as f64;
-                let stored_row = self.edits.value_or(Formula::StoredRow, &texel, unedited);
-                let stored_column = self.edits.value(Formula::StoredColumn, &texel, &[]);
+                let stored_row = edits.value_or(Formula::StoredRow, &texel, unedited);
+                let stored_column = edits.value_or(Formula::StoredColumn, &texel, || texel[0]);
                 for channel in 0..channels {
                     samples.push(sample(stored_row, stored_column, channel)?);
                 }
