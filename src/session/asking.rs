@@ -68,7 +68,7 @@ impl<'a, C: TestCase> Session<'a, C> {
 
     /// Returns the reason to end the run, if there is one.
     pub(super) fn end_reason(&self) -> Option<&'static str> {
-        let (stop, hung) = (&self.plan.stop, &self.tally.hung);
+        let (stop, hung) = (&self.plan.stop, &self.tally.too_many_hangs);
         match (stop.load(Ordering::Relaxed), hung.load(Ordering::Relaxed)) {
             (true, _) => Some("the run was interrupted"),
             (false, true) => {

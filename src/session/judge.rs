@@ -47,7 +47,7 @@ pub fn judge<C: TestCase>(
     let (dialect, certain) = dialect_of(observations);
     let (unsupported, decoded) = features(suite, observations, offer);
     let twins = C::twins(&suite.cases);
-    let spelling_known = (suite.cases.iter().zip(observations)).any(|(case, observation)| {
+    let reads_some_spelling = (suite.cases.iter().zip(observations)).any(|(case, observation)| {
         let is_right = |observation: &Observation<C>| is_right(observation, &dialect);
         case.expect() == Expect::Spelling && observation.as_ref().is_some_and(is_right)
     });
@@ -63,7 +63,7 @@ pub fn judge<C: TestCase>(
             twins: twins.collect(),
             dialect: &dialect,
             unsupported: &unsupported,
-            spelling_known,
+            reads_some_spelling,
         };
         facts.verdict(offer)
     };
@@ -86,7 +86,7 @@ struct CaseFacts<'a, C: TestCase> {
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
     /// True if a spelling of tables was read correctly.
-    spelling_known: bool,
+    reads_some_spelling: bool,
 }
 
 fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
@@ -199,7 +199,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED_MESSAGE, self.case.fault()))
             }
-            (Expect::Spelling, _) if self.spelling_known => verdict(Outcome::OtherDialect, ""),
+            (Expect::Spelling, _) if self.reads_some_spelling => verdict(Outcome::OtherDialect, ""),
             (Expect::Lenient | Expect::Robust, _)
                 if !self.twins.is_empty() && !self.twins.iter().any(is_right) =>
             {

@@ -13,7 +13,7 @@ pub(super) struct Tally {
     /// Number of calls that ended in neither a frame nor a refusal.
     pub violations: AtomicUsize,
     /// True if the decoder timed out on too many consecutive legal files.
-    pub hung: AtomicBool,
+    pub too_many_hangs: AtomicBool,
 }
 
 /// Tracks timeouts on files that are requested in sequence or in parallel, to decide when to end the run.
@@ -21,7 +21,7 @@ pub(super) struct HangWatch {
     /// The indices of the legal files, in order.
     legal: Vec<usize>,
     /// For each legal file, true if all its requests so far have timed out; `None` before the first result.
-    hung: Mutex<Vec<Option<bool>>>,
+    timed_out: Mutex<Vec<Option<bool>>>,
     /// The index of the last file to request.
     last_index: AtomicUsize,
 }
@@ -30,7 +30,7 @@ impl HangWatch {
     /// Creates a watch for the legal files at these indices, which must be in ascending order.
     pub fn new(legal: Vec<usize>) -> HangWatch {
         HangWatch {
-            hung: Mutex::new(vec![None; legal.len()]),
+            timed_out: Mutex::new(vec![None; legal.len()]),
             legal,
             last_index: AtomicUsize::new(usize::MAX),
         }
@@ -42,15 +42,15 @@ impl HangWatch {
         let Ok(rank) = self.legal.binary_search(&index) else {
             return;
         };
-        let mut hung = self.hung.lock().expect("no worker panics");
-        hung[rank] = Some(is_hang && hung[rank] != Some(false));
+        let mut timed_out = self.timed_out.lock().expect("no worker panics");
+        timed_out[rank] = Some(is_hang && timed_out[rank] != Some(false));
         let near = rank.saturating_sub(MAX_CONSECUTIVE_HANGS - 1);
-        let rows = hung[near..].windows(MAX_CONSECUTIVE_HANGS);
+        let rows = timed_out[near..].windows(MAX_CONSECUTIVE_HANGS);
         let mut rows = rows.take(MAX_CONSECUTIVE_HANGS);
-        if let Some(row) = rows.position(|row| row.iter().all(|hung| *hung == Some(true))) {
+        if let Some(row) = rows.position(|row| row.iter().all(|file| *file == Some(true))) {
             let last = self.legal[near + row + MAX_CONSECUTIVE_HANGS - 1];
             self.last_index.fetch_min(last, Relaxed);
-            tally.hung.store(true, Relaxed);
+            tally.too_many_hangs.store(true, Relaxed);
         }
     }
 
@@ -91,7 +91,7 @@ mod tests {
                 watch.record_answer(index, is_hang, &tally);
             }
             assert_eq!(watch.last(), end);
-            assert_eq!(tally.hung.into_inner(), end.is_some());
+            assert_eq!(tally.too_many_hangs.into_inner(), end.is_some());
         }
     }
 }

@@ -37,7 +37,7 @@ impl FileReplies {
         let first = samples.next().expect("every format has a spelling");
         let mut best = FileReplies::new(calls, first);
         let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-        while !best.rank()[2] && !best.replies.iter().all(unsupported) && !best.hangs() {
+        while !best.rank()[2] && !best.replies.iter().all(unsupported) && !best.has_hang() {
             let Some(sample) = samples.next() else { break };
             let asked = FileReplies::new(calls, sample);
             if asked.rank() > best.rank() {
@@ -60,7 +60,7 @@ impl FileReplies {
     }
 
     /// Returns true if the decoder does not answer in some view.
-    fn hangs(&self) -> bool {
+    fn has_hang(&self) -> bool {
         let is_hang = |(_, reply): &(View, Reply)| matches!(reply.answer, Answer::Hung(_));
         self.replies.iter().any(is_hang)
     }
@@ -75,12 +75,12 @@ impl FileReplies {
     }
 
     /// Returns true if requesting more files is pointless.
-    fn is_hopeless(&self) -> bool {
-        let is_hopeless = |(_, reply): &(View, Reply)| match reply.answer {
+    fn ends_search(&self) -> bool {
+        let is_final = |(_, reply): &(View, Reply)| match reply.answer {
             Answer::NotStarted(_) | Answer::NotAsked(_) => true,
             _ => reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 "),
         };
-        self.hangs() || self.replies.iter().any(is_hopeless)
+        self.has_hang() || self.replies.iter().any(is_final)
     }
 }
 
@@ -97,7 +97,7 @@ pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<F
             asked.replies.retain(|(_, reply)| is_frame(reply));
             return Some(asked);
         }
-        let is_hopeless = asked.is_hopeless();
+        let ends_search = asked.ends_search();
         match (asked.replies.iter()).position(|(_, reply)| reply.answer != Answer::Unsupported) {
             Some(first) => {
                 asked.replies.drain(..first);
@@ -105,7 +105,7 @@ pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<F
             }
             None => unsupported = unsupported.or(Some(asked)),
         }
-        if is_hopeless {
+        if ends_search {
             break;
         }
     }
@@ -142,7 +142,7 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
                 same.0.push(name);
             }
         }
-        if asked.hangs() {
+        if asked.has_hang() {
             break;
         }
     }

@@ -57,7 +57,7 @@ fn candidate_streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     streams.extend(from_utf16(bytes));
     streams.extend(from_utf8(bytes));
     streams.extend(without_carriage_returns(bytes));
-    let after_text: Vec<RepairedBytes> = streams.iter().filter_map(without_text_before).collect();
+    let after_text: Vec<RepairedBytes> = streams.iter().filter_map(without_leading_text).collect();
     streams.extend(after_text);
     streams
 }
@@ -76,7 +76,7 @@ fn from_utf8(bytes: &[u8]) -> Option<RepairedBytes> {
 }
 
 /// Returns the stream from its PTM1 line on, if other bytes precede that line.
-fn without_text_before((bytes, mistakes): &RepairedBytes) -> Option<RepairedBytes> {
+fn without_leading_text((bytes, mistakes): &RepairedBytes) -> Option<RepairedBytes> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;
     let shown = bytes[..line.min(60)].escape_ascii();

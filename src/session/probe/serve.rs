@@ -61,14 +61,14 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             judge(&line, &bytes, view, right).map_err(|fault| Some((1, fault)))?;
         }
         // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
-        ServeResult::Nothing => match dialog.end() {
+        ServeResult::NoAnswer => match dialog.end() {
             ServeResult::Answer(line, _) if line.starts_with("1 ") => {
                 return after(1, "serve-buffered");
             }
             _ => return Err(None),
         },
         ServeResult::Ended(_) => return Err(None),
-        ServeResult::Wrong(fault) => return Err(Some((1, fault))),
+        ServeResult::Fault(fault) => return Err(Some((1, fault))),
     }
     list.add_good("serve: the first request is answered at once, as in one-shot mode");
     match dialog.ask(2, view, &malformed) {
@@ -81,7 +81,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             }
         }
         ServeResult::Ended(_) => return after(2, "serve-gone"),
-        ServeResult::Nothing | ServeResult::Wrong(_) => return after(2, "serve-no-refusal"),
+        ServeResult::NoAnswer | ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
@@ -116,11 +116,11 @@ enum ServeResult {
     /// The line of an answer and the announced bytes.
     Answer(String, Vec<u8>),
     /// No complete answer within the timeout.
-    Nothing,
+    NoAnswer,
     /// The process ended; true for status 0.
     Ended(bool),
     /// Wrong output.
-    Wrong(ProbeFault),
+    Fault(ProbeFault),
 }
 
 /// A lenient conversation with a process in serve mode.
@@ -160,7 +160,7 @@ impl<'a> Dialog<'a> {
         match self.wait() {
             ServeResult::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
                 let slots: &Slots = &[("sequence", &sequence), ("line", &format!("{line:?}"))];
-                ServeResult::Wrong(fault("serve-sequence", slots))
+                ServeResult::Fault(fault("serve-sequence", slots))
             }
             served => served,
         }
@@ -186,7 +186,7 @@ impl<'a> Dialog<'a> {
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() || read.is_err() || self.call.output.len() > MAX_ANSWER_BYTES {
-                return ServeResult::Nothing;
+                return ServeResult::NoAnswer;
             }
             // If there is an error, the next read returns it, too.
             let _ = self.call.wait_for_event(None, left.min(POLL_INTERVAL));
@@ -200,7 +200,7 @@ impl<'a> Dialog<'a> {
         let line = String::from_utf8_lossy(&output[..end]).into_owned();
         let words: Vec<&str> = line.split(' ').collect();
         let shown = format!("{line:?}");
-        let wrong = |name| Some(ServeResult::Wrong(fault(name, &[("line", &shown)])));
+        let wrong = |name| Some(ServeResult::Fault(fault(name, &[("line", &shown)])));
         let size = match words[..] {
             [_, "ok", size] => match size.parse() {
                 Ok(size @ 0..=MAX_ANSWER_BYTES) => size,
