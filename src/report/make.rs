@@ -85,17 +85,17 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
     let observed = run.judgement.cases.iter().zip(&run.observations);
     for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
         let Some(judged) = judged else { continue };
-        let seen = observation.as_ref();
-        let failed = seen.filter(|_| judged.outcome == Outcome::Fail);
+        let observation = observation.as_ref();
+        let failed = observation.filter(|_| judged.outcome == Outcome::Fail);
         results.push(CaseResult {
             id: case.id().to_owned(),
             outcome: judged.outcome,
-            view: seen.map_or_else(String::new, |seen| seen.view.to_string()),
+            view: observation.map_or_else(String::new, |observation| observation.view.to_string()),
             expect: case.expectation_name().to_owned(),
             clauses: case.clauses().to_vec(),
             message: judged.message.clone(),
-            weak: seen.is_some_and(|seen| seen.weak),
-            stderr: failed.map_or_else(String::new, |seen| seen.stderr.clone()),
+            weak: observation.is_some_and(|observation| observation.weak),
+            stderr: failed.map_or_else(String::new, |observation| observation.stderr.clone()),
         });
     }
     results
@@ -164,8 +164,8 @@ pub(crate) fn likely_causes<C: TestCase, A: 'static>(
 }
 
 fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) -> LikelyCause {
-    let ids = |places: &[usize]| -> Vec<String> {
-        (places.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
+    let ids = |case_indices: &[usize]| -> Vec<String> {
+        (case_indices.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
     };
     let shown = diagnosis.observed.as_ref();
     let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));

@@ -43,9 +43,9 @@ impl<C: TestCase> Session<'_, C> {
             let cases = &self.suite.cases;
             let is_first_unsupported = || {
                 let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
-                let key = |place: usize| (cases[place].kind(), cases[place].expect());
+                let key = |index: usize| (cases[index].kind(), cases[index].expect());
                 let first = (cases[i].kind(), Expect::Decode);
-                unsupported.find(|&place| key(place) == first) == Some(i)
+                unsupported.find(|&index| key(index) == first) == Some(i)
             };
             let sampled = self.plan.repeat == Repeat::FailuresAndSample
                 && (i % SAMPLE_INTERVAL == SAMPLE_INTERVAL / 2 || is_first_unsupported());
@@ -73,9 +73,9 @@ impl<C: TestCase> Session<'_, C> {
             let kind = (self.suite.cases[i].kind(), response);
             kinds.entry(kind).or_default().push(i);
         }
-        let spread = kinds.values().flat_map(|places| {
-            let step = places.len().div_ceil(MAX_REPEATED_PER_KIND).max(1);
-            places.iter().copied().step_by(step)
+        let spread = kinds.values().flat_map(|case_indices| {
+            let step = case_indices.len().div_ceil(MAX_REPEATED_PER_KIND).max(1);
+            case_indices.iter().copied().step_by(step)
         });
         let some: BTreeSet<usize> = spread.take(limit).collect();
         wanted.into_iter().partition(|i| some.contains(i))
@@ -87,17 +87,17 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
-        places: &[usize],
+        case_indices: &[usize],
         progress: &CountCallback,
     ) -> bool {
         let in_serve_mode = self.plan.repeat == Repeat::FailuresAndSample;
         let state = Mutex::new((observations, 0, false));
         let lock = || state.lock().expect("no worker panics");
-        self.run_in_parallel(places.len(), |at, worker| {
-            let place = places[at];
-            let first = lock().0[place].clone();
+        self.run_in_parallel(case_indices.len(), |at, worker| {
+            let index = case_indices[at];
+            let first = lock().0[index].clone();
             let mut first = first.expect("only observations are repeated");
-            let case = &self.suite.cases[place];
+            let case = &self.suite.cases[index];
             let ask = || self.request(case, &first.view, table, worker, None).0;
             let alone = ask();
             // A crash, a timeout or truncated output may have happened only to that process.
@@ -120,10 +120,10 @@ impl<C: TestCase> Session<'_, C> {
                 first.stderr = alone.stderr;
             }
             let (observations, done, differ) = &mut *lock();
-            observations[place] = Some(first);
+            observations[index] = Some(first);
             *done += 1;
             *differ |= differs;
-            progress(*done, places.len());
+            progress(*done, case_indices.len());
             true
         });
         state.into_inner().expect("no worker panics").2

@@ -97,7 +97,7 @@ impl<C: TestCase> Session<'_, C> {
     pub fn request_cases(
         &self,
         contact: &Contact<C>,
-        places: &[usize],
+        case_indices: &[usize],
         observations: &mut [Option<Observation<C>>],
         progress: &Progress<C>,
     ) {
@@ -105,15 +105,15 @@ impl<C: TestCase> Session<'_, C> {
         if self.is_over() {
             return;
         }
-        let is_legal = |&place: &usize| cases[places[place]].expect() == Expect::Decode;
-        let watch = HangWatch::new((0..places.len()).filter(is_legal).collect());
+        let is_legal = |&at: &usize| cases[case_indices[at]].expect() == Expect::Decode;
+        let watch = HangWatch::new((0..case_indices.len()).filter(is_legal).collect());
         let state = Mutex::new((observations, 0));
-        self.run_in_parallel(places.len(), |place, worker| {
-            let i = places[place];
+        self.run_in_parallel(case_indices.len(), |at, worker| {
+            let i = case_indices[at];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
             };
-            if watch.last().is_some_and(|last| place > last) || stop.load(Ordering::Relaxed) {
+            if watch.last().is_some_and(|last| at > last) || stop.load(Ordering::Relaxed) {
                 return false;
             }
             let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);
@@ -122,14 +122,14 @@ impl<C: TestCase> Session<'_, C> {
             }
             let (observations, done) = &mut *state.lock().expect("no worker panics");
             *done += 1;
-            progress(&cases[i], &observation, *done, places.len());
+            progress(&cases[i], &observation, *done, case_indices.len());
             observations[i] = Some(observation);
-            watch.record_answer(place, is_hang(&reply), &self.tally);
+            watch.record_answer(at, is_hang(&reply), &self.tally);
             true
         });
         let (observations, _) = state.into_inner().expect("no worker panics");
         let Some(last) = watch.last() else { return };
-        for &i in &places[last + 1..] {
+        for &i in &case_indices[last + 1..] {
             if let Some(observation) = observations[i].take() {
                 // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
                 let is_violation = matches!(observation.response, Response::Violation(_))
@@ -155,11 +155,11 @@ impl<C: TestCase> Session<'_, C> {
     pub fn partial_run(
         &self,
         contact: &Contact<C>,
-        places: &[usize],
+        indices: &[usize],
         observations: &[Option<Observation<C>>],
     ) -> Run<C> {
         let selected = &self.plan.selected;
-        let is_seen = |i: usize| selected[i] && places.contains(&i) && observations[i].is_some();
+        let is_seen = |i: usize| selected[i] && indices.contains(&i) && observations[i].is_some();
         let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
         let judgement = judge(self.suite, &selected, observations, &contact.offer);
         self.run(contact.clone(), observations.to_vec(), judgement)

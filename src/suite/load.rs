@@ -40,7 +40,7 @@ impl Suite {
     /// Returns a message that names the file and the offending line or case.
     pub fn from_files(files: &[(&str, &str)]) -> Result<Suite, String> {
         let mut cases: Vec<Case> = Vec::new();
-        let mut places: HashMap<String, usize> = HashMap::new();
+        let mut case_indices: HashMap<String, usize> = HashMap::new();
         for (name, text) in files {
             let records = records(text).map_err(|error| format!("{name}: {error}"))?;
             for (line, record) in records {
@@ -48,11 +48,11 @@ impl Suite {
                 for words in Words::combinations(&record.for_each) {
                     let id = words.id(&record.id);
                     let twin = record.twin_of.as_ref().map(|twin| words.id(twin));
-                    let twin = twin.and_then(|twin| places.get(&twin));
+                    let twin = twin.and_then(|twin| case_indices.get(&twin));
                     let case = record.case(&words, twin.map(|&at| &cases[at]));
                     let case =
                         case.map_err(|error| format!("{name}: line {line}: case {id}: {error}"))?;
-                    if places.insert(id.clone(), cases.len()).is_some() {
+                    if case_indices.insert(id.clone(), cases.len()).is_some() {
                         return Err(format!("{name}: line {line}: duplicate case {id}"));
                     }
                     cases.push(case);

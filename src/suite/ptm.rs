@@ -88,10 +88,10 @@ impl TestCase for Case {
 
     fn twins(cases: &[Case]) -> Vec<Vec<usize>> {
         let numbered = cases.iter().enumerate();
-        let places: HashMap<&str, usize> = numbered.map(|(i, case)| (&*case.id, i)).collect();
+        let indices: HashMap<&str, usize> = numbered.map(|(i, case)| (&*case.id, i)).collect();
         let twin = |case: &Case| {
             let twin = case.twin_of.as_ref();
-            twin.map(|twin| places[twin.as_str()]).into_iter().collect()
+            twin.map(|id| indices[id.as_str()]).into_iter().collect()
         };
         cases.iter().map(twin).collect()
     }
@@ -129,7 +129,7 @@ impl TestCase for Case {
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
         let (axes, is_raw) = (relevant_axes(self, view), *view == View::Raw);
         // Most answers are equal to the expected bytes, and then nothing else has to be compared.
-        if is_raw && axes.is_empty() && built.values.equal_samples_of(frame) {
+        if is_raw && axes.is_empty() && built.values.has_equal_samples(frame) {
             return Comparison {
                 right: RightDialects::InAll(true),
                 difference: None,

@@ -71,8 +71,8 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
         let refused = |case: &Self| matches!(case.expect(), Expect::Reject | Expect::Refuse);
         let twins = |case: &Self| -> Vec<usize> {
             let is_twin = |&i: &usize| !refused(&cases[i]) && cases[i].kind() == case.kind();
-            let places = (0..cases.len()).filter(|_| refused(case));
-            places.filter(is_twin).collect()
+            let indices = (0..cases.len()).filter(|_| refused(case));
+            indices.filter(is_twin).collect()
         };
         cases.iter().map(twins).collect()
     }

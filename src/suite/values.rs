@@ -22,7 +22,7 @@ pub enum Values {
 
 impl Values {
     /// Returns true if `frame` is a raw frame that contains exactly the painted values. If not, the frame may still be correct.
-    pub(super) fn equal_samples_of(&self, frame: &Frame) -> bool {
+    pub(super) fn has_equal_samples(&self, frame: &Frame) -> bool {
         let Values::Painted(model) = self else {
             return false;
         };

@@ -9,7 +9,7 @@ use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
 use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::ptm::{Shape, channel_name};
-use crate::report::html::pictures::{self, SamplePosition};
+use crate::report::html::pictures::{self, Position};
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
@@ -19,23 +19,23 @@ use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use crate::suite::texture::cases::TextureCase;
 
 /// Renders the evidence for a PTM file.
-pub(crate) fn case_evidence(case: &Case, table: TableSpelling, seen: &Observation) -> Markup {
+pub(crate) fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
     let built = case.build(table);
-    let shown = match &seen.response {
+    let shown = match &observed.response {
         Response::Image {
             difference: Some(difference),
             frame: Some(frame),
             ..
-        } => render_image(case, &built, &seen.view, difference, frame),
+        } => render_image(case, &built, &observed.view, difference, frame),
         Response::Image { .. } => accepted_file_evidence(&built),
         _ => render_file_beginning(&built),
     };
     html! {
-        @if let Response::Image { right: RightDialects::In { .. }, .. } = &seen.response {
+        @if let Response::Image { right: RightDialects::In { .. }, .. } = &observed.response {
             p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)
-        @if !seen.stderr.is_empty() { (standard_error(&seen.stderr)) }
+        @if !observed.stderr.is_empty() { (standard_error(&observed.stderr)) }
         (download(&format!("{}.ptm", case.id), &built.file))
     }
 }
@@ -56,8 +56,8 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
 }
 
 /// Renders the evidence for a texture question.
-pub(crate) fn question_evidence(case: &TextureCase, seen: &Observation<TextureCase>) -> Markup {
-    let received = match &seen.response {
+pub(crate) fn question_evidence(case: &TextureCase, observed: &Observation<TextureCase>) -> Markup {
+    let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
         other => other.name().to_owned(),
     };
@@ -69,7 +69,7 @@ pub(crate) fn question_evidence(case: &TextureCase, seen: &Observation<TextureCa
         @if !case.relevant_axes().is_empty() {
             p.note { "The chapter leaves open how to answer this question. Several answers are correct; the reference's answer is shown." }
         }
-        @if !seen.stderr.is_empty() { (standard_error(&seen.stderr)) }
+        @if !observed.stderr.is_empty() { (standard_error(&observed.stderr)) }
         (download(&format!("{}.json", case.id), case.question().to_string().as_bytes()))
     }
 }
@@ -94,7 +94,7 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
     let received = |i: usize| frame.samples.real(i);
     let is_wrong = |c: &usize| !expected.is_near(first + c, received(first + c));
     let channel = (0..expected.channels).find(is_wrong).unwrap_or_default();
-    let spot = (*x, *y, channel);
+    let position = (*x, *y, channel);
     let name = channel_name(expected.channels, channel);
     let ptm = decode(&built.file).ok();
     let texel = first / expected.channels;
@@ -124,15 +124,15 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
                 code { (name) " = " (steps) @if let View::Rgb(_) = view { "; clamped to 0…255: " } @else { " = " } (number(expected.values[first + channel])) }
             }
         }
-        @if let Some(figure) = pictures::figure(expected, frame, spot) { (figure) }
-        (origins(&name, &built.file, &sample_origins(case, &built.file, expected, spot)))
+        @if let Some(figure) = pictures::figure(expected, frame, position) { (figure) }
+        (origins(&name, &built.file, &sample_origins(case, &built.file, expected, position)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
     }
 }
 
-/// Returns the byte ranges of `file` from which the sample at `spot` is computed.
-fn sample_origins(case: &Case, file: &[u8], image: &Expected, spot: SamplePosition) -> Vec<Origin> {
-    let (x, y, channel) = spot;
+/// Returns the byte ranges of `file` from which the sample at `position` is computed.
+fn sample_origins(case: &Case, file: &[u8], image: &Expected, position: Position) -> Vec<Origin> {
+    let (x, y, channel) = position;
     let stored = |channels| origin_of_samples(case, file, image.size, (x, y), channels);
     let shape = decode(file).map(|ptm| ptm.planes.shape);
     match (image.view, shape) {

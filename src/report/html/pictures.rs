@@ -17,14 +17,14 @@ use crate::suite::compare::Expected;
 const MAX_SIDE: usize = 48;
 
 /// Position of a sample: column, row and channel.
-pub(super) type SamplePosition = (usize, usize, usize);
+pub(super) type Position = (usize, usize, usize);
 
 /// Two frames of the same shape that are compared sample by sample.
 struct ImageComparison<'a> {
     expected: &'a Expected,
     received: Vec<f64>,
     /// Position of the first difference.
-    spot: SamplePosition,
+    position: Position,
     /// Columns that are displayed.
     columns: Range<usize>,
     /// Rows that are displayed.
@@ -33,8 +33,8 @@ struct ImageComparison<'a> {
     spans: Vec<(f64, f64)>,
 }
 
-/// Renders the images of a frame that first differs from the expected one at `spot`, or `None` if their shapes differ.
-pub(super) fn figure(expected: &Expected, frame: &Frame, spot: SamplePosition) -> Option<Markup> {
+/// Renders the images of a frame that first differs from the expected one at `position`, or `None` if their shapes differ.
+pub(super) fn figure(expected: &Expected, frame: &Frame, position: Position) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();
     if (width, height, channels) != (expected.size.width, expected.size.height, expected.channels)
@@ -43,17 +43,17 @@ pub(super) fn figure(expected: &Expected, frame: &Frame, spot: SamplePosition) -
         return None;
     }
     // Center the texel as far as the edges allow.
-    let shown = |spot: usize, all: u32| {
-        let (spot, all) = (spot.saturating_sub(MAX_SIDE / 2), all as usize);
-        let from = spot.min(all.saturating_sub(MAX_SIDE));
+    let shown = |center: usize, all: u32| {
+        let (start, all) = (center.saturating_sub(MAX_SIDE / 2), all as usize);
+        let from = start.min(all.saturating_sub(MAX_SIDE));
         from..all.min(from + MAX_SIDE)
     };
     let mut pair = ImageComparison {
         expected,
         received,
-        spot,
-        columns: shown(spot.0, width),
-        rows: shown(spot.1, height),
+        position,
+        columns: shown(position.0, width),
+        rows: shown(position.1, height),
         spans: Vec::new(),
     };
     if expected.view.sample_type() == "f32" {
@@ -94,7 +94,7 @@ impl ImageComparison<'_> {
                     @for (channel, name) in COLORS.into_iter().enumerate() {
                         @if channel > 0 { ", " } (name) " differs in " (self.wrong_count(channel))
                     }
-                    " of " (self.expected.size.texels()) " texels; the first is (" (self.spot.0) ", " (self.spot.1) ")."
+                    " of " (self.expected.size.texels()) " texels; the first is (" (self.position.0) ", " (self.position.1) ")."
                 }
             }
         }
@@ -117,7 +117,7 @@ impl ImageComparison<'_> {
                 figcaption {
                     (self.cropped_area())
                     @if !equal.is_empty() { "Every plane of " (equal.join(" and ")) " is correct. " }
-                    "The frame marks texel (" (self.spot.0) ", " (self.spot.1) "), the first texel that differs."
+                    "The frame marks texel (" (self.position.0) ", " (self.position.1) "), the first texel that differs."
                 }
             }
         }
@@ -206,7 +206,7 @@ impl ImageComparison<'_> {
 
     /// Renders a table with one column per plane of `group`.
     fn table(&self, group: &Range<usize>, wrong: &[usize]) -> Markup {
-        let (x, y, channel) = self.spot;
+        let (x, y, channel) = self.position;
         let (width, height) = (self.columns.len(), self.rows.len());
         let scale = (52 / width).min(96 / height).clamp(1, 22);
         let pitch = (width + 1) * scale;

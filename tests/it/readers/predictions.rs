@@ -72,9 +72,9 @@ fn recorded_results(name: &str, cases: &[&Case]) -> Vec<(usize, Rendering)> {
             Some(_) => Rendering::Nothing,
         })
     };
-    let places = 0..cases.len();
-    places
-        .filter_map(|place| Some((place, shown(place)?)))
+    let indices = 0..cases.len();
+    indices
+        .filter_map(|index| Some((index, shown(index)?)))
         .collect()
 }
 
