@@ -42,7 +42,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
         (Response::Image { frame, .. }, Answer::Decoded(answer)) => {
             // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
             let received = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&expected_fields(case, &answer), received, case.tol);
+            let differs = difference(&expected_fields(case, &answer), received, case.tolerance);
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -63,7 +63,7 @@ fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool
     match case.answer(rules) {
         Answer::Decoded(answer) => {
             let expected = case.expected(&run.judgement.dialect);
-            must_refuse || difference(&expected, &answer, case.tol).is_some()
+            must_refuse || difference(&expected, &answer, case.tolerance).is_some()
         }
         Answer::Rejected => !must_refuse,
         _ => true,

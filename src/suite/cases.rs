@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use serde::{Deserialize, Serialize};
 
 use super::compare::Expected;
-use super::values::{HandValues, Piece, Values};
+use super::values::{HandPiece, HandValues, Values};
 use crate::generate::{Damage, Model, Recipe, write};
 use crate::generate::{plan::Compression, spelling::Count};
 use crate::protocol::frame::View;
@@ -78,7 +78,7 @@ pub struct Case {
 #[derive(Clone, Debug)]
 pub(super) enum Source {
     Recipe(Recipe, Option<&'static Damage>),
-    Hand(Format, Vec<Piece>, Option<HandValues>),
+    Hand(Format, Vec<HandPiece>, Option<HandValues>),
 }
 
 /// The file of a case with its fields and values.
@@ -231,7 +231,7 @@ impl Case {
     }
 }
 
-fn checked(piece: &Piece, table: TableSpelling) -> Vec<u8> {
+fn checked(piece: &HandPiece, table: TableSpelling) -> Vec<u8> {
     let bytes = piece.bytes(table.count, table.newline);
     bytes.expect("pieces were checked when the suite was loaded")
 }

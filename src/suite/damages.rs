@@ -28,7 +28,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn damages() -> Result<&'static [Damage], String> {
+pub fn damage_kinds() -> Result<&'static [Damage], String> {
     DAMAGES.as_deref().map_err(Clone::clone)
 }
 
@@ -37,7 +37,7 @@ pub fn damages() -> Result<&'static [Damage], String> {
 /// # Errors
 /// Returns an error if no damage has that name.
 pub fn find(name: &str) -> Result<&'static Damage, String> {
-    let found = damages()?.iter().find(|damage| damage.name == name);
+    let found = damage_kinds()?.iter().find(|damage| damage.name == name);
     found.ok_or_else(|| format!("unknown damage {name:?}"))
 }
 

@@ -12,14 +12,14 @@ pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
     /// The readings of the ruling.
-    pub readings: Readings<R>,
+    pub readings: Alternatives<R>,
 }
 
 /// Readings of a choice, the reference's first, each with a description and a function that changes the decisions.
-pub(crate) type Readings<R> = &'static [(&'static str, fn(&mut R))];
+pub(crate) type Alternatives<R> = &'static [(&'static str, fn(&mut R))];
 
 impl<R> Choice<R> {
-    pub(super) const fn new(ruling: &'static str, readings: Readings<R>) -> Choice<R> {
+    pub(super) const fn new(ruling: &'static str, readings: Alternatives<R>) -> Choice<R> {
         Choice { ruling, readings }
     }
 }

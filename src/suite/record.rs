@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::cases::{Case, Expect, Source};
-use super::values::{HandValues, Piece, format_of};
+use super::values::{HandPiece, HandValues, format_of};
 use super::words::Words;
 use super::{damages, recipes::MakeRecord};
 use crate::codec::Coding;
@@ -24,7 +24,7 @@ pub(super) struct CaseRecord {
     #[serde(default)]
     pub for_each: BTreeMap<String, Vec<String>>,
     make: Option<MakeRecord>,
-    bytes: Option<Vec<Piece>>,
+    bytes: Option<Vec<HandPiece>>,
     values: Option<HandValues>,
     pub twin_of: Option<String>,
     damage: Option<String>,

@@ -35,7 +35,7 @@ impl Values {
 /// A part of a hand-assembled file.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Piece {
+pub(super) struct HandPiece {
     /// Name of the part, which also serves as its description.
     #[serde(rename = "is")]
     pub name: String,
@@ -67,7 +67,7 @@ pub struct HandImage {
     pub texels: Vec<String>,
 }
 
-impl Piece {
+impl HandPiece {
     /// Returns the bytes of the part; `count` and `newline` select the spelling of a lookup table.
     pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>, String> {
         let mut bytes = match (&self.text, &self.hex) {
@@ -90,7 +90,7 @@ impl Piece {
 }
 
 /// Returns the format that the piece `format` names.
-pub(super) fn format_of(pieces: &[Piece]) -> Result<Format, String> {
+pub(super) fn format_of(pieces: &[HandPiece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.name == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
     text.ok_or("a hand-assembled file needs a piece with `is: format`")?

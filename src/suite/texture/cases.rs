@@ -48,7 +48,8 @@ pub struct TextureCase {
     #[serde(default, rename = "also", alias = "alt")]
     pub alternatives: Vec<OtherAnswer>,
     /// Tolerance for numbers, if it is not the default.
-    pub tol: Option<f64>,
+    #[serde(rename = "tol")]
+    pub tolerance: Option<f64>,
     /// Purpose of the case, usually with the arithmetic.
     #[serde(alias = "why")]
     pub because: String,

@@ -47,7 +47,7 @@ impl TextureCase {
                 (1..CHOICES[axis].readings.len()).any(|reading| {
                     let mut dialect = CHOICES.reference();
                     dialect.0[axis] = reading;
-                    difference(&self.expect, &self.expected(&dialect), self.tol).is_some()
+                    difference(&self.expect, &self.expected(&dialect), self.tolerance).is_some()
                 })
             };
             // Answers that are left to the implementation are right in every dialect.

@@ -177,8 +177,8 @@ enum TextureStep {
         #[serde(default)]
         depth: f64,
         /// True if the map is magnified.
-        #[serde(default)]
-        mag: bool,
+        #[serde(default, rename = "mag")]
+        is_magnified: bool,
         #[serde(default)]
         entry: EntryGiven,
     },
@@ -275,11 +275,11 @@ impl TextureStep {
                 map,
                 t,
                 depth,
-                mag,
+                is_magnified,
                 entry,
             } => {
                 let (map, entry) = (map.map(rules)?, entry.entry(rules));
-                let fetched = texture::fetch(&entry, &map, *t, *depth, *mag, rules);
+                let fetched = texture::fetch(&entry, &map, *t, *depth, *is_magnified, rules);
                 match fetched.components() {
                     Some(components) => json!({ "texel": numbers(components) }),
                     None => json!({ "texel": "discontinue" }),
@@ -629,8 +629,8 @@ struct StageEntry {
     #[serde(default)]
     depth: f64,
     /// True if the map is magnified.
-    #[serde(default)]
-    mag: bool,
+    #[serde(default, rename = "mag")]
+    is_magnified: bool,
 }
 
 impl StageEntry {
@@ -650,8 +650,8 @@ impl StageEntry {
             }
             (None, None) => return Err(malformed("an entry needs texel, t or point").into()),
         };
-        let (depth, mag) = (self.depth, self.mag);
-        Ok(texture::fetch(entry, &map, t, depth, mag, rules))
+        let (depth, is_magnified) = (self.depth, self.is_magnified);
+        Ok(texture::fetch(entry, &map, t, depth, is_magnified, rules))
     }
 }
 

@@ -110,8 +110,8 @@ impl TestCase for TextureCase {
 
     fn compare(&self, _: &Vec<u8>, _: &TextureView, answer: &Value) -> Comparison<TextureCase> {
         let difference_in =
-            |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tol);
-        let difference = difference(&self.expect, answer, self.tol);
+            |dialect: &Dialect| difference(&self.expected(dialect), answer, self.tolerance);
+        let difference = difference(&self.expect, answer, self.tolerance);
         let axes = self.relevant_axes();
         let right = match axes.is_empty() {
             // Any error message is accepted.
@@ -132,7 +132,7 @@ impl TestCase for TextureCase {
     }
 
     fn difference_in(&self, _: &TextureView, answer: &Value, dialect: &Dialect) -> Option<String> {
-        difference(&self.expected(dialect), answer, self.tol)
+        difference(&self.expected(dialect), answer, self.tolerance)
     }
 
     fn expected_output(&self, _: &TextureView) -> Option<Value> {

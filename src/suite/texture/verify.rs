@@ -60,7 +60,7 @@ fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
 }
 
 fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, String) {
-    let tolerance = Some(case.tol.unwrap_or(HAND_TOLERANCE));
+    let tolerance = Some(case.tolerance.unwrap_or(HAND_TOLERANCE));
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
             None => (Some(true), expected_fields(expect, &answer)),

@@ -10,7 +10,7 @@ use ptm_conform::ptm::Format;
 use ptm_conform::report::reported::Reportable;
 use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
 use ptm_conform::suite::corpus::{self, ManifestEntry};
-use ptm_conform::suite::damages::damages;
+use ptm_conform::suite::damages::damage_kinds;
 
 use crate::in_process::suite;
 use crate::repository::tree;
@@ -137,7 +137,7 @@ fn every_damage_has_a_case() {
     let suite = suite();
     let names = suite.cases.iter().filter_map(Case::damage);
     let names: Vec<&String> = names.map(|damage| &damage.name).collect();
-    for damage in damages().expect("the damages") {
+    for damage in damage_kinds().expect("the damages") {
         assert!(names.contains(&&damage.name), "{}", damage.name);
     }
 }

@@ -120,7 +120,7 @@ fn mixed_readings_fail() {
             let revealing = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
                 case.relevant_axes().contains(&axis)
-                    && difference(&case.expect, &other, case.tol).is_some()
+                    && difference(&case.expect, &other, case.tolerance).is_some()
             });
             let revealing: Vec<&str> = revealing.map(|case| case.id.as_str()).collect();
             assert!(
