@@ -31,7 +31,7 @@ pub fn in_texels(directory: &Path) {
         Format::JpeglsLrgb,
     ];
     let raw = raw.map(|format| (format, "raw"));
-    let others = [(Format::Lrgb, "coef"), (Format::Lrgb, View::ORDINARY_LIGHT)];
+    let others = [(Format::Lrgb, "coef"), (Format::Lrgb, View::DEFAULT_RGB)];
     for (format, view) in raw.into_iter().chain(others) {
         measure_view(format, view, directory);
     }

@@ -33,7 +33,7 @@ pub fn check(
         let says = format!("no .ptm file in {}", directory.display());
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, &says));
     }
-    let views = ["raw", "coef", View::ORDINARY_LIGHT].map(|view| view.parse().expect("a view"));
+    let views = ["raw", "coef", View::DEFAULT_RGB].map(|view| view.parse().expect("a view"));
     let mut views: Vec<View> = views.into();
     views.retain(|view| requested.is_empty() || requested.iter().any(|name| name == view.name()));
     let ask = |request: &Request<'_>| decoder.ask(request, scratch);

@@ -84,7 +84,7 @@ pub(super) struct BitWriter<'a, const AFTER_FF: u32> {
     window: u64,
     count: u32,
     /// Number of data bits that fit in the next byte.
-    free_bits: u32,
+    byte_bits: u32,
 }
 
 impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
@@ -93,7 +93,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
             stream: &mut writer.stream,
             window: 0,
             count: 0,
-            free_bits: 8,
+            byte_bits: 8,
         }
     }
 
@@ -101,18 +101,18 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
     pub fn put_bits(&mut self, bits: u32, count: u32) {
         self.window = self.window << count | u64::from(bits);
         self.count += count;
-        while self.count >= self.free_bits {
-            self.count -= self.free_bits;
-            let byte = (self.window >> self.count) as u8 & ((1_u32 << self.free_bits) - 1) as u8;
+        while self.count >= self.byte_bits {
+            self.count -= self.byte_bits;
+            let byte = (self.window >> self.count) as u8 & ((1_u32 << self.byte_bits) - 1) as u8;
             self.stream.push(byte);
-            self.free_bits = if byte == 0xFF { AFTER_FF } else { 8 };
+            self.byte_bits = if byte == 0xFF { AFTER_FF } else { 8 };
         }
     }
 
     /// Pads the last byte with copies of `padding`, 0 or 1. A final 0xFF is followed by stuffing as well; otherwise, a decoder
     /// would mistake it for the start of a marker.
     pub fn finish(mut self, padding: u32) {
-        while self.count > 0 || self.free_bits < 8 {
+        while self.count > 0 || self.byte_bits < 8 {
             self.put_bits(padding, 1);
         }
     }

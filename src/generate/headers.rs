@@ -19,7 +19,7 @@ pub(super) fn rewrite_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
         segments[frame].content[COMPONENT_OF_FRAME] = style.component;
         // DQT in JPEG, LSE in JPEG-LS.
         let tables = (segments.iter()).position(|segment| matches!(segment.code, 0xdb | 0xf8));
-        if let Some(tables) = tables.filter(|_| style.frame_moved) {
+        if let Some(tables) = tables.filter(|_| style.moves_frame_header) {
             let header = segments.remove(frame);
             segments.insert(tables, header);
         }

@@ -31,7 +31,7 @@ pub struct Compression {
     pub residuals: Residuals,
     /// Encoding options of the streams.
     pub stream: Stream,
-    /// True if only planes 0, 2, 4 … use these options. The other planes use [`Stream::PLAIN`].
+    /// True if only planes 0, 2, 4 … use these options. The other planes use [`Stream::DEFAULT`].
     pub even_planes_only: bool,
 }
 
@@ -47,17 +47,17 @@ pub struct Stream {
     /// The component id in the headers of the stream.
     pub component: u8,
     /// True if the frame header precedes the quantization tables (JPEG) or follows the preset parameters (JPEG-LS).
-    pub frame_moved: bool,
+    pub moves_frame_header: bool,
 }
 
 impl Stream {
     /// The default encoding options.
-    pub const PLAIN: Stream = Stream {
+    pub const DEFAULT: Stream = Stream {
         jpeg: JpegOptions::new(75),
         jfif: true,
         presets: None,
         component: 1,
-        frame_moved: false,
+        moves_frame_header: false,
     };
 }
 
@@ -233,7 +233,7 @@ impl Compression {
             references,
             records: Vec::new(),
             residuals,
-            stream: Stream::PLAIN,
+            stream: Stream::DEFAULT,
             even_planes_only: false,
         }
     }

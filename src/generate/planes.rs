@@ -240,7 +240,7 @@ fn is_exact_in_every_transform(residual: &[u8], received: &[u8], recipe: &Recipe
 fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> EncodedImage {
     let (plan, Size { width, height }) = (&recipe.compression, recipe.size);
     let stream = match plan.even_planes_only && plane % 2 == 1 {
-        true => Stream::PLAIN,
+        true => Stream::DEFAULT,
         false => plan.stream,
     };
     let encoded = match recipe.compression.coding {

@@ -1,7 +1,7 @@
 //! §2.9.8: mistakes in decoding the streams of planes, and in the order of rows
 
 use super::hook::{Hook, Steps};
-use super::layout::{flip_rows, stored_row_if_top_down};
+use super::layout::{flip_rows, top_row_first};
 use crate::decode::planes;
 use crate::error::{Error, Kind, Result};
 use crate::parts::{Coded, PlaneStream};
@@ -15,13 +15,11 @@ pub(super) const STEPS: Steps = |slug| {
     Some(match slug {
         // Rows
         "compressed-rows-top-down" => {
-            Hook::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg, JpegLs], header, row))
+            Hook::StoredRow(|header, row| top_row_first(&[Jpeg, JpegLs], header, row))
         }
-        "jpeg-rows-top-down" => {
-            Hook::StoredRow(|header, row| stored_row_if_top_down(&[Jpeg], header, row))
-        }
+        "jpeg-rows-top-down" => Hook::StoredRow(|header, row| top_row_first(&[Jpeg], header, row)),
         "jpeg-ls-rows-top-down" => {
-            Hook::StoredRow(|header, row| stored_row_if_top_down(&[JpegLs], header, row))
+            Hook::StoredRow(|header, row| top_row_first(&[JpegLs], header, row))
         }
         "compressed-colors-top-down" => Hook::Planes(|ptm| {
             if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
@@ -34,8 +32,8 @@ pub(super) const STEPS: Steps = |slug| {
             }
         }),
         // Samples
-        "jpeg-rows-padded-to-4" => Hook::Stream(|plane| decode_sheared(plane, 4)),
-        "jpeg-rows-padded-to-8" => Hook::Stream(|plane| decode_sheared(plane, 8)),
+        "jpeg-rows-padded-to-4" => Hook::Stream(|plane| decode_with_padded_rows(plane, 4)),
+        "jpeg-rows-padded-to-8" => Hook::Stream(|plane| decode_with_padded_rows(plane, 8)),
         "compressed-columns-mirrored" => Hook::Stream(|plane| {
             let mut samples = planes::decode_stream(plane)?;
             let rows = samples.chunks_exact_mut(plane.size.width as usize);
@@ -229,7 +227,7 @@ fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
 }
 
 /// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
-fn decode_sheared(plane: &PlaneStream, unit: usize) -> PlaneSamples {
+fn decode_with_padded_rows(plane: &PlaneStream, unit: usize) -> PlaneSamples {
     let samples = planes::decode_stream(plane)?;
     if plane.coding != Coding::Jpeg {
         return Ok(samples);

@@ -138,7 +138,7 @@ fn flip_rows_of_blocks(file: &[u8], payload: &mut [u8]) {
 }
 
 /// Returns the stored index of `row` for a decoder that expects the top row first in files with these codings.
-pub(super) fn stored_row_if_top_down(codings: &[Coding], header: &Header, row: usize) -> usize {
+pub(super) fn top_row_first(codings: &[Coding], header: &Header, row: usize) -> usize {
     match header.format.coding() {
         Some(coding) if codings.contains(&coding) => row,
         _ => texels::bottom_row_first(header, row),

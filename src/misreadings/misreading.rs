@@ -78,7 +78,7 @@ struct MisreadingRecord {
     edits: BTreeMap<String, String>,
 }
 
-/// Joins each record of a YAML file with the step that it changes: the step for its slug, or the step that `step_of_edits`
+/// Joins each record of a YAML file with the step that it changes: the step for its slug, or the step that `step_from_edits`
 /// creates from its formula edits.
 ///
 /// The strings are leaked, because each catalog is created only once.
@@ -87,8 +87,8 @@ struct MisreadingRecord {
 /// Returns a message that names the offending line.
 pub(crate) fn load_catalog<A>(
     yaml: &str,
-    step_of: impl Fn(&str) -> Option<A>,
-    step_of_edits: impl Fn(&'static [Edit]) -> Option<A>,
+    step_from_slug: impl Fn(&str) -> Option<A>,
+    step_from_edits: impl Fn(&'static [Edit]) -> Option<A>,
 ) -> Result<Vec<Misreading<A>>, String> {
     let mut all = Vec::new();
     for (line, record) in yaml::records::<MisreadingRecord>(yaml)? {
@@ -98,8 +98,8 @@ pub(crate) fn load_catalog<A>(
             .collect::<Result<_, _>>()
             .map_err(|error| format!("line {line}: {error}"))?;
         let step = match edits.is_empty() {
-            true => step_of(slug),
-            false => step_of_edits(edits.leak()),
+            true => step_from_slug(slug),
+            false => step_from_edits(edits.leak()),
         };
         all.push(Misreading {
             slug,

@@ -132,7 +132,7 @@ impl Light {
 
 impl View {
     /// A view with a light under which every coefficient affects the color.
-    pub const ORDINARY_LIGHT: &'static str = "rgb:0.3125,-0.4375";
+    pub const DEFAULT_RGB: &'static str = "rgb:0.3125,-0.4375";
 
     /// Returns the view without its light.
     #[must_use]

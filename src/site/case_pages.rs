@@ -105,8 +105,8 @@ fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
 }
 
 fn render_image(case: &Case, built: &Built) -> Markup {
-    let ordinary: View = View::ORDINARY_LIGHT.parse().expect("a light");
-    let mut views = case.views.iter().chain([&ordinary]);
+    let default_view: View = View::DEFAULT_RGB.parse().expect("a light");
+    let mut views = case.views.iter().chain([&default_view]);
     let light = views.find(|view| matches!(view, View::Rgb(_)));
     html! {
         @if let (Ok(ptm), Some(View::Rgb(light))) = (decode(&built.file), light) {

@@ -108,7 +108,7 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
     };
     let light: View = match &witness.view {
         View::Rgb(_) => witness.view.clone(),
-        _ => View::ORDINARY_LIGHT.parse().expect("a light"),
+        _ => View::DEFAULT_RGB.parse().expect("a light"),
     };
     let wrong = |view: &View| {
         let answer = misreadings::answer(&[misreading], Reading::SPEC, file, view);

@@ -153,7 +153,7 @@ fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<(), String>
         "tables_together" => jpeg.tables_together = flag(name, text)?,
         "jfif" => stream.jfif = flag(name, text)?,
         "component" => stream.component = number(name, text)?,
-        "frame_moved" => stream.frame_moved = flag(name, text)?,
+        "frame_moved" => stream.moves_frame_header = flag(name, text)?,
         "presets" => {
             let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
                 return Err("expected presets in the form MAXVAL T1 T2 T3 RESET".to_owned());

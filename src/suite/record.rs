@@ -111,7 +111,7 @@ impl CaseRecord {
             }
             (None, Source::Hand(..), Some(values), _) => values.views()?,
             (None, _, _, Some(twin)) => twin.views.clone(),
-            _ => vec![View::Raw, View::Coef, View::ORDINARY_LIGHT.parse()?],
+            _ => vec![View::Raw, View::Coef, View::DEFAULT_RGB.parse()?],
         };
         if let Source::Recipe(recipe, _) = of {
             check_views(recipe, &views)?;

@@ -24,7 +24,7 @@ pub(super) struct FileReplies {
 
 impl FileReplies {
     fn new(calls: &Calls, sample: Sample) -> FileReplies {
-        let views = ["raw", "coef", View::ORDINARY_LIGHT];
+        let views = ["raw", "coef", View::DEFAULT_RGB];
         let views = views.map(|view| view.parse().expect("a view")).into_iter();
         let ask = |view: View| (view.clone(), calls.ask(&view, &sample.file));
         let replies = views.map(ask).collect();

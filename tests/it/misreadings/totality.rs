@@ -98,7 +98,7 @@ fn run_trials(count: usize, trial: impl Fn(usize) -> Option<String> + Sync) {
 }
 
 fn views() -> [View; 3] {
-    ["raw", "coef", View::ORDINARY_LIGHT].map(|view| view.parse().expect("a view"))
+    ["raw", "coef", View::DEFAULT_RGB].map(|view| view.parse().expect("a view"))
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::table::rows;
 const MAX_DECOMPRESSED_BYTES: usize = 1 << 20;
 
 fn rgb() -> View {
-    View::ORDINARY_LIGHT.parse().expect("a view")
+    View::DEFAULT_RGB.parse().expect("a view")
 }
 
 fn frame(view: ViewKind, size: (u32, u32, u32), samples: Samples) -> Frame {
