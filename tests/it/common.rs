@@ -304,20 +304,20 @@ pub fn assert_conforms(value: &Value, schema: &str) {
 }
 
 /// Keeps processors busy until it is dropped.
-pub struct Load(Vec<Child>);
+pub struct BusyProcessors(Vec<Child>);
 
-impl Load {
+impl BusyProcessors {
     /// Keeps the given number of processors busy.
-    pub fn new(processors: usize) -> Load {
+    pub fn new(processors: usize) -> BusyProcessors {
         let busy = |_| {
             let mut shell = Command::new("sh");
             shell.args(["-c", "while :; do :; done"]).spawn()
         };
-        Load((0..processors).filter_map(|i| busy(i).ok()).collect())
+        BusyProcessors((0..processors).filter_map(|i| busy(i).ok()).collect())
     }
 }
 
-impl Drop for Load {
+impl Drop for BusyProcessors {
     fn drop(&mut self) {
         for child in &mut self.0 {
             let _ = child.kill();
@@ -349,7 +349,7 @@ pub fn repository_text(path: &str) -> String {
 }
 
 /// Returns true if a program can be started. Prints SKIPPED if not.
-pub fn have(program: &str) -> bool {
+pub fn have_tool(program: &str) -> bool {
     let starts = Command::new(program).arg("--version").output().is_ok();
     starts || skip(&format!("{program} is not installed"))
 }

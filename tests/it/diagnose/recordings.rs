@@ -21,13 +21,13 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 struct Reader {
     name: String,
-    rows: Vec<Row>,
+    rows: Vec<SourceMistake>,
     forbidden: Vec<Forbidden>,
 }
 
 /// A mistake in the source code of a decoder.
 #[derive(Deserialize)]
-struct Row {
+struct SourceMistake {
     mistake: String,
     /// A slug, or part of the effect of a cause. Alternatives are separated by " or ".
     #[serde(default)]
@@ -45,8 +45,8 @@ struct Row {
 struct Forbidden {
     effect: String,
     /// Part of the scope or of the example, if the effect alone is not false.
-    #[serde(default)]
-    and: String,
+    #[serde(default, rename = "and")]
+    context: String,
 }
 
 /// A reported cause: the number of cases that it explains, its slug or effect, and its example.
@@ -59,7 +59,7 @@ struct ReportedCause {
 impl Forbidden {
     fn matches(&self, cause: &ReportedCause) -> bool {
         let text = format!("{} {}", cause.effect, cause.example);
-        cause.effect.contains(&self.effect) && text.contains(&self.and)
+        cause.effect.contains(&self.effect) && text.contains(&self.context)
     }
 }
 

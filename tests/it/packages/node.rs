@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::{PROGRAM, Workspace, have, have_target, repository, stdout};
+use crate::common::{PROGRAM, Workspace, have_target, have_tool, repository, stdout};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
@@ -38,7 +38,7 @@ fn build(package: &Path) {
 
 #[test]
 fn npm_package_reads_every_file_like_the_program_in_node_and_in_a_browser() {
-    if !(have("node") && have_target(TARGET)) {
+    if !(have_tool("node") && have_target(TARGET)) {
         return;
     }
     let here = Workspace::new();
@@ -51,7 +51,7 @@ fn npm_package_reads_every_file_like_the_program_in_node_and_in_a_browser() {
             .env("PTM_CONFORM_PROGRAM", PROGRAM),
     );
     assert!(tested.contains("equal to the program"), "{tested}");
-    if !(have("chromium") && have("chromedriver")) {
+    if !(have_tool("chromium") && have_tool("chromedriver")) {
         return;
     }
     let browser = stdout(

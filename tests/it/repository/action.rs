@@ -5,7 +5,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{PROGRAM, Workspace, have, outcome, repository, repository_text, stdout};
+use crate::common::{PROGRAM, Workspace, have_tool, outcome, repository, repository_text, stdout};
 use ptm_conform::kit::yaml::from_yaml;
 use serde_json::Value;
 
@@ -85,7 +85,7 @@ fn workflows_pin_actions_by_digest() {
 
 #[test]
 fn action_forwards_the_result() {
-    if !have("bash") {
+    if !have_tool("bash") {
         return;
     }
     let here = Workspace::new();
@@ -110,7 +110,7 @@ fn action_forwards_the_result() {
 
 #[test]
 fn action_arguments_are_split_into_lines() {
-    if !have("bash") {
+    if !have_tool("bash") {
         return;
     }
     let here = Workspace::new();
@@ -127,7 +127,7 @@ fn action_arguments_are_split_into_lines() {
 fn action_needs_no_compiler() {
     let tools =
         "bash cat chmod cp curl cut dirname grep gzip mkdir mktemp mv rm sha256sum tar uname";
-    if !tools.split(' ').all(have) {
+    if !tools.split(' ').all(have_tool) {
         return;
     }
     let here = Workspace::new();

@@ -7,8 +7,8 @@ use ptm_conform::protocol::capabilities::Capabilities;
 use ptm_conform::ptm::Format;
 
 use crate::common::{
-    CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have, python_example,
-    repository, repository_text, zoo,
+    CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have_tool,
+    python_example, repository, repository_text, zoo,
 };
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
@@ -78,7 +78,7 @@ fn reference_serves_many_requests() {
 
 #[test]
 fn the_python_decoder_declares_serve_mode_and_is_served() {
-    if !have("python3") {
+    if !have_tool("python3") {
         return;
     }
     let decoder = python_example("decoders/ptm_decoder.py");
@@ -156,7 +156,7 @@ public class Dec {
 
 #[test]
 fn java_runs_under_the_default_memory_limit() {
-    if have("javac") && have("java") {
+    if have_tool("javac") && have_tool("java") {
         let here = Workspace::new();
         here.write("Dec.java", JAVA_DECODER);
         let mut javac = Command::new("javac");
@@ -171,7 +171,7 @@ fn java_runs_under_the_default_memory_limit() {
 
 #[test]
 fn virtual_environment_is_found_by_relative_path() {
-    if !have("python3") {
+    if !have_tool("python3") {
         return;
     }
     let here = Workspace::new();

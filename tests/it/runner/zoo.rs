@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    CheckRun, Load, Workspace, assert_contains, have_proc, processes, rows, run_measured,
+    BusyProcessors, CheckRun, Workspace, assert_contains, have_proc, processes, rows, run_measured,
     wait_until, zoo,
 };
 
@@ -255,7 +255,7 @@ fn verdicts_are_the_same_under_load() {
     let runs = std::env::var("PTM_ZOO_RUNS").ok();
     let runs = runs.and_then(|runs| runs.parse().ok()).unwrap_or(20);
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let _load = Load::new(processors);
+    let _load = BusyProcessors::new(processors);
     let once: Vec<FaultyDecoder> = [ANSWERING, STOPPED, SERVING]
         .into_iter()
         .flat_map(expand_table)

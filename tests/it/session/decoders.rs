@@ -1,7 +1,7 @@
 //! The example decoder passes. Each copy with one mistake fails the case for that mistake, but passes a similar case.
 
 use crate::common::{
-    CheckRun, Workspace, check, edit, have, have_python, python_example, repository_text, rows,
+    CheckRun, Workspace, check, edit, have_python, have_tool, python_example, repository_text, rows,
 };
 
 /// Copies of the decoder, each with one mistake: its name, the text to replace, the replacement, the case for the misread
@@ -120,7 +120,7 @@ jpeg-ls-rows-top-down | stored = read_compressed(source, format, width, height)
 
 /// Returns the Python decoder, if Python is installed.
 fn decoder() -> Option<String> {
-    have("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
+    have_tool("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
 }
 
 /// Checks a Python decoder with the given source text.
@@ -132,7 +132,7 @@ fn check_copy(text: &str, options: &str) -> CheckRun {
 
 #[test]
 fn python_decoder_passes() {
-    if !have("python3") {
+    if !have_tool("python3") {
         return;
     }
     let checked = check(&format!("-- {}", python_example("decoders/ptm_decoder.py")));

@@ -2,14 +2,14 @@
 
 use std::process::Command;
 
-use crate::common::{CheckRun, Workspace, have, program, repository, stdout};
+use crate::common::{CheckRun, Workspace, have_tool, program, repository, stdout};
 use crate::table::rows;
 
 /// Creates a workspace with the compiled C decoder `ptm_decoder`, or returns `None` without a compiler.
 fn workspace_with_c_decoder() -> Option<Workspace> {
     let here = Workspace::new();
     let flags = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -o ptm_decoder";
-    have("cc").then(|| {
+    have_tool("cc").then(|| {
         let mut compiler = Command::new("cc");
         compiler
             .current_dir(here.path(""))
@@ -117,7 +117,7 @@ rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
         let interpreter = decoder.split(' ').next().expect("a command");
         if ![command, interpreter]
             .into_iter()
-            .all(|name| name.starts_with("./") || have(name))
+            .all(|name| name.starts_with("./") || have_tool(name))
         {
             continue;
         }
@@ -135,7 +135,7 @@ rust | decoder.rs | rustc -O --edition 2021 -o decoder decoder.rs | ./decoder";
 
 #[test]
 fn javascript_decoder_passes() {
-    if !have("node") {
+    if !have_tool("node") {
         return;
     }
     // These cases include all formats, spellings and views. The whole suite would start a process for each file.
@@ -155,7 +155,7 @@ fn javascript_decoder_passes() {
 
 #[test]
 fn javascript_decoder_writes_large_images_completely() {
-    if !have("node") {
+    if !have_tool("node") {
         return;
     }
     // 600 × 400 texels of nine coefficients: many times the size of a pipe buffer.

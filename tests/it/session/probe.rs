@@ -1,7 +1,7 @@
 //! Tests each diagnosis of `probe` with a faulty script.
 
 use crate::common::{
-    PROGRAM, Workspace, assert_contains, edit, have, outcome, repository_text, rows,
+    PROGRAM, Workspace, assert_contains, edit, have_tool, outcome, repository_text, rows,
 };
 
 /// Returns a shell script in which `right` calls the reference.
@@ -11,7 +11,7 @@ fn shell(body: &str) -> String {
 
 /// Returns the Python decoder, if Python is installed.
 fn python_decoder() -> Option<String> {
-    have("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
+    have_tool("python3").then(|| repository_text("examples/decoders/ptm_decoder.py"))
 }
 
 /// Probes a decoder with the given source text. Returns the exit status and the output.
@@ -162,7 +162,7 @@ fn missing_output_is_explained() {
 /// A Perl script damages correct frames.
 #[test]
 fn damaged_frames_are_explained() {
-    if !have("perl") {
+    if !have_tool("perl") {
         return;
     }
     for [status, act, says] in rows(

@@ -5,11 +5,11 @@
 use std::process::Command;
 
 use super::SITE;
-use crate::common::{Workspace, have, repository, stdout};
+use crate::common::{Workspace, have_tool, repository, stdout};
 
 #[test]
 fn pages_open_without_errors_or_network_requests() {
-    if !["node", "chromium", "chromedriver"].into_iter().all(have) {
+    if !"node chromium chromedriver".split(' ').all(have_tool) {
         return;
     }
     let here = Workspace::new();

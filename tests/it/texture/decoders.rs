@@ -1,10 +1,10 @@
 //! Tests that the example texture stage passes, and that each copy with one mistake fails a case about the misread requirement.
 
-use crate::common::{Workspace, check, edit, have, python_example, repository_text, rows};
+use crate::common::{Workspace, check, edit, have_tool, python_example, repository_text, rows};
 
 /// Returns the source text of the texture stage in Python, if Python is installed.
 fn stage() -> Option<String> {
-    have("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
+    have_tool("python3").then(|| repository_text("examples/decoders/pex_texture.py"))
 }
 
 /// Copies of the texture stage, each with one mistake: the misreading that the diagnosis names, the text to
@@ -44,7 +44,7 @@ ptm-top-row-first | for row in reversed(rows) for color in row | for row in rows
 
 #[test]
 fn python_example_passes() {
-    if !have("python3") {
+    if !have_tool("python3") {
         return;
     }
     let stage = python_example("decoders/pex_texture.py");

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::common::{Workspace, assert_conforms, have, have_python, repository, rows, stdout};
+use crate::common::{Workspace, assert_conforms, have_python, have_tool, repository, rows, stdout};
 use crate::repository::tree;
 use data_encoding::HEXLOWER;
 use ptm_conform::generate::{Model, Recipe, write};
@@ -523,7 +523,7 @@ fn completions_and_man_pages_name_every_command() {
 
 #[test]
 fn bash_accepts_its_completions() {
-    if !have("bash") {
+    if !have_tool("bash") {
         return;
     }
     let here = Workspace::new();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::common::{Workspace, have, repository, repository_text, stdout};
+use crate::common::{Workspace, have_tool, repository, repository_text, stdout};
 use data_encoding::HEXUPPER_PERMISSIVE;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
@@ -89,7 +89,7 @@ fn count_ptms(here: &Workspace, files: &[PathBuf]) -> usize {
 
 #[test]
 fn file_command_identifies_exactly_the_legal_files() {
-    if !have("file") {
+    if !have_tool("file") {
         return;
     }
     let here = Workspace::new();

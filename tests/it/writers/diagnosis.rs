@@ -16,7 +16,7 @@ use ptm_conform::writers::{
     cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
 };
 
-use crate::common::{Workspace, edit, have, repository_text, rows};
+use crate::common::{Workspace, edit, have_tool, repository_text, rows};
 
 /// Requests for small files, with the files that the reference writes.
 struct Requests {
@@ -234,7 +234,7 @@ fn is_diagnosed([find, replace, words]: &[String; 3]) -> bool {
 
 #[test]
 fn two_wrong_copies_of_the_python_writer_are_named() {
-    if have("python3") {
+    if have_tool("python3") {
         let copies = rows(COPIES);
         for copy in [&copies[1], &copies[18]] {
             assert!(is_diagnosed(copy), "{copy:?}");
@@ -245,7 +245,7 @@ fn two_wrong_copies_of_the_python_writer_are_named() {
 #[test]
 #[ignore = "runs a Python writer forty times; takes minutes"]
 fn forty_wrong_copies_of_the_python_writer_are_named() {
-    if !have("python3") {
+    if !have_tool("python3") {
         return;
     }
     let copies = rows(COPIES);

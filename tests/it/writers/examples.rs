@@ -1,6 +1,6 @@
 //! Tests of writers as processes: the reference writer and the Python writer.
 
-use crate::common::{PROGRAM, Workspace, check_writer, have, python_example};
+use crate::common::{PROGRAM, Workspace, check_writer, have_tool, python_example};
 
 #[test]
 fn reference_writer_passes_as_a_process() {
@@ -11,7 +11,7 @@ fn reference_writer_passes_as_a_process() {
 
 #[test]
 fn python_writer_passes_in_its_formats() {
-    if have("python3") {
+    if have_tool("python3") {
         let writer = python_example("writers/ptm_writer.py");
         let lacks = "unsupported (exit status 69): JPEG_RGB, JPEG_LRGB, JPEGLS_RGB, JPEGLS_LRGB";
         check_writer(&format!("--smoke -- {writer}")).assert_exit(0, lacks);
