@@ -248,7 +248,7 @@ impl fmt::Display for Kind {
                 reference_rank,
             } => write!(
                 f,
-                "plane {plane} of rank {rank} is predicted from plane {reference} of rank {reference_rank}, which is not decoded before it"
+                "plane {plane} (rank {rank}) is predicted from plane {reference} (rank {reference_rank}), which is not decoded earlier"
             ),
             Kind::Stream { plane, what, .. } => write!(f, "plane {plane}: {what}"),
             Kind::PartialRecord { bytes } => write!(

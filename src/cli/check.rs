@@ -36,7 +36,7 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     let has_decoder = !args.decoder.is_empty() || args.cmd.is_some();
     let is_reference = !has_decoder && args.outputs.is_none() && args.caller.is_none();
     if is_reference {
-        print("No decoder is given: checking the built-in reference.\n");
+        print("No decoder given: checking the built-in reference.\n");
     }
     let status = match args.suite.as_str() {
         "texture" => check_stage(args, &stop),

@@ -144,7 +144,7 @@ impl CheckArgs {
         let ids = || suite.cases.iter().map(TestCase::id);
         let meant = self.cases.iter().map(|name| did_you_mean(name, ids()));
         let says = format!(
-            "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists clauses and cases",
+            "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists the clauses and cases of section 2.5",
             meant.collect::<String>()
         );
         Err(CommandError::new(EXIT_NOTHING_SELECTED, &says))

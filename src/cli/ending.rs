@@ -62,7 +62,7 @@ impl OutputArgs {
             check_writable(path)?;
             if outputs[..i].contains(path) {
                 let path = path.display();
-                return Err(format!("{path} is the output file for two options"));
+                return Err(format!("{path} is the output file of two options"));
             }
         }
         Ok(())

@@ -277,7 +277,7 @@ fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
 /// Lists the cases that a decoder with this misreading fails, and describes its response to the smallest failing file.
 #[cfg(unix)]
 fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<String, String> {
-    let bar = bar(None, "{spinner} reading every case with this mistake");
+    let bar = bar(None, "{spinner} simulating this mistake in every case");
     bar.enable_steady_tick(Duration::from_millis(200));
     let (run, _) = run_with_mistakes(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();

@@ -111,7 +111,7 @@ impl Subject {
             }
         }
         if args.reject_exit.is_none() {
-            let why = "without --reject-exit, refusals by a program that --cmd calls cannot be recognized";
+            let why = "without --reject-exit, the refusals of a program called by --cmd cannot be recognized";
             let refusal = |case: &Case| match case.expect {
                 Expect::Decode | Expect::Spelling => None,
                 _ => Some(why.to_owned()),

@@ -61,12 +61,9 @@ fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<(
         8 => Ok(()),
         bits if other_precisions.contains(&bits) => Err(unsupported(
             at,
-            format!("samples of {bits} bits are not implemented"),
+            format!("{bits}-bit samples are not implemented"),
         )),
-        bits => Err(malformed(
-            at,
-            format!("samples of {bits} bits are not allowed"),
-        )),
+        bits => Err(malformed(at, format!("{bits}-bit samples are not allowed"))),
     }
 }
 

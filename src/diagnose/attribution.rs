@@ -236,7 +236,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
             match edit.change {
                 EditedForm::Table(_) => (
                     format!("maps {value} through {computes}"),
-                    "compare the example with the bytes that it comes from".to_owned(),
+                    "compare the value in the example with the bytes that determine it".to_owned(),
                 ),
                 EditedForm::Expression(_) => (
                     format!("computes {value} as {computes} instead of {stated}"),

@@ -181,7 +181,7 @@ impl Damage {
         if let Some(place) = &self.remove_line {
             let start = file.spot(place)?.range.start;
             let length = bytes[start..].iter().position(|&byte| byte == b'\n');
-            let length = 1 + length.ok_or("the place is not in a line")?;
+            let length = 1 + length.ok_or("no line feed follows the location")?;
             removed.push(Spot::outside(start..start + length));
         }
         if let Some(place) = &self.end {

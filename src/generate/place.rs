@@ -207,7 +207,7 @@ impl NamedPlaces<'_> {
     pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
-            return Err(format!("the place {} occurs several times", place.name));
+            return Err(format!("several parts of the file match {}", place.name));
         };
         Ok(spot.clone())
     }

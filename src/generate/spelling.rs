@@ -97,7 +97,7 @@ impl FromStr for Count {
         Count::ALL
             .into_iter()
             .find(|count| count.name() == name)
-            .ok_or_else(|| format!("unknown spelling of the count {name:?}"))
+            .ok_or_else(|| format!("unknown count spelling {name:?}"))
     }
 }
 

@@ -131,8 +131,8 @@ fn extract_row(ptm: &Ptm, row: usize) -> Option<Planes> {
     })
 }
 
-const GREEN_FOR_RED: &str = "colors shifted: green for red, blue for green, red for blue";
-const BLUE_FOR_RED: &str = "colors shifted: blue for red, red for green, green for blue";
+const GREEN_FOR_RED: &str = "colors shifted: red shows green, green shows blue, blue shows red";
+const BLUE_FOR_RED: &str = "colors shifted: red shows blue, green shows red, blue shows green";
 
 /// Recognizes swapped color channels.
 fn swapped_channels(truth: &[u8], other: &[u8]) -> Option<String> {

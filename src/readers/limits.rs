@@ -64,7 +64,7 @@ const LIMITS: [Limit; 9] = [
     },
     Limit {
         slug: "underflow-refused",
-        behavior: "refuses a scale that is too small for its floating-point type",
+        behavior: "refuses a scale that is too small for the program's floating-point type",
         effect: Effect::Refused("a scale is close to zero"),
         is_exceeded: |file| file.has_underflow(),
     },

@@ -113,7 +113,7 @@ impl Baseline {
             false => to_yaml(&known).expect("strings can be written"),
         };
         format!(
-            "# Known failures, for ptm-conform check --baseline. An entry may also have the field reason.\n{list}"
+            "# Known failures, for ptm-conform check --baseline. An entry may also have a reason field.\n{list}"
         )
     }
 }

@@ -240,8 +240,8 @@ impl<C: TestCase> Page<'_, C> {
         let (alike, others): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let has_alike = !alike.is_empty();
         let alike = match alike.len() {
-            1 => "1 open question is read as the reference reads it".to_owned(),
-            many => format!("{many} open questions are read as the reference reads them"),
+            1 => "1 open question is answered as in the reference".to_owned(),
+            many => format!("{many} open questions are answered as in the reference"),
         };
         let others = (others.iter()).map(|known| format!("{}: {}", known.ruling, known.reading));
         let items = has_alike.then_some(alike).into_iter().chain(others);

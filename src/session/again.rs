@@ -141,7 +141,7 @@ fn difference<C: TestCase>(
     let after = previous_request_text(first.previous_request.as_ref());
     match once_more {
         Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
-            "answers with {one}; a repetition in a new process ended with {other}, but the next one repeated the first response"
+            "answers with {one}; a repetition in a new process ended with {other}, but the next repetition gave the first response again"
         ),
         Some(_) if in_serve_mode => {
             format!("in serve mode{after}, it answers with {one}; in one-shot mode, with {other}")

@@ -227,7 +227,7 @@ impl<C: TestCase> Session<'_, C> {
                 )));
             } else if declares(view) && asked_for(view) {
                 remarks.push(Remark::failure(format!(
-                    "its capabilities declare view {view}, but it exits with 69 (unsupported) on every first file in that view"
+                    "its capabilities declare view {view}, but it exits with 69 (unsupported) on all of the first files in that view"
                 )));
             }
         }
@@ -251,7 +251,7 @@ impl<C: TestCase> Session<'_, C> {
                 }
                 if declares(view) && offer.declared.contains(&kind.to_string()) {
                     remarks.push(Remark::failure(format!(
-                        "its capabilities declare view {view} and {kind}, but it exits with 69 (unsupported) on these files in that view"
+                        "its capabilities declare view {view} and {kind}, but it exits with 69 (unsupported) on files of this kind in that view"
                     )));
                 }
                 offer.missing_views.push((view, kind.clone()));
@@ -344,10 +344,10 @@ fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
         }
         _ if decoded => return None,
         (Answer::Unsupported, _) if refused == 0 => {
-            "it exits with 69 (unsupported) on every first file in every view".to_owned()
+            "it exits with 69 (unsupported) on all of the first files in every view".to_owned()
         }
         (Answer::Rejected | Answer::Unsupported, _) => format!(
-            "it decodes no first file in any view; it refuses {refused} of {} requests for ordinary files with 65",
+            "it decodes none of the first files in any view; with status 65, it refuses {refused} of {} requests for ordinary files",
             first.len()
         ),
         (answer, _) => format!(

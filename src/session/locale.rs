@@ -67,7 +67,7 @@ pub fn difference(
             other => other.describe(),
         };
         Some(format!(
-            "in the locale {locale}, which writes numbers with a comma, {} in {view} gives {got}: numbers in PTM files have a decimal point in every locale (LC_NUMERIC)",
+            "in the locale {locale}, which uses a decimal comma, {} in {view} gives {got}: PTM files use a decimal point in every locale (LC_NUMERIC)",
             case.id
         ))
     })

@@ -96,7 +96,7 @@ impl RunPlan {
             for (case, why) in suite.cases.iter().zip(&mut withheld) {
                 if case.has_table() && case.expect() != Expect::Spelling {
                     why.get_or_insert_with(|| {
-                        "the decoder does not support the spelling of its table".to_owned()
+                        "the decoder does not support this file's table spelling".to_owned()
                     });
                 }
             }

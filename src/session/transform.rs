@@ -99,7 +99,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
     let (says, all) = (change.effect, images.len());
     let effect = match count == all {
-        true => format!("{says}, in all first files"),
+        true => format!("{says}, in all of the first files"),
         false => format!("{says}, in {count} of {all} first files"),
     };
     Some(CommonTransform { effect, ..change })

@@ -135,7 +135,7 @@ fn values(case: &Case, built: &Built) -> Markup {
                 @for channel in 0..expected.channels { td.number { (number(expected.values[texel * expected.channels + channel])) } }
             } } }
         } }
-        @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels are shown; (0, 0) is the top left texel." } }
+        @if texels > MAX_TEXELS { p.quiet { "The first " (MAX_TEXELS) " of " (texels) " texels are shown; texel (0, 0) is at the top left." } }
     }
 }
 

@@ -90,7 +90,7 @@ fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup 
                 } } }
             }
             @if !seen.is_empty() {
-                p { "Mistakes in this clause that were seen in public readers:" }
+                p { "Misreadings of this clause that were seen in public readers:" }
                 ul { @for misreading in seen { li { (paper.link(misreading.slug)) ": " (super::misreading_pages::sightings(paper, misreading)) } } }
             }
         }

@@ -23,7 +23,7 @@ pub(super) const PROTOCOL: &str = "PTM-CP 1";
 
 /// Description of the protocol in the search index.
 const PROTOCOL_DESCRIPTION: &str =
-    "the requests to a decoder, and the meaning of exit status 0, 65, 69 and others";
+    "the requests to a decoder, and the meaning of exit statuses 0, 65, 69 and others";
 
 /// Subject of a page in the search index: id, kind, URL relative to the root of the site, and description.
 type PageSubject<'a> = (&'a str, &'static str, String, &'a str);

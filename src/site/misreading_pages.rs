@@ -28,7 +28,7 @@ fn list_page(paper: PageContext) -> SiteFile {
     }
     let chapters = &paper.library.annotated.chapters;
     let body = html! {
-        p.lead { (count) " mistakes that a reader of the format can make, each about one clause. Mistakes marked ● were seen in public readers." }
+        p.lead { (count) " mistakes that a reader of the format can make, each concerning one clause. Mistakes marked ● were seen in public readers." }
         (filter_box("misreadings"))
         @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
@@ -66,7 +66,7 @@ fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
         h2 { "Smallest file that reveals the mistake" }
         @match witness {
             Some(witness) => (witness_markup(paper, misreading, witness)),
-            None => p { "No single file of the suite reveals the mistake, because it concerns a choice or the spelling of a table." },
+            None => p { "The mistake concerns a choice or the spelling of a table, so no single file of the suite reveals it." },
         }
     };
     paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
@@ -131,7 +131,7 @@ pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup 
             figure { (image_or_text(right_frame(&view).as_ref(), "correct", "refused: the file breaks a rule")) figcaption { "correct" } }
             figure { (image_or_text(wrong.as_ref(), "with the mistake", answer)) figcaption { "with the mistake" } }
         }
-        @if view == View::Raw { p.quiet { "These are the stored values, plane by plane, because the difference is not visible under a light." } }
+        @if view == View::Raw { p.quiet { "These are the stored values, plane by plane, because a lit image does not show the difference." } }
     }
 }
 

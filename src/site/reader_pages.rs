@@ -54,7 +54,7 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
 
 fn list(paper: PageContext) -> SiteFile {
     let body = html! {
-        p.lead { "These public programs read PTM files. The suite was run on some of them. The entries for the others are based on source code. "
+        p.lead { "These public programs read PTM files. The suite was run on some of them. The entries for the others are based on their source code. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "known mistakes" } } }
@@ -162,7 +162,7 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "Scoreboard" }
         p.lead { "For each clause, the table shows how many of the judged cases each public reader passes. A case may test several clauses, so one mistake can appear in several rows; "
-            "the page of a reader lists its known mistakes." }
+            "each reader's page lists its known mistakes." }
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
             span.tile data-state="pass" { "✓" } " all judged cases passed "

@@ -28,7 +28,7 @@ pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
     let ids = ids()?;
     if ids.is_empty() {
         return Err(
-            "the smoke subset has not been computed: ptm-conform coverage --write-smoke spec-cases/smoke.yaml, then build again"
+            "the smoke subset has not been computed: run ptm-conform coverage --write-smoke spec-cases/smoke.yaml, then build again"
                 .to_owned(),
         );
     }
@@ -80,7 +80,7 @@ pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
 pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
     let mut text = String::from(
         "# A small set of cases that catches every misreading in the catalog: `ptm-conform check --smoke`.\n\
-         # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` writes it again.\n",
+         # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` regenerates it.\n",
     );
     for &i in chosen {
         let _ = writeln!(text, "- {}", suite.cases[i].id);

@@ -153,7 +153,7 @@ fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, 
                 1 => "one byte",
                 _ => "two bytes, low byte first",
             };
-            format!("{texels} of {size}, from {smallest} to {largest}, bottom row first")
+            format!("{texels} indices of {size}, from {smallest} to {largest}, bottom row first")
         }
         _ => {
             let size = bytes.len().checked_div(texels).unwrap_or(0);

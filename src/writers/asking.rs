@@ -59,9 +59,9 @@ pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
     let is_unsupported = |reply: &Reply<_>| matches!(reply.answer, Answer::Unsupported);
     run.not_a_decoder = Some(match first.clone().find(violates) {
         _ if first.all(is_unsupported) => {
-            "the writer answered every first request with 69 (unsupported)".to_owned()
+            "the writer answered all of the first requests with 69 (unsupported)".to_owned()
         }
-        None => "the writer refused all first requests".to_owned(),
+        None => "the writer refused all of the first requests".to_owned(),
         Some(Reply { answer, stderr, .. }) => {
             let stderr = match stderr.is_empty() {
                 true => String::new(),

@@ -240,7 +240,7 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.9.8/4" => {
             "write a record for every texel that wraps around because of lossy compression"
         }
-        "2.9.8/8" => "write the value of the texel in the request",
+        "2.9.8/8" => "write the value that the texel has in the request",
         _ => "compare the bytes of the example with the request",
     };
     (effect, fix)

@@ -122,7 +122,7 @@ impl<'a> LossyPlane<'a> {
         let index = block / columns * 8 * width + block % columns * 8;
         let [error, allowed] = [errors[block], allowed].map(|sum| (sum / 64.0).sqrt());
         let why = format!(
-            "the RMS error of the block of 8 × 8 samples is {error:.1}, and quality {quality} allows {allowed:.1}"
+            "the RMS error of the block of 8 × 8 samples is {error:.1}, but quality {quality} allows only {allowed:.1}"
         );
         Err(self.fault("2.9.1/1", index, &why))
     }

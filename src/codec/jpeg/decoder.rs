@@ -37,7 +37,7 @@ pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     if scan.parameters != [0, 63, 0] {
         let [first, last, approximation] = scan.parameters;
         let found = format!("{first} {last} {approximation}");
-        let what = format!("expected parameters 0 63 0 of a sequential scan, found {found}");
+        let what = format!("expected parameters 0 63 0 for a sequential scan, found {found}");
         return Err(malformed(scan.at + 1, what));
     }
     let scan_tables = tables.scan_tables(&frame, &scan)?;

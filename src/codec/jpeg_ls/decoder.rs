@@ -52,7 +52,7 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
         return Err(unsupported(scan.at, what));
     }
     if interleave != 0 {
-        let what = format!("one component cannot be interleaved, found ILV {interleave}");
+        let what = format!("a single component cannot be interleaved, found ILV {interleave}");
         return Err(malformed(scan.at + 2, what));
     }
     if transform != 0 {

@@ -60,8 +60,8 @@ impl Phase {
                 "compare the number of channels and the sample type with the expected frame",
             ],
             Phase::Choice => [
-                "shows an image that follows a different reading of an open question than other images do",
-                "use one reading of the question in all files",
+                "follows a different reading of an open question than in its other images",
+                "follow one reading of the question in all files",
             ],
             Phase::NoReading => [
                 "shows an image that is wrong in every reading of the file",

@@ -61,7 +61,7 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
         let count = received.len();
         if received.iter().all(|(_, frame)| *frame == first) {
             let (width, height) = (first.width, first.height);
-            let image = format!("the same image of {width} × {height} for {count} files");
+            let image = format!("the same {width} × {height} image for {count} files");
             let indices = received.into_iter().map(|(w, _)| w).collect();
             found.push((format!("shows {image} in view {view}"), indices));
             continue;

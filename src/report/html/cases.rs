@@ -104,7 +104,7 @@ pub(super) fn failures<C: Reportable>(
             h2 #cases { "Cases" }
             form.tools role="search" {
                 label for="filter" { "Filter" }
-                input #filter type="search" placeholder="an id, a clause such as 2.4/8, a word" autocomplete="off" spellcheck="false";
+                input #filter type="search" placeholder="an id, a clause such as 2.4/8, or a word" autocomplete="off" spellcheck="false";
                 span #found role="status" aria-live="polite" { (report.cases.len()) " cases" }
                 button #open type="button" { "Open all" }
                 button #close type="button" { "Close all" }

@@ -109,7 +109,7 @@ SOI FF FE 00 03 | byte 4: a comment or application segment of 3 bytes extends pa
 SOI FF F7 | byte 2: expected a frame header, found a JPEG-LS frame
 SOI DQT WIDE | byte 76: expected 8 x 8 samples, found 16 x 8
 SOI DQT FF C0 00 11 08 00 08 00 08 03 01 11 00 02 11 00 03 11 00 | byte 80: expected one component, found 3
-SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: samples of 7 bits are not allowed
+SOI DQT FF C0 00 0B 07 00 08 00 08 01 01 11 00 | byte 75: 7-bit samples are not allowed
 SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 15 00 | byte 82: sampling factors must be from 1 to 4, found 1 x 5
 SOI DQT FF C0 00 0B 08 00 08 00 08 01 01 01 00 | byte 82: sampling factors must be from 1 to 4, found 0 x 1
 SOI DQT FF C0 00 0A 08 00 08 00 08 01 01 11
@@ -120,7 +120,7 @@ SOI FF C3 | byte 2: lossless coding (marker FFC3) is not implemented
 SOI FF C9 | byte 2: arithmetic coding (marker FFC9) is not implemented
 SOI FF CC | byte 2: arithmetic coding (marker FFCC) is not implemented
 SOI FF DE | byte 2: hierarchical coding (marker FFDE) is not implemented
-SOI DQT FF C1 00 0B 0C 00 08 00 08 01 01 11 00 | byte 75: samples of 12 bits are not implemented
+SOI DQT FF C1 00 0B 0C 00 08 00 08 01 01 11 00 | byte 75: 12-bit samples are not implemented
 SOI DQT FF C0 00 0B 08 00 00 00 08 01 01 11 00 | byte 76: a height defined by DNL is not implemented
 SOI DQT SOF DHT0 DHT1 SOS DATA FF DC 00 04 00 08 EOI
   | byte 139: a height defined by DNL (marker FFDC) is not implemented
@@ -145,7 +145,7 @@ SOI DQT SOF DHT0 DHT1 SOF | byte 128: expected the scan header, found marker FFC
 SOI DQT SOF DHT0 DHT1 FF DA 00 0A 02 01 00 02 00 00 3F 00 | byte 132: expected one component, found 2
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 02 00 00 3F 00 | byte 133: expected a scan of component 1, found 2
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 00 00 3E 00
-  | byte 135: expected parameters 0 63 0 of a sequential scan, found 0 62 0
+  | byte 135: expected parameters 0 63 0 for a sequential scan, found 0 62 0
 SOI DQT SOF DHT0 DHT1 FF DA 00 08 01 01 40 00 3F 00 | byte 134: DC Huffman table 4 was not defined
 SOI DQT SOF DHT0 DHT1 FF DA 00 07 01 01 00 00 3F | byte 137: the scan header ends before the parameters of the scan
 SOI DQT SOF DHT0 DHT1 SOS EOI | byte 138: the entropy-coded segment ends too early
@@ -217,8 +217,8 @@ SOI SOF SOS DATA SOS | byte 26: expected the end of the image, found marker FFDA
 SOI SOF SOS DATA FF DC | byte 26: a height defined by DNL is not implemented
 SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 | byte 7: expected 4 x 1 samples, found 5 x 1
 SOI FF F7 00 0B 08 00 01 00 04 03 01 11 00 | byte 11: expected one component, found 3
-SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: samples of 1 bits are not allowed
-SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: samples of 12 bits are not implemented
+SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: 1-bit samples are not allowed
+SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: 12-bit samples are not implemented
 SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
 SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
 SOI SOF LSE 00 FF 01 00 00*6 SOS | byte 22: T1 must be from 1 to 255, found 256
@@ -238,7 +238,7 @@ SOI SOF FF DA 00 08 02 01 00 00 00 00 | byte 19: expected one component, found 2
 SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: expected a scan of component 1, found 7
 SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: mapping tables are not implemented
 SOI SOF FF DA 00 08 01 01 00 80 00 00 | byte 22: NEAR 128 is more than half of MAXVAL 255
-SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: one component cannot be interleaved, found ILV 1
+SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: a single component cannot be interleaved, found ILV 1
 SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: a point transform is not implemented
 SOI SOF SOS EOI | byte 25: the entropy-coded segment ends too early
 SOI SOF SOS 00 EOI | byte 26: the entropy-coded segment ends too early
@@ -257,7 +257,7 @@ fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 1, 1, interrupted);
     // Four samples, then the end of the run: one more sample, and one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
-        | byte 25: a run of 5 samples is interrupted, but the line has only 5 left";
+        | byte 25: a run of 5 samples is interrupted, but only 5 samples are left in the line";
     check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";

@@ -101,11 +101,11 @@ transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 
 transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
 references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, but the last plane is 8
 references 0 3 | compressed data (§2.9.4), byte 133:
-  plane 0 of rank 0 is predicted from plane 3 of rank 0, which is not decoded before it
+  plane 0 (rank 0) is predicted from plane 3 (rank 0), which is not decoded earlier
 references 0 3 ; order 0 4 ; order 3 5 | compressed data (§2.9.4), byte 133:
-  plane 0 of rank 4 is predicted from plane 3 of rank 5, which is not decoded before it
+  plane 0 (rank 4) is predicted from plane 3 (rank 5), which is not decoded earlier
 references 0 0 ; order 0 4 | compressed data (§2.9.4), byte 133:
-  plane 0 of rank 4 is predicted from plane 0 of rank 4, which is not decoded before it
+  plane 0 (rank 4) is predicted from plane 0 (rank 4), which is not decoded earlier
 sizes 1 -28 | compressed data (§2.9.6), byte 163: expected a compressed size of at least 0, found "-28"
 side-sizes 0 -5 | compressed data (§2.9.7), byte 187: expected a side information size of at least 0, found "-5"
 sizes 8 29 | compressed data (§2.9.8), byte 205:
@@ -127,7 +127,7 @@ sizes 2 4 ; stream 2 FF D8 FF C0 | compressed data (§2.9.8), byte 262:
 sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 08 00 01 00 02 01 01 11 00 | compressed data (§2.9.8), byte 268:
   plane 2: expected 1 x 1 samples, found 2 x 1
 sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed data (§2.9.8), byte 267:
-  plane 2: samples of 12 bits are not implemented
+  plane 2: 12-bit samples are not implemented
 "#;
 
 /// Returns a file with one texel and nine intra planes, all zero, after the given changes.

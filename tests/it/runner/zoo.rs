@@ -29,7 +29,7 @@ right chatters floods-stderr gigabytes-on-stderr a-million-writes byte-by-byte l
   declares-rgb-only declares-exit-1 declares-everything-and-fails floods-on-capabilities
   bombs-on-capabilities babbles-on-capabilities | 0 | | none | pass: 17 pass
 refuses-all | 3 | | not judged | decodes no first file
-unsupported-all | 3 | | not judged | 69 (unsupported) on every first file
+unsupported-all | 3 | | not judged | 69 (unsupported) on all of the first files
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
@@ -52,10 +52,10 @@ crashes-on-malformed
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
 crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
-upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all first files
-blue-first | 1 | | none | rgb: red and blue are swapped (BGR), in all first files
+upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all of the first files
+blue-first | 1 | | none | rgb: red and blue are swapped (BGR), in all of the first files
 halves | 1 | | none | raw: all values are divided by about 2. && coef: all values are divided by about 2.000
-brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all first files
+brightens | 1 | | none | rgb: the sRGB curve is applied to all values, in all of the first files
 high-byte-first | 1 | | not judged | coef: the f32 samples are big-endian && to reproduce this:↵  $
 cuts-large-frames | 1 | | not judged | the decoder exits before all bytes are written && to reproduce this:↵  $
 unsupported-once | 1 | | 1 | decodes other files of this kind
@@ -297,7 +297,7 @@ fn decimal_comma_is_detected() {
         run_measured(command, &here.path("report.yaml")).0
     };
     let checked = check("reads-commas");
-    let says = "FAIL: in the locale de_DE.utf8, which writes numbers with a comma, first-rgb in coef gives a different image";
+    let says = "FAIL: in the locale de_DE.utf8, which uses a decimal comma, first-rgb in coef gives a different image";
     checked.assert_exit(1, says);
     assert!(checked.cases("fail").is_empty());
     check("right").assert_exit(0, "");

@@ -187,7 +187,7 @@ fn common_transform_is_reported_once_and_undone() {
     let remarks = checked.report["remarks"].as_array().expect("remarks");
     assert_eq!(remarks.len(), 1, "{remarks:?}");
     let says = remarks[0]["says"].as_str().unwrap_or_default();
-    let expected = "raw, coef, rgb: the rows are upside down, in all first files";
+    let expected = "raw, coef, rgb: the rows are upside down, in all of the first files";
     assert!(says.starts_with(expected), "{says}");
 }
 

@@ -312,7 +312,7 @@ fn serve_mode_is_compared_with_one_shot_mode() {
         "answer = frame(view, path)",
         "answer = frame(view, path)[:-1] + b'x'",
     );
-    let says = "serve: the answer differs from that of one-shot mode && \
+    let says = "serve: the answer differs from the one in one-shot mode && \
                 $ printf '1 raw ptm-conform-probe/lrgb-5x3.ptm\\n' | ./decoder serve | xxd | head";
     assert_probed(&copy, "1", says);
 }
