@@ -122,9 +122,8 @@ impl<'a, B: ReadGolomb<'a>> ScanDecoder<'_, B> {
         }
         run += self.bits.receive(self.run_mode.segment_bits())? as usize;
         if run >= left {
-            let what = format!(
-                "a run of {run} samples is interrupted, but only {left} samples are left in the line"
-            );
+            let what =
+                format!("a run of {run} samples is interrupted, but the line has only {left} left");
             return Err(malformed(self.bits.plain_bits().offset(), what));
         }
         Ok(run)

@@ -257,7 +257,7 @@ fn jpeg_ls_streams_give_the_listed_results() {
     check_results(JPEG_LS, 1, 1, interrupted);
     // Four samples, then the end of the run: one more sample, and one that interrupts the run.
     let long = "SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 SOS F4 EOI \
-        | byte 25: a run of 5 samples is interrupted, but only 5 samples are left in the line";
+        | byte 25: a run of 5 samples is interrupted, but the line has only 5 left";
     check_results(JPEG_LS, 5, 1, long);
     let huge = "SOI FF F7 00 0B 08 FF FF FF FF 01 01 11 00 SOS DATA EOI \
         | byte 25: 65535 x 65535 samples cannot be coded in the 3 bytes left";
