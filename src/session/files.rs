@@ -235,9 +235,7 @@ fn compare_with_reference(file: &[u8], view: &View, answer: &Answer) -> Result<S
             Ok(format!("the reference does not support this file: {error}"))
         }
         (Answer::Rejected, Ok(_)) => Err("refuses a file that the reference reads".to_owned()),
-        (Answer::Rejected, Err(_)) => {
-            Ok("refused by both the decoder and the reference".to_owned())
-        }
+        (Answer::Rejected, Err(_)) => Ok("refused by the decoder and the reference".to_owned()),
         (answer, _) => Err(answer.describe()),
     }
 }
