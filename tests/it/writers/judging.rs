@@ -103,7 +103,7 @@ fn lossy_planes_stay_within_their_quality() {
     );
     // The parameter is correct, but the streams were encoded with a different one.
     let disguised = replace_bytes(&file, b"\n20\n0 0", b"\n90\n0 0");
-    assert_fault(&request, &disguised, "and quality 90 allows");
+    assert_fault(&request, &disguised, "but quality 90 allows only");
 }
 
 #[test]
