@@ -85,7 +85,7 @@ pub(super) fn call_instructions(suite: SuiteName, command: &str) -> String {
             "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
-            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
+            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
         ),
     }
 }

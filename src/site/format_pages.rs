@@ -35,7 +35,7 @@ fn contents(paper: PageContext) -> SiteFile {
     let body = html! {
         h1 { "The format, annotated" }
         p.lead {
-            "PTM 1.2 section by section, in our own words. Every rule has an id, an example in bytes that was executed when this page was built, and a list of the mistakes that "
+            "PTM 1.2 section by section, in our own words. Every rule has an id, a byte-level example that was run when this page was built, and a list of the mistakes that "
             "readers make. Where the specification is silent, a ruling states the reading of this suite and the reasons for it."
         }
         p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " lists the chapters that each format needs." }

@@ -106,7 +106,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
             Ok(ptm.planes.samples.clone())
         }
         (Shape::Lum(_), _) => Err(format!(
-            "cannot convert {source} to {target}: the colors of LUM are read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
+            "cannot convert {source} to {target}: the colors of LUM can be read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
         )),
         (_, Shape::Lum(())) => Err(format!(
             "cannot convert {source} to {target}: conversion to Y, Cr and Cb always loses precision"

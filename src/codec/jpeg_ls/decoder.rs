@@ -110,7 +110,7 @@ impl StoredPresets {
             4 => "sizes over 65,535",
             5..=13 => "the extensions of T.870",
             kind => {
-                let what = format!("a preset parameter segment has the unknown type {kind}");
+                let what = format!("a preset parameter segment has unknown type {kind}");
                 return Err(malformed(at, what));
             }
         };

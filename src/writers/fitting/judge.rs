@@ -45,8 +45,8 @@ fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result
     let (error, best) = (errors[worst], best[worst]);
     let allowed = max_error(best);
     let says = format!(
-        "under light {u:.3}, {v:.3} ({name}), the RMS error of the map is {error:.2}; the least-squares optimum has {best:.2}, \
-         and {allowed:.2} is allowed; the error is too large under {over} of {lights} lights"
+        "under light {u:.3}, {v:.3} ({name}), the RMS error of the map is {error:.2}, but at most {allowed:.2} is \
+         allowed (the least-squares optimum has {best:.2}); the error is too large under {over} of {lights} lights"
     );
     Err(WriterFault::new("1.0/1", says))
 }

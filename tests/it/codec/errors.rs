@@ -228,7 +228,7 @@ SOI SOF LSE 00*8 00 02 SOS | byte 28: RESET must be from 3 to 255, found 2
 SOI SOF LSE 00*8 01 00 SOS | byte 28: RESET must be from 3 to 255, found 256
 SOI SOF FF F8 00 0C 01 00*9 | byte 29: the preset parameter segment ends before RESET
 SOI SOF FF F8 00 0E 01 00*11 | byte 30: the preset parameter segment is 1 bytes too long
-SOI SOF FF F8 00 03 00 | byte 19: a preset parameter segment has the unknown type 0
+SOI SOF FF F8 00 03 00 | byte 19: a preset parameter segment has unknown type 0
 SOI SOF FF F8 00 05 02 01 01 | byte 19: mapping tables are not implemented
 SOI SOF FF F8 00 05 03 01 01 | byte 19: mapping tables are not implemented
 SOI SOF FF F8 00 06 04 02 00 00 | byte 19: sizes over 65,535 are not implemented
