@@ -30,7 +30,7 @@ pub fn check(
     paths.retain(|path| path.extension().is_some_and(is_ptm));
     paths.sort();
     if paths.is_empty() {
-        let says = format!("no .ptm file in {}", directory.display());
+        let says = format!("no .ptm files in {}", directory.display());
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, &says));
     }
     let views = ["raw", "coef", View::DEFAULT_RGB].map(|view| view.parse().expect("a view"));

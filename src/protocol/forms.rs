@@ -17,7 +17,7 @@ pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame, String
         picture
     } else if let Some(form) = unsupported_form(bytes) {
         Err(format!(
-            "{form}; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG, or a PTM1 line and samples"
+            "{form}; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG file, or a PTM1 line followed by samples"
         ))
     } else {
         Frame::read(bytes)

@@ -165,7 +165,10 @@ fn check_parts(ends: &[(&Path, Trailer)]) -> Result<(), String> {
             serde_json::to_string(&end).expect("a trailer can be written")
         };
         if run(end) != run(first) {
-            return fault(&format!("not in the same run as {}", first_path.display()));
+            return fault(&format!(
+                "not from the same run as {}",
+                first_path.display()
+            ));
         }
         if let Some(why) = &end.ended_early {
             let says = format!("part {} did not finish: {why}", end.part);

@@ -144,7 +144,7 @@ const FOREIGN_FILE_KINDS: [(&[u8], &str, &str); 6] = [
 ];
 
 const MACH_O: &str = "a macOS program, or a Java class";
-const MACH_O_REMEDY: &str = "build the program for this system; run a class with java";
+const MACH_O_REMEDY: &str = "build the program for this system; run a Java class file with java";
 
 /// Checks the first bytes of a file, which determine how the system executes it.
 fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {

@@ -223,7 +223,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
 
 /// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
-    let bug = "this is a bug in ptm-conform, and nothing is written";
+    let bug = "this is a bug in ptm-conform, and nothing was written";
     let wrong = |fault: &str| format!("the converted file was read back and {fault}; {bug}");
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {

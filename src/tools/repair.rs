@@ -63,7 +63,7 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
     if changes.is_empty() {
         return Err("there is nothing to repair".to_owned());
     }
-    let bug = "this is a bug in ptm-conform, and nothing is written";
+    let bug = "this is a bug in ptm-conform, and nothing was written";
     let malformed = |error| format!("the result is malformed: {error}; {bug}");
     let after = decode(&bytes).map_err(malformed)?;
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
