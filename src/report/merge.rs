@@ -166,7 +166,7 @@ fn check_parts(ends: &[(&Path, Trailer)]) -> Result<(), String> {
         };
         if run(end) != run(first) {
             return fault(&format!(
-                "not from the same run as {}",
+                "from a different run than {}",
                 first_path.display()
             ));
         }
