@@ -165,10 +165,7 @@ fn check_parts(ends: &[(&Path, Trailer)]) -> Result<(), String> {
             serde_json::to_string(&end).expect("a trailer can be written")
         };
         if run(end) != run(first) {
-            return fault(&format!(
-                "from a different run than {}",
-                first_path.display()
-            ));
+            return fault(&format!("not from the run of {}", first_path.display()));
         }
         if let Some(why) = &end.ended_early {
             let says = format!("part {} did not finish: {why}", end.part);

@@ -336,8 +336,7 @@ fn interpolate(
     let equal_counts = ts.iter().all(|t| t.len() == count);
     let equal_corners = ts.len() == b.len() && b.len() == w.len();
     if !(1..=3).contains(&count) || !equal_counts || !equal_corners {
-        let expected =
-            "expected one element per corner, and 1 to 3 coordinates in each element of ts";
+        let expected = "expected one element per corner, and 1 to 3 coordinates per element of ts";
         return Err(malformed(format!("ts, b and w: {expected}")).into());
     }
     let ts: Vec<Vector> = ts.iter().map(|t| padded(t, 0.0)).collect();

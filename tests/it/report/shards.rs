@@ -177,7 +177,7 @@ fn incomplete_or_foreign_shards_are_not_merged() {
     let twice = [first.clone(), second.clone(), first.clone()];
     assert_eq!(refusal(&twice), "duplicate part 1/2");
     let other = run(3, 3);
-    assert!(refusal(&[first.clone(), other]).contains("from a different run than "));
+    assert!(refusal(&[first.clone(), other]).contains("not from the run of "));
 
     let cut = answers_path(&second);
     let text = std::fs::read_to_string(&cut).expect("UTF-8");
