@@ -1,5 +1,4 @@
-//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows even if the program is
-//! killed.
+//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows after it is killed.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -45,8 +44,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files to folders below `directory`, cycling through an LRGB file, a damaged file, a file that is not a PTM, and a LUM
-/// file.
+/// Writes files to folders below `directory`: LRGB files, damaged files, files that are not PTMs, and LUM files, in turn.
 fn write_collection(here: &Workspace, directory: &str, count: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
