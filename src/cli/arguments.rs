@@ -41,7 +41,7 @@ pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Returns a predicate that is true for case ids that match any of the patterns. Without patterns, it is true for all ids.
+/// Returns a predicate that accepts case ids matching any of the patterns, or all ids if there are no patterns.
 pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, String> {
     let parse =
         |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));

@@ -39,7 +39,7 @@ pub struct LimitArgs {
 }
 
 impl LimitArgs {
-    /// Applies the limits to a program, and stops its calls when `stop` is set.
+    /// Applies the limits to a program and makes its calls end when `stop` is set.
     pub fn apply_limits(&self, program: &mut Decoder, stop: &StopFlag) -> Result<(), String> {
         program.timeout = positive_seconds(self.timeout)?;
         program.memory = self.memory;
@@ -62,7 +62,7 @@ impl LimitArgs {
     }
 }
 
-/// Options for calls of a decoder.
+/// Options for calling a decoder.
 #[derive(Args)]
 pub struct CallArgs {
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! Files of a collection: given on the command line, in a list, or as the contents of a folder.
 //!
-//! Collections of any size are walked in bounded memory: only a limited number of names in a folder are read at a time. Links
-//! inside folders are not followed, so a walk cannot loop.
+//! Collections of any size are walked in bounded memory: the names in a folder are read a limited number at a time. Links inside
+//! folders are not followed, so a walk cannot loop.
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
@@ -41,7 +41,7 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, and true if a list contains it. Devices are read only if they are named on the command line.
+/// Path of a file or folder, and true if the path comes from a list. Devices are read only if they are named on the command line.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.

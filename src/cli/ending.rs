@@ -71,7 +71,7 @@ impl OutputArgs {
 
 /// Writes the report on a suite in every requested format.
 pub struct ReportWriter<'a, C: Reportable> {
-    /// Suite that the report is about.
+    /// Suite that the report covers.
     pub suite: &'a Suite<C>,
     /// Path of the YAML report.
     pub path: &'a Path,

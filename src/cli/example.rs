@@ -18,7 +18,7 @@ pub struct ExampleArgs {
     language: String,
 }
 
-/// Source of the example decoders, by language.
+/// Source code of the example decoders, by language.
 const DECODERS: [(&str, &str); 5] = [
     ("python", include_str!("../../examples/starters/decoder.py")),
     ("c", include_str!("../../examples/starters/decoder.c")),

@@ -372,7 +372,7 @@ fn explain_code(code: &Code, suite: &Suite) -> String {
     text + "  " + &cases + "\n"
 }
 
-/// Formats the number of ids, and lists the first six. `noun` is plural.
+/// Formats the number of ids and lists the first six. `noun` is plural.
 fn abbreviate_ids(ids: &[&str], noun: &str) -> String {
     let more = if ids.len() > 6 { ", …" } else { "" };
     let first = ids[..ids.len().min(6)].join(", ");

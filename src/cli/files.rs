@@ -70,8 +70,8 @@ pub fn check_writable(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Returns true if `path` is a named pipe, which may never have a writer. Allows links to pipes, which shells use for process
-/// substitution.
+/// Returns true if `path` is a named pipe, which may never have a writer. Returns false for links to pipes, which shells use for
+/// process substitution.
 #[cfg(unix)]
 pub fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

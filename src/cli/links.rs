@@ -33,7 +33,8 @@ fn page_url(word: &str) -> Option<String> {
     PAGES.get(word).map(|page| published_url(page))
 }
 
-/// Pages by the id of a case, clause, misreading or code. Ids that could be mistaken for ordinary words are omitted.
+/// Addresses of pages, keyed by the id of a case, clause, misreading or code. Ids that could be mistaken for ordinary words are
+/// omitted.
 static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let mut pages = HashMap::new();

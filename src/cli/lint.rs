@@ -93,7 +93,7 @@ pub struct LintArgs {
 /// Number of bytes that are initially read from every file.
 const HEAD_BYTES: u64 = 4096;
 
-/// Result of a worker for a file. The flag is true if the file could not be read.
+/// Path of a file, its lint results, and true if the file could not be read.
 type Row = (PathBuf, Lint, bool);
 
 pub fn run(args: &LintArgs) -> CommandResult {
@@ -175,7 +175,7 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
     Ok(settings)
 }
 
-/// Returns all paths from the command line and the list.
+/// Returns the paths from the command line and from the list on standard input.
 fn named_sources(args: &LintArgs) -> impl Iterator<Item = NamedPath> + Send {
     let end = if args.null { 0 } else { b'\n' };
     let expand = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
@@ -237,7 +237,7 @@ impl FileChecker<'_> {
         (path, self.settings.apply(lint), failed)
     }
 
-    /// Checks a file. Waits until there is enough memory for a PTM and its planes.
+    /// Checks a file. If the file is a PTM, waits until there is enough memory for it and its planes.
     fn check_file(&self, path: &Path) -> io::Result<Lint> {
         let (name, limit) = (escape_name(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {

@@ -1,4 +1,4 @@
-//! Subcommands with their arguments, output and exit status, one file each.
+//! Subcommands, one file each, with their arguments, output and exit statuses.
 //!
 //! Commands that start other programs need a Unix system. All others run everywhere.
 

@@ -10,7 +10,7 @@ use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
 
 use super::{files::with_path, names::did_you_mean};
 
-/// Returns the reader profiles of a file, or the built-in ones if no file is given.
+/// Loads reader profiles from a file, or returns the built-in ones if no file is given.
 pub fn load_profiles(file: Option<&Path>) -> Result<Vec<ReaderProfile>, String> {
     match file {
         None => Ok(profiles().to_vec()),

@@ -17,7 +17,7 @@ use serde::forward_to_deserialize_any;
 
 use crate::kit::strip_os_error_code;
 
-/// Maximum size of a file in bytes. It suffices for about 200,000 cases.
+/// Maximum size of a file in bytes. Large enough for about 200,000 cases.
 const MAX_BYTES: u64 = 64 << 20;
 /// Maximum number of nodes in a file.
 const MAX_NODES: usize = 8_000_000;
@@ -280,7 +280,8 @@ fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Implements a method of the deserializer with a function of the node. Adds the line of the node to errors that have no line.
+/// Implements a deserializer method as a function of the node and the visitor. Adds the line of the node to errors that have no
+/// line.
 macro_rules! read {
     ($($name:ident($($parameter:ident: $type:ty),*) = $read:expr;)*) => {$(
         fn $name<V: Visitor<'de>>(self, $($parameter: $type,)* visitor: V) -> Result<V::Value, YamlError> {

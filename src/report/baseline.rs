@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A listed case that fails is *known*. A failing case that is not listed is *new*. A listed case that passes is *stale*: its
-//! line should be removed. A listed case that was not selected or has any other outcome is ignored.
+//! entry should be removed. A listed case that was not selected or has any other outcome is ignored.
 
 use std::collections::BTreeMap;
 use std::path::Path;

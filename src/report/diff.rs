@@ -28,7 +28,7 @@ impl Report {
     }
 }
 
-/// Old and new results of a case. If only one report contains the case, its result appears twice.
+/// Old and new results of a case. If only one report contains the case, that result appears twice.
 type ChangedCase<'a> = (&'a CaseResult, &'a CaseResult);
 
 /// Kinds of change, in the order in which they are described.
@@ -174,7 +174,8 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
-/// Describes each cause of a report in one or two lines, with the cases that it explains or, unless `in_full`, their number.
+/// Describes each cause in a report in one or two lines. Lists the cases that it explains if `in_full` is true, or else their
+/// number.
 fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);

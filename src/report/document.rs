@@ -183,8 +183,7 @@ impl LikelyCause {
 impl Report {
     /// Removes the passing cases and adds a digest of all results.
     ///
-    /// # Errors
-    /// Returns an error if serialization fails, which does not depend on the report.
+    /// # Errors Returns an error if serialization fails, which no report should cause.
     pub fn without_passing_cases(mut self) -> Result<Report, String> {
         self.results_digest = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
         self.cases.retain(|case| case.outcome != Outcome::Pass);
@@ -197,7 +196,7 @@ impl Report {
         cases.filter(move |case| case.outcome == outcome)
     }
 
-    /// Returns true if the baseline lists this failure (`--baseline`).
+    /// Returns true if the baseline given with `--baseline` lists this failure.
     #[must_use]
     pub fn is_known(&self, case: &CaseResult) -> bool {
         let baseline = self.baseline.as_ref();

@@ -14,7 +14,7 @@ const MAX_ANNOTATIONS: usize = 10;
 /// Maximum number of failures in the summary. GitHub limits a summary to one mebibyte.
 const MAX_LISTED_FAILURES: usize = 100;
 
-/// Returns workflow commands, one per line: an error for each likely mistake, then an error for each failure without a cause.
+/// Returns workflow commands, one per line: an error for each likely mistake, then an error for each unexplained failure.
 #[must_use]
 pub fn annotations(report: &Report) -> String {
     let errors = errors(report);
@@ -99,7 +99,7 @@ fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     Ok(())
 }
 
-/// Writes the comparison with the baseline, the causes, and the number of failures without a cause.
+/// Writes the comparison with the baseline, the causes, and the number of unexplained failures.
 fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) -> fmt::Result {
     let all = failures.len();
     if let Some(list) = &report.baseline {

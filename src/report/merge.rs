@@ -22,7 +22,7 @@ use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Recorded answers of all parts of a run.
 pub struct RecordedAnswers<C: TestCase> {
-    /// Answers by file digest, view, and whether a new process was started for the request.
+    /// Answers, keyed by file digest, view, and whether a new process was started for the request.
     known: HashMap<(String, String, bool), RecordedAnswer<C::Output>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
     trailer: Trailer,

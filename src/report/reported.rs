@@ -20,7 +20,7 @@ pub trait Reportable: TestCase {
     /// Name of the suite.
     const SUITE: SuiteName;
 
-    /// Reads the clauses of the specification that the suite tests. The default is the PTM specification.
+    /// Reads the clauses that the suite tests; by default, those of the PTM specification.
     const CLAUSES: fn() -> Result<Vec<Clause>, String> = clauses::clauses;
     /// Reads the rulings on open questions of the specification.
     const RULINGS: fn() -> Result<Vec<Ruling>, String> = clauses::rulings;
@@ -35,7 +35,7 @@ pub trait Reportable: TestCase {
     fn suite() -> Result<Suite<Self>, String>;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
-    /// Returns the readings of open questions that affect only which files are sent to the decoder, not the correct answers.
+    /// Returns the readings that determine only which files are sent to the decoder, not which answers are correct.
     #[must_use]
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
@@ -55,7 +55,7 @@ pub trait Reportable: TestCase {
             _ => Err("--assume works only with --suite ptm".to_owned()),
         }
     }
-    /// Returns the causes of failures, except the assumed misreadings, sorted by the number of cases that each explains.
+    /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
     fn diagnose(
         suite: &Suite<Self>,
         run: &Run<Self>,

@@ -38,7 +38,8 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases.
+    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases to
+    /// different parts.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -115,7 +116,7 @@ pub struct Trailer {
 pub struct RecordedAnswer<T> {
     /// Id of the case.
     pub case: String,
-    /// Beginning of the digest of the file, which depends on the spelling of tables.
+    /// Beginning of the digest of the file. The file depends on the table spelling.
     pub file: String,
     /// Requested view.
     pub view: String,

@@ -15,7 +15,7 @@ fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = 
     })
 }
 
-/// Maximum number of misreadings with the same effect that are described. The rest are only counted.
+/// Maximum number of equivalent misreadings that are described. The rest are only counted.
 const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 
 /// Additional sentence about a cause, without the final period: the text before a name, the name of a misreading or case (may be

@@ -1,6 +1,6 @@
 //! Serializes reports to YAML, and parses YAML reports.
 //!
-//! A report file is untrusted: its size is limited, anchors and aliases are rejected, and an error names the line.
+//! A report file is untrusted: its size is limited, anchors and aliases are rejected, and error messages name the line.
 
 use std::path::Path;
 
@@ -18,8 +18,7 @@ struct SchemaVersion {
 impl Report {
     /// Serializes the report as YAML.
     ///
-    /// # Errors
-    /// Returns an error if serialization fails, which does not depend on the report.
+    /// # Errors Returns an error if serialization fails, which no report should cause.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }

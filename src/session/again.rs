@@ -20,7 +20,7 @@ const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {
     /// Repeats failures and a sample of the other cases. Returns true if a response differed. Similar failures are likely to
-    /// recur, so only a few of each kind are repeated, and at most a tenth of the run. If any response differs, the rest are
+    /// recur, so only a few of each kind, and at most a tenth of the run, are repeated. If any response differs, the rest are
     /// repeated as well, because a varying response says nothing about the decoder's reading.
     pub(super) fn repeat(
         &self,

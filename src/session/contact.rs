@@ -14,7 +14,7 @@ use crate::suite::{compare::Expected, dialect::RightDialects, test_case::TestCas
 /// A first file that was requested in one view, and the reply of the decoder.
 #[derive(Clone, Debug)]
 pub struct FirstFile<C: TestCase = Case> {
-    /// Index of the first file in the suite.
+    /// Index of the requested case in the suite.
     pub case: usize,
     /// The view in which the file was requested.
     pub view: C::View,
@@ -143,8 +143,8 @@ impl<C: TestCase> Session<'_, C> {
         contact
     }
 
-    /// Requests the first files in all possible views: one after another until one is decoded, then with all jobs in parallel. A
-    /// serving process receives all requests in order. After a timeout, the other views of the same file are requested last.
+    /// Requests the first files in all possible views: one after another until a file is decoded, then with all jobs in parallel.
+    /// A serving process receives all requests in order. After a timeout, the other views of the same file are requested last.
     fn first_files(&self) -> Vec<FirstFile<C>> {
         let (suite, plan) = (self.suite, self.plan);
         let cases = suite.cases.iter().enumerate();
@@ -192,7 +192,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. For a kind of case, an
-    /// offered view is missing if the decoder exited with 69 for every first file of that kind.
+    /// offered view is missing if the decoder exited with 69 for every first file of that kind in that view.
     fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);

@@ -1,4 +1,4 @@
-//! Tone curves: a single function applied to all values of all images.
+//! Tone curves. A tone curve is one function that is applied to all values of all images.
 
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::suite::compare::Expected;
@@ -8,7 +8,7 @@ use crate::suite::compare::Expected;
 pub(super) struct Curve {
     /// Result of the curve for each correct byte.
     table: Vec<f64>,
-    /// Tolerance of a byte relative to the reference, because colors may be rounded in any way.
+    /// Tolerance for a byte relative to the reference, because colors may be rounded in any way.
     slack: u8,
 }
 
@@ -69,7 +69,8 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
 }
 
 impl Curve {
-    /// Returns the frame before the curve was applied. Uses the correct value where the curve maps it to the received one.
+    /// Returns the frame as it was before the curve was applied. Uses the correct value where the curve maps that value to the
+    /// received one.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
@@ -151,7 +152,7 @@ fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotonic steps that best fit `points`, which are sorted by their first number. Averages decreasing neighbors.
+/// Returns the monotonic steps that best fit `points`, which are sorted by their first coordinate. Averages decreasing neighbors.
 fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // Each step has the sums of both numbers and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();

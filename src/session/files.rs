@@ -108,8 +108,8 @@ pub fn check_file(
     result
 }
 
-/// Encodes the values of a map in other formats and header spellings, and describes each file. A correct decoder outputs the same
-/// image for all of them, so no expected output is needed.
+/// Encodes the values of a map in each lossless format with the same channels, and in other header spellings. Describes each
+/// file. A correct decoder outputs the same image for all of them, so no expected output is needed.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| {
@@ -137,7 +137,7 @@ fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     encodings
 }
 
-/// Encodes the values of `ptm` in a format of the same shape. Returns `None` if the format cannot hold them.
+/// Encodes the values of `ptm` in a format with the same channels. Returns `None` if the format cannot hold them.
 fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     let size = ptm.planes.size;
     // A JPEG-LS stream has at most 65,535 columns and rows.
@@ -157,7 +157,7 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     Some(write(&recipe, &model).bytes)
 }
 
-/// Formats numbers so that they are read as the same values.
+/// Formats numbers so that parsing returns the same values.
 fn numbers<const N: usize>(values: &[f64; N]) -> Option<Numbers<N>> {
     let texts: Vec<String> = values.iter().map(f64::to_string).collect();
     texts.join(" ").parse().ok()

@@ -12,12 +12,12 @@ use crate::suite::cases::{Case, Expect, Suite};
 use crate::suite::dialect::{Dialect, RightDialects};
 use crate::suite::test_case::TestCase;
 
-/// The judgement of a decoder.
+/// The result of judging a decoder.
 #[derive(Clone, Debug)]
 pub struct Judgement<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
-    /// Reading of each open question; the reference's reading if no case reveals that of the decoder.
+    /// Reading of each open question; the reference's if no case reveals the decoder's.
     pub dialect: Dialect,
     /// Certainty of each reading.
     pub certainties: Vec<Certainty>,
@@ -85,7 +85,7 @@ struct CaseFacts<'a, C: TestCase> {
     twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
-    /// True if a spelling of tables was read correctly.
+    /// True if the decoder read at least one table spelling correctly.
     reads_some_spelling: bool,
 }
 

@@ -18,7 +18,7 @@ use crate::session::{observation::Response, outcome::Outcome, plan::RunPlan, run
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::Allowance;
 
-/// Number of planes that the decoder in the current test read, and number of planes left to the reference.
+/// Number of planes read by the decoder of the current test, and number of planes left to the reference.
 static COUNTS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// Samples of a stream.

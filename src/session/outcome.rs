@@ -23,7 +23,7 @@ pub enum Outcome {
     Pass,
     /// The response is wrong.
     Fail,
-    /// The correct response is implementation-defined, and the decoder's differs from the reference.
+    /// The correct response is implementation-defined, and the decoder's response differs from the reference's.
     ImplementationDefined,
     /// The decoder consistently does not support a feature that the case needs.
     Unsupported,
@@ -35,7 +35,7 @@ pub enum Outcome {
     /// The response follows from an assumed mistake.
     #[serde(rename = "as assumed")]
     Assumed,
-    /// The decoder offers none of the case's views.
+    /// The decoder offers none of the case's views, or the case was withheld.
     #[serde(rename = "not judged")]
     NotJudged,
     /// The run ended before the case was requested.

@@ -113,7 +113,7 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Reads a directory created by [`export`]. `matches` is true if a pattern matches an id.
+    /// Reads a directory created by [`export`]. `matches` returns true if a pattern matches an id.
     ///
     /// # Errors
     /// Returns a message that names the file and, if there is one, the offending line.

@@ -12,7 +12,7 @@ use crate::suite::test_case::TestCase;
 /// The plan of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunPlan {
-    /// Flags of the cases that are judged, one per case of the suite.
+    /// True for cases that are judged, one slot per case of the suite.
     pub selected: Vec<bool>,
     /// Number of parallel requests, at least 1.
     #[serde(skip)]
@@ -40,7 +40,7 @@ pub struct RunPlan {
 /// Selection of cases that are repeated in a new process to find nondeterminism.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Repeat {
-    /// No cases: the decoder is a function of this process, so no process can be restarted.
+    /// No cases: the answers come from this process or from files, so no process can be restarted.
     #[default]
     Nothing,
     /// Failures, because the decoder may be nondeterministic.
@@ -53,7 +53,7 @@ pub enum Repeat {
 pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {
-    /// Creates a plan that requests everything once from a decoder without capabilities.
+    /// Creates a plan that requests everything once from a decoder that declares no capabilities.
     #[must_use]
     pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {

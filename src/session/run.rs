@@ -198,7 +198,7 @@ impl<C: TestCase> Session<'_, C> {
         run
     }
 
-    /// Returns a run that did not end early, with these observations.
+    /// Builds a run from these observations.
     fn run(
         &self,
         contact: Contact<C>,
@@ -237,7 +237,7 @@ fn all_unsupported_reason<C: TestCase>(
 }
 
 impl<C: TestCase> Run<C> {
-    /// Explains why cases were not requested: on purpose, or because the run ended early.
+    /// Explains why cases were not requested: they were withheld, or the run ended early.
     fn explain_skipped_cases(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
         let judged = suite.cases.iter().zip(&mut self.judgement.cases);
         for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {

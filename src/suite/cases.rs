@@ -14,7 +14,7 @@ use crate::generate::{plan::Compression, spelling::Count};
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 
-/// The expected result of a case, which is serialized by name in case files and manifests.
+/// The expected result of a case, serialized by name in case files and manifests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expect {
@@ -26,7 +26,7 @@ pub enum Expect {
     Refuse,
     /// The correct image, or exit status 65 or 69 (a lenient ruling).
     Lenient,
-    /// Like lenient, but any image is correct, because the damage leaves nothing to compare.
+    /// Like `Lenient`, but any image is correct, because the damage leaves nothing to compare.
     Robust,
     /// One of several spellings, of which a decoder must support at least one (rulings `lut-count`, `lut-newline`).
     Spelling,

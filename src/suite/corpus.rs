@@ -78,8 +78,8 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     (entry, outputs)
 }
 
-/// Writes the corpus of `suite` below `directory`: its files, and `MANIFEST.yaml`. Files larger than `largest` bytes are only
-/// listed in the manifest. The output does not depend on `jobs`.
+/// Writes the corpus of `suite` to `directory`: its files, and `MANIFEST.yaml`. Files larger than `largest` bytes are only listed
+/// in the manifest. The output does not depend on `jobs`.
 ///
 /// # Errors
 /// Returns an error with the path of a file that cannot be written.

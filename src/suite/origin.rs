@@ -13,7 +13,7 @@ pub(crate) type Origin = (String, &'static str, Range<usize>);
 
 /// Returns the bytes that determine `channels` of the texel in column `x` and row `y`, counted from the top.
 ///
-/// Returns an empty list if the file ends earlier.
+/// Returns an empty list if the file ends before these bytes.
 pub(crate) fn origin_of_samples(
     case: &Case,
     file: &[u8],

@@ -89,7 +89,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn make(&self, table: TableSpelling) -> Self::Built;
     /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
-    /// Returns the maximum number of bytes of a correct answer.
+    /// Returns the maximum size of a correct answer, in bytes.
     fn max_answer_bytes(&self, built: &Self::Built) -> usize;
 
     /// Compares an output with the expected one.

@@ -201,7 +201,7 @@ impl<'a> Dissection<'a> {
         &self.file[start..start + length]
     }
 
-    /// Adds the parts of a truncated payload, whose lengths the header declares.
+    /// Adds the parts of a truncated payload, using the lengths declared in the header.
     fn add_truncated_parts(&mut self) {
         let Err(error) = &self.outcome else { return };
         let &Kind::Short { needed, .. } = error.kind() else {

@@ -1,4 +1,4 @@
-//! Table of all fields of a file with offset, clause and value.
+//! Table of all fields of a file, with their offsets, clauses and values.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -283,7 +283,7 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if the fault is displayed after this line, which contains the byte or the compressed plane of the fault.
+    /// Returns true if this line contains the byte or the compressed plane of the fault, so that the fault is displayed after it.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {
@@ -336,8 +336,8 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
 }
 
 impl FilePart {
-    /// Writes the entries, segments or records of this part, truncated unless `all` is true. The segments of an intact
-    /// stream share one line unless `all` is true.
+    /// Writes the entries, segments or records of this part, but only the first few unless `all` is true. The segments of an
+    /// intact stream share one line unless `all` is true.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
         let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {

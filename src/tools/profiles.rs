@@ -116,7 +116,7 @@ pub struct Manifest {
     pub cases: Vec<ProfileCase>,
 }
 
-/// File and the expected results of a decoder.
+/// File and the results expected from a decoder.
 #[derive(Debug, Serialize)]
 pub struct ProfileCase {
     /// Permanent id of the case.
@@ -138,7 +138,7 @@ pub struct ProfileCase {
     /// Ruling that the case is about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruling: Option<String>,
-    /// Id of the valid case that was damaged to create this file.
+    /// Id of the valid case whose file was damaged to create this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
     /// Effect of the damage, if the file is damaged.
@@ -165,7 +165,7 @@ pub struct ProfiledAnswer {
     pub shape: [usize; 3],
     /// SHA-256 digest of the file.
     pub sha256: String,
-    /// Path of an array of the same shape with an additional tolerance for each value, because inverse DCTs differ.
+    /// Path of an array of the same shape that contains an additional tolerance for each value, because inverse DCTs differ.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
     /// Rulings that affect the answer. Decoders that follow other readings of these rulings have different correct answers.
@@ -175,7 +175,7 @@ pub struct ProfiledAnswer {
 
 type ProfileFile = (String, Vec<u8>);
 
-/// Writes the corpus below `directory`, which must be empty or missing. The output does not depend on `jobs`.
+/// Writes the corpus to `directory`, which must be empty or missing. The output does not depend on `jobs`.
 ///
 /// # Errors
 /// Returns an error with the path if the directory is not empty or a file cannot be written.

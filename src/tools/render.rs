@@ -26,8 +26,8 @@ pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
     rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 
-/// Renders a contact sheet under `side` × `side` lights that cover the hemisphere. The position of an image corresponds to
-/// the direction of its light; at the edge, lights are at `RIM_RADIUS`. Images larger than `cell` are downscaled.
+/// Renders a contact sheet of images under `side` × `side` lights that cover the hemisphere. The position of an image corresponds
+/// to the direction of its light; at the edge, lights are at `RIM_RADIUS`. Images larger than `cell` are downscaled.
 ///
 /// # Errors
 /// Returns an error if the sheet is larger than 1 GiB.

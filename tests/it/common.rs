@@ -134,7 +134,7 @@ pub fn assert_contains(text: &str, parts: &str) {
     }
 }
 
-/// Replaces `find`, which must occur exactly once.
+/// Replaces `find`, which must occur exactly once in `text`.
 #[track_caller]
 pub fn edit(text: &str, find: &str, replace: &str) -> String {
     assert_eq!(text.matches(find).count(), 1, "{find}");
@@ -303,7 +303,7 @@ pub fn assert_conforms(value: &Value, schema: &str) {
     assert!(errors.is_empty(), "{errors:#?}");
 }
 
-/// Keeps processors busy until it is dropped.
+/// Keeps processors busy until this value is dropped.
 pub struct BusyProcessors(Vec<Child>);
 
 impl BusyProcessors {

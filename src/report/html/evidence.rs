@@ -1,4 +1,4 @@
-//! Evidence of a failing case: texel values, images, bytes of the file, and a preview.
+//! Evidence for a failing case: texel values, images, bytes of the file, and a preview.
 
 use std::ops::Range;
 

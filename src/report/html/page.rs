@@ -13,8 +13,7 @@ use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
 /// Renders the page of a report. Images are included if `run` is available.
 ///
-/// # Errors
-/// Returns an error if the embedded clauses or rulings cannot be read, which does not depend on the report.
+/// # Errors Returns an error if the embedded clauses or rulings cannot be read.
 pub fn page<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,

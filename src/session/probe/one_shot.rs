@@ -16,7 +16,7 @@ use super::{repair::repair, sample::Sample};
 /// The formats that most readers support. The others follow in the order of the specification.
 const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];
 
-/// A file and the replies to it in each view.
+/// A file, and the decoder's reply in each view.
 pub(super) struct FileReplies {
     pub(super) sample: Sample,
     pub(super) replies: Vec<(View, Reply)>,
@@ -31,7 +31,7 @@ impl FileReplies {
         FileReplies { sample, replies }
     }
 
-    /// Requests a format in the table spelling that the decoder reads best.
+    /// Requests a file of a format in the table spelling that the decoder reads best.
     fn request_in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
         let mut samples = Sample::samples_in_all_spellings(format);
         let first = samples.next().expect("every format has a spelling");

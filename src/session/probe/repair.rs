@@ -75,7 +75,7 @@ fn from_utf8(bytes: &[u8]) -> Option<RepairedBytes> {
     Some((narrow, vec![fault("utf-8", &[])]))
 }
 
-/// Returns the stream from its PTM1 line on, if other bytes precede that line.
+/// Returns the stream starting at its PTM1 line, if other bytes precede that line.
 fn without_leading_text((bytes, mistakes): &RepairedBytes) -> Option<RepairedBytes> {
     let line = bytes.windows(5).position(|word| word == b"PTM1 ");
     let line = line.filter(|&line| line > 0)?;

@@ -39,7 +39,7 @@ pub struct TextureCase {
     pub ruling: Option<String>,
     /// The requested step.
     pub op: String,
-    /// The arguments of the step; maps may be named.
+    /// The arguments of the step; maps may be given by name.
     #[serde(default)]
     pub given: Value,
     /// Expected answer.

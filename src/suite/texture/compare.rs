@@ -58,7 +58,7 @@ fn equal(name: &str, expected: &Value, received: &Value, tolerance: Tolerance) -
     }
 }
 
-/// Removes the prefix that the chapter uses from an enumerant.
+/// Removes the chapter's prefix from an enumerant.
 fn without_prefix(field: &str, word: &str) -> Option<Value> {
     let value = match field {
         "boundary" => json!([word, word, word]),

@@ -1,7 +1,7 @@
 //! Questions about a texture stage, and the reference's answers.
 //!
-//! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or all of it (`stage`). A missing field of an
-//! entry has its fallback value. Enumerants are written as in the chapter, without their prefix.
+//! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or the whole pipeline (`stage`). A missing field
+//! of an entry has its fallback value. Enumerants are written as in the chapter, without their prefix.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -137,7 +137,7 @@ enum TextureStep {
     Interpolate {
         /// One to three coordinates for each corner.
         ts: Vec<Vec<f64>>,
-        /// The weight of each corner on the screen.
+        /// The screen-space weight of each corner.
         b: Vec<f64>,
         /// The w of each corner; 1 by default.
         w: Option<Vec<f64>>,
@@ -402,7 +402,7 @@ impl EntryGiven {
 const POINT_FIELDS: &str = "`mc`, `wc`, `vrc`, `eye_mc`, `eye_wc`, `eye_vrc`, `mc_normal`, `wc_normal`, `vrc_normal`, \
     `mc_geometric_normal`, `wc_geometric_normal`, `vrc_geometric_normal`, `fp_data`, `nurb`, `u`, `v`, `data_splines`, `i`, `s`";
 
-/// A point on a surface. Field names state the coordinate system, such as `mc`, `eye_mc`, `mc_normal`, `mc_geometric_normal`.
+/// A point on a surface. Field names such as `mc`, `eye_mc`, `mc_normal` and `mc_geometric_normal` state the coordinate system.
 #[derive(Debug, Default, Deserialize)]
 #[serde(try_from = "Map<String, Value>")]
 struct PointGiven(Point);

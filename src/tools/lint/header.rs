@@ -1,4 +1,4 @@
-//! Legal spellings of the header that some readers do not accept.
+//! Legal header spellings that some readers do not accept.
 
 use std::collections::HashSet;
 

@@ -89,7 +89,7 @@ SOI DQT SOF FF C4 00 26 00 01 00*15 00 10 01 00*15 00 SOS DATA EOI | 80
 ";
 
 /// Streams that no encoder writes: their values are out of range for the inverse transform. A DC coefficient of 1,200 · 4 is 600
-/// above gray, which wraps in ten bits to 424 below gray: black, although plain clamping would produce white. An AC coefficient
+/// above gray. In ten bits, this wraps to 424 below gray, which is black; plain clamping would produce white. An AC coefficient
 /// of 1,000 · 200 has more than fourteen bits. Its result was computed with the C code of the Independent JPEG Group.
 const JPEG_EXTREMES: &str = "
 SOI FF DB 00 43 00 04*64 SOF FF C4 00 14 00 01 00*15 0B DHT1 SOS 4B 07 EOI | 00

@@ -8,7 +8,7 @@ use ptm_conform::decode::open;
 use ptm_conform::error::Class;
 use ptm_conform::{Ptm, decode};
 
-/// An entry of the manifest, which is parsed line by line.
+/// A manifest entry. The manifest is parsed line by line.
 #[derive(Default)]
 struct Entry {
     id: String,

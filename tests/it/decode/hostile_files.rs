@@ -5,7 +5,7 @@ use ptm_conform::{Limits, Reading, decode, decode_as};
 
 use crate::random::Rng;
 
-/// Returns the files of the wanted cases of the suite.
+/// Returns the files of the cases for which `is_wanted` returns true.
 fn suite_files(is_wanted: impl Fn(&Case) -> bool) -> Vec<Vec<u8>> {
     let suite = Suite::load().expect("the suite loads");
     let cases = suite.cases.iter().filter(|case| is_wanted(case));

@@ -281,7 +281,8 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
-/// Checks every `step`th misreading, starting at `first`: a decoder with it must fail, and the first cause must name it.
+/// Checks every `step`th misreading, starting at `first`: a decoder with that misreading must fail, and the first cause must name
+/// it.
 fn check_every_misreading(
     (first, step): (usize, usize),
     suite: &Suite,
@@ -388,9 +389,9 @@ fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     })
 }
 
-/// Tests `count` sets of `size` mistakes that all have an effect. Each set must be caught. All mistakes of at least
-/// `min_named` percent of the sets must be among the first causes, and at most `max_false` percent of the sets may have a
-/// false cause that is reported as certain.
+/// Tests `count` sets of `size` mistakes that all have an effect. Each set must be caught. For at least `min_named` percent of
+/// the sets, all mistakes must be among the first causes. For at most `max_false` percent, a false cause may be reported as
+/// certain.
 fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
     let suite = suite().with_prepared_files();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());

@@ -122,8 +122,8 @@ const RARE: [&str; 20] = [
 /// A mistake whose files may, after reduction, still be 1.5 times as long as the shortest known file.
 const INCOMPLETELY_REDUCED: &str = "side-position-in-16-bits";
 
-/// Each mistake is found, and named either by its slug or by the damage that it overlooks. Its file is at most 1.2 times as
-/// long as the shortest file of the suite that reveals it in the same format.
+/// Each mistake is found, and named either by its slug or by the damage that it overlooks. The reduced file is at most 1.2 times
+/// as long as the shortest file in the same format with which the suite reveals the mistake.
 #[test]
 #[ignore = "takes minutes"]
 fn rare_mistakes_are_found_within_two_hundred_thousand_calls() {

@@ -13,7 +13,7 @@ use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
 use crate::in_process::{jobs, suite};
 use crate::table::rows;
 
-/// Misreadings that only affect files larger than 4×4 texels, with the reason.
+/// Misreadings that affect only files larger than 4×4 texels, each with the reason.
 const LARGE_ONLY: &[(&str, &str)] = &[
     ("sizes-of-four-digits", "a size needs five digits"),
     ("texels-counted-in-16-bits", "a map needs 65,536 texels"),
@@ -21,7 +21,7 @@ const LARGE_ONLY: &[(&str, &str)] = &[
     ("rows-counted-in-8-bits", "a map needs 257 rows"),
 ];
 
-/// Pairs of misreadings that no file can distinguish, with the reason.
+/// Pairs of misreadings that no file can distinguish, each with the reason.
 const EQUIVALENT_PAIRS: &str = "
 side-sizes-are-records | sizes-include-side-information | both refuse every file with records
 sizes-include-side-information | side-information-before-its-plane | both refuse every file with records

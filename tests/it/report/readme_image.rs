@@ -1,4 +1,4 @@
-//! Tests that the image in the README is up to date. It shows the lit scene as decoders with various mistakes render it.
+//! Tests that the image in the README is up to date. The image shows the lit scene as rendered by decoders with various mistakes.
 
 use std::fs;
 use std::path::Path;

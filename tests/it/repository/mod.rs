@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use proc_macro2::{Delimiter, TokenTree};
 
-/// Returns the files below a directory.
+/// Returns all files in a directory and its subdirectories.
 pub fn files_below(directory: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(directory).expect("a directory");
     let paths = entries.map(|entry| entry.expect("an entry").path());
@@ -25,7 +25,7 @@ pub fn files_below(directory: &Path) -> Vec<PathBuf> {
     files.collect()
 }
 
-/// Returns the contents of the files below a directory, keyed by relative path.
+/// Returns the contents of all files in a directory and its subdirectories, keyed by relative path.
 pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let file = |path: PathBuf| {
         let name = path

@@ -1,6 +1,6 @@
 //! The modules of `src` depend on each other in one direction, and files have no import cycles.
 //!
-//! All paths in `use` items and in code count as imports, including those in macros but not those for tests.
+//! All paths in `use` items and in code count as imports, including those in macros but not those in tests.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

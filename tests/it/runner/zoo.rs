@@ -15,10 +15,10 @@ const FEW_CASES: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum -
 
 /// A program in the zoo, and the expected verdict.
 ///
-/// A row of a table contains program names, the exit status of `check`, its options, the failing cases, and parts of its output.
-/// The failing cases are `none` (and some pass), `some`, `any` (if the result depends on which process is faster), a number,
-/// their ids, or `not judged`. The timeout is 60 s unless the options specify another one. No correct answer takes this long,
-/// even on a busy machine.
+/// A row of a table contains program names, the exit status of `check`, the options of `check`, the failing cases, and parts of
+/// the output. The failing cases are `none` (and some pass), `some`, `any` (if the result depends on which process is faster), a
+/// number, their ids, or `not judged`. The timeout is 60 s unless the options specify another one. No correct answer takes this
+/// long, even on a busy machine.
 type FaultyDecoder = [String; 5];
 
 /// Programs that neither hang nor use too much memory.

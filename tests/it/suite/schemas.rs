@@ -7,7 +7,7 @@ use ptm_conform::kit::yaml::from_yaml;
 
 use crate::common::{assert_conforms, repository, rows};
 
-/// Schemas and the files that must conform to them. A directory represents all its files.
+/// Schemas and the files that must conform to them. A directory stands for all files in it.
 const SCHEMAS: &str = "
 cases | spec-cases/cases
 damages | spec-cases/damages.yaml

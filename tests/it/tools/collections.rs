@@ -1,4 +1,4 @@
-//! Tests of `lint` on collections: one row per file in every format, bounded memory, and complete rows after it is killed.
+//! Tests of `lint` on collections: one row per file in every format, bounded memory, and no partial rows if `lint` is killed.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -44,7 +44,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
     text.lines().map(row).collect()
 }
 
-/// Writes files to folders below `directory`: LRGB files, damaged files, files that are not PTMs, and LUM files, in turn.
+/// Writes files to subfolders of `directory`: LRGB files, damaged files, files that are not PTMs, and LUM files, in turn.
 fn write_collection(here: &Workspace, directory: &str, count: usize) {
     let originals = [
         "lrgb/first-lrgb.ptm",
@@ -94,7 +94,7 @@ fn copy_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
     originals.enumerate().map(copy).collect()
 }
 
-/// Returns the minimum duration of a command in seconds over five runs.
+/// Returns the duration in seconds of the fastest of five runs of a command.
 fn min_seconds(command: impl Fn() -> Command) -> f64 {
     let once = || {
         let begin = Instant::now();

@@ -111,7 +111,7 @@ fn three_writer_mistakes_are_named() {
     assert_eq!((caught, matched), (some.len(), some.len()));
 }
 
-/// A mistake with scales does not explain a wrong matrix, and a mistake with the matrix does not explain wrong scales.
+/// A mistake in the scales does not explain a wrong matrix, and a mistake in the matrix does not explain wrong scales.
 #[test]
 fn unrelated_mistakes_are_not_reported() {
     let mut requests = Requests::small();
