@@ -12,7 +12,7 @@ pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
     }
 }
 
-/// Parses an exit status that may mean a refusal. Rejects 0 and 69, which have other meanings.
+/// Parses an exit status to treat as a refusal. Rejects 0 and 69, which have other meanings.
 pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = text.parse().ok();
     let status = status.filter(|n| (1..=255).contains(n) && *n != EXIT_UNSUPPORTED);

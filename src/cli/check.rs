@@ -131,7 +131,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Adds the wrapper's faults to the report. If there are any, the run ends at first contact.
+/// Adds the wrapper's faults to the results of first contact. If there are any, the run ends there.
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {

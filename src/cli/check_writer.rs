@@ -69,7 +69,7 @@ pub struct CheckWriterArgs {
     writer: Vec<OsString>,
 }
 
-/// Maximum size in bytes of a file that a writer may write. All requested files are much smaller.
+/// Maximum size in bytes of the output of a writer. All requested files are much smaller.
 pub const MAX_FILE_SIZE: u64 = 64 << 20;
 
 /// Runs the suite of requests.
@@ -120,7 +120,7 @@ fn check<V: RequestValues>(
 }
 
 impl CheckWriterArgs {
-    /// Returns the writer with its limits applied, and its command line for the report.
+    /// Returns the writer with its limits applied, and the writer's command line for the report.
     fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = match &self.cmd {
             Some(text) => decoder_from_template(text, Template::parse_for_writer(text, &VALUES))?,

@@ -31,9 +31,9 @@ const SYMBOLIC_LINK: &str = "a symbolic link, which is not followed";
 /// Reason for skipping devices, sockets and pipes.
 const NOT_A_FILE: &str = "neither a file nor a folder";
 
-/// Item that a walk yields.
+/// Item yielded by [`walk`].
 pub enum WalkItem {
-    /// File, or a path that was given as a file.
+    /// Path to read: a regular file in a folder, or a named path that is not skipped.
     File(PathBuf),
     /// Path that is skipped, with the reason.
     Skipped(PathBuf, &'static str),
@@ -151,7 +151,7 @@ pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = Pat
     })
 }
 
-/// Estimates the memory needed for a PTM and its planes, based on the beginning of the file and its length.
+/// Estimates the memory needed for a PTM and its planes, based on the length and the beginning of the file.
 pub fn estimate_memory(beginning: &[u8], length: u64) -> u64 {
     let mut words = beginning.windows(4).take(SIZE_HEADER_BYTES);
     // Only compressed planes are much larger than their file.

@@ -25,8 +25,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases outside the smoke subset for an early report of likely causes. Shorter runs report causes only at the
-/// end.
+/// Minimum number of cases outside the smoke subset for an early report of causes. Shorter runs report causes at the end.
 const MIN_OTHER_CASES: usize = 200;
 
 /// Minimum time limit for the early search for causes. In a long run, the limit is a tenth of the estimated duration of the run.
@@ -218,7 +217,7 @@ impl<'a, C: Reportable> Check<'a, C> {
     }
 }
 
-/// Run of a suite in which one program answers all requests, without serve mode.
+/// Run of a suite against a program that is started anew for each request.
 pub struct ProgramRun<'a> {
     /// Program under test.
     pub program: &'a Decoder,

@@ -96,7 +96,7 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
         })
     }
 
-    /// Compares the report with the baseline and writes it atomically as YAML.
+    /// Compares the report with the baseline, and writes the report atomically as YAML.
     pub fn write(&self, run: &Run<C>, report: &mut Report) -> Result<(), String> {
         let known = self.known.as_ref();
         report.baseline = known.map(|known| known.compare(self.suite, run));

@@ -70,8 +70,7 @@ pub fn check_writable(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Returns true if `path` is a named pipe, which may never have a writer. Returns false for links to pipes, which shells use for
-/// process substitution.
+/// Returns true for a named pipe, which may never have a writer, but not for a link to one (process substitution).
 #[cfg(unix)]
 pub fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

@@ -33,8 +33,7 @@ fn page_url(word: &str) -> Option<String> {
     PAGES.get(word).map(|page| published_url(page))
 }
 
-/// Addresses of pages, keyed by the id of a case, clause, misreading or code. Ids that could be mistaken for ordinary words are
-/// omitted.
+/// Pages, keyed by the id of a case, clause, misreading or code. Ids that could be mistaken for ordinary words are omitted.
 static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let (ptm, stage) = (SuiteName::Ptm, SuiteName::Texture);
     let mut pages = HashMap::new();

@@ -15,8 +15,7 @@ use super::guard::check_trouble;
 use super::output::{print, with_progress};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
-/// Checks the PTM files in `directory` and writes `report`. Requests only the views in `requested`, or all views if `requested`
-/// is empty.
+/// Checks the PTM files in `directory` and writes `report`. Requests the views in `requested`, or all views if there are none.
 pub fn check(
     directory: &Path,
     requested: &[String],

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex};
 
-/// Calls `work` with every number below `count`, each on a new thread. If a thread cannot be started, its work is done on the
-/// calling thread.
+/// Calls `work` with every number below `count`, each on a new thread, or on the calling thread if no thread can be started.
 pub(crate) fn run_on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         let is_not_started = |&i: &usize| {

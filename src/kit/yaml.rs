@@ -280,8 +280,7 @@ fn parse_number(text: &str) -> Option<Unexpected<'_>> {
     unsigned.or_else(|_| signed()).or_else(|_| float()).ok()
 }
 
-/// Implements a deserializer method as a function of the node and the visitor. Adds the line of the node to errors that have no
-/// line.
+/// Implements deserializer methods as functions of the node and the visitor. Adds the node's line to errors without a line.
 macro_rules! read {
     ($($name:ident($($parameter:ident: $type:ty),*) = $read:expr;)*) => {$(
         fn $name<V: Visitor<'de>>(self, $($parameter: $type,)* visitor: V) -> Result<V::Value, YamlError> {

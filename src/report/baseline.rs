@@ -18,7 +18,7 @@ use crate::kit::yaml::{read_text, records, to_yaml};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, test_case::TestCase};
 
-/// Known failures: case id and optional reason.
+/// Known failures: case ids with optional reasons.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Baseline(BTreeMap<String, Option<String>>);
 

@@ -101,7 +101,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
     results
 }
 
-/// Returns the decoder's reading of each choice that the run settled, with the cases that demonstrate it.
+/// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading.
 fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let mut readings = C::readings_of_files(suite, run);
     for (axis, choice) in C::CHOICES.iter().enumerate() {

@@ -38,8 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. Depends only on the id, so adding cases does not move other cases to
-    /// different parts.
+    /// Returns true if this part contains the case `id`. Depends only on the id, so new cases do not move existing ones.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -134,7 +133,7 @@ pub struct RecordedAnswer<T> {
     /// Name of the previous request that the same process answered.
     #[serde(default, rename = "after", skip_serializing_if = "Option::is_none")]
     pub previous_request: Option<String>,
-    /// Answer of the serving process, if it failed and a new process answered instead.
+    /// Failed answer of the serving process, if a new process answered instead.
     #[serde(default, rename = "served", skip_serializing_if = "Option::is_none")]
     pub serve_mode_answer: Option<Answer<T>>,
 }

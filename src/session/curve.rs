@@ -69,8 +69,7 @@ pub(super) fn candidates(view: ViewKind, pairs: &[(&Expected, &Frame)]) -> Vec<C
 }
 
 impl Curve {
-    /// Returns the frame as it was before the curve was applied. Uses the correct value where the curve maps that value to the
-    /// received one.
+    /// Returns the frame without the effect of the curve. Uses the correct value if the curve maps it to the received value.
     pub(super) fn undo(&self, frame: &Frame, right: Option<&Frame>) -> Frame {
         let samples = match &frame.samples {
             Samples::F32(values) => {
@@ -111,8 +110,7 @@ impl Curve {
     }
 }
 
-/// Returns the least-squares factor between expected and received values if it differs enough from 1. Ignores bytes at the ends
-/// of the range.
+/// Returns the least-squares factor from expected to received values if it differs enough from 1. Ignores the bytes 0 and 255.
 fn factor(view: ViewKind, points: &[(f64, f64)]) -> Option<Candidate> {
     let is_real = view == ViewKind::Coef;
     let is_evidence = |received: f64| is_real || received > 0.0 && received < 255.0;

@@ -15,15 +15,15 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum number of answers that show a reading other than the reference's, per answer that contradicts that reading. A few
-/// answers of a faulty decoder are right under another reading by chance.
+/// Minimum ratio of answers that support an alternative reading to answers that contradict it. A few answers of a faulty decoder
+/// are right under another reading by chance.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
 /// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.
 type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
 
-/// Returns the dialect in which most answers are right and, for each choice, how well the evidence distinguishes its reading from
-/// every other. Ties go to the dialect closest to the reference's.
+/// Returns the dialect in which most answers are right and the certainty of its reading of each choice. Ties go to the dialect
+/// closest to the reference's.
 pub fn dialect_of<C: TestCase>(
     observations: &[Option<Observation<C>>],
 ) -> (Dialect, Vec<Certainty>) {
@@ -52,8 +52,8 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
     (dialect, certain)
 }
 
-/// Returns, for each of these axes, the reading in which most of the answers are right, and how well the answers distinguish it
-/// from other readings. Considers only answers that depend on one of the axes.
+/// Returns, for each of these axes, the reading under which most of the answers are right, and the certainty of that reading.
+/// Considers only answers that depend on one of the axes.
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();

@@ -1,8 +1,7 @@
 //! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
 //! - A clause is *covered* by its cases, and by those of its misreadings that the suite catches.
-//! - A case *kills* a misreading if a decoder with the misreading fails it. A case *separates* two misreadings if they lead to
-//!   different answers.
+//! - A case *kills* a misreading if a decoder with it fails the case, and *separates* two misreadings with different answers.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 

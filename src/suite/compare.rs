@@ -192,8 +192,7 @@ pub enum Difference {
     },
 }
 
-/// Returns true if `received` is close enough to a sample. `slack` allows for different inverse DCTs, and `loss` for lossy
-/// images.
+/// Returns true if `received` is close enough to a sample. `slack` allows for different inverse DCTs, `loss` for lossy images.
 pub(crate) fn is_near(view: ViewKind, expected: f64, received: f64, slack: f64, loss: f64) -> bool {
     let apart = (expected - received).abs();
     match view {
@@ -216,8 +215,8 @@ pub const fn tolerance_text(view: ViewKind) -> &'static str {
     }
 }
 
-/// Returns true if `a` and `b` differ by at most 1e-5 of the larger value plus 1e-6, which covers one rounding to `f32` and one
-/// multiplication in `f32`, plus `slack`. Infinity is close only to itself.
+/// Returns true if `|a − b| <= 1e-5 · max(|a|, |b|) + 1e-6 + slack`. The constants allow for one rounding and one multiplication
+/// in `f32`. Infinity is close only to itself.
 pub(crate) fn is_close(a: f64, b: f64, slack: f64) -> bool {
     let larger = a.abs().max(b.abs());
     a == b || larger.is_finite() && (a - b).abs() <= 1e-5 * larger + 1e-6 + slack

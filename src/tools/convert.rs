@@ -275,8 +275,7 @@ mod tests {
         assert_eq!(factor_colors(&other, &[0; 6], COUNTS), None);
     }
 
-    /// Half of the texels are convertible by construction: their colors are multiples of 51 and their coefficients multiples of
-    /// 5.
+    /// Half of the texels are convertible by construction: the colors are multiples of 51, and the coefficients of 5.
     #[test]
     fn exact_products_are_factored() {
         let bias = [20, 30, 40, 50, 60, 70];

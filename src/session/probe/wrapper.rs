@@ -118,8 +118,7 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes whose correction makes most frames of a view right, or `None` if the correction only
-/// reorders samples.
+/// Returns the smallest set of mistakes whose correction makes most frames of a view right, unless it only reorders samples.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {

@@ -1,4 +1,4 @@
-//! Tests that comments and documents avoid the words and openings that the style guide replaces, and lists all messages.
+//! Searches comments and documents for words and openings that the style guide replaces, and lists all messages.
 
 use std::fmt::Write;
 use std::fs;

@@ -9,7 +9,7 @@ use crate::common::{
     wait_until, zoo,
 };
 
-/// Options that select a few small cases of every kind, so that programs that hang take only seconds.
+/// Options that select a few small cases of every kind. Programs that hang then take only seconds.
 const FEW_CASES: &str = "--case hand-[fjpr]* --case hand-lrgb* --case hand-lum --case hand-lum-in-color \
                    --case version-1-3-lrgb --case version-1-3-rgb --case header-plain-*";
 

@@ -72,7 +72,7 @@ impl Requests {
         }
     }
 
-    /// Counts the mistakes that are caught, that are the first cause, and that are the first cause or one of its equivalents.
+    /// Counts the mistakes that are caught, named as the first cause, and named as the first cause or one of its equivalents.
     fn count_named(&self, mistakes: &[&'static WriterMistake]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {
