@@ -22,7 +22,7 @@ const NAMES_PER_READ: usize = 4096;
 const MAX_PATH_BYTES: u64 = 1 << 16;
 /// Number of bytes at the start of a PTM that always include the version, format, width and height.
 const SIZE_HEADER_BYTES: usize = 256;
-/// Number of header lines up to the height.
+/// Number of header lines up to and including the height.
 const SIZE_HEADER_LINES: usize = 4;
 
 /// Reason for skipping links in folders.

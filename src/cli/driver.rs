@@ -74,7 +74,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         })
     }
 
-    /// Runs first contact and all cases, and returns the judged run. `inspect` may change the result of first contact.
+    /// Makes first contact, runs all cases, and returns the judged run. `inspect` may change the result of first contact.
     pub fn run_cases(&self, ask: &DecoderFn<C>, inspect: &dyn Fn(&mut Contact<C>)) -> Run<C> {
         let recording = |request: &Request<'_, C::View>, job: usize| {
             let reply = ask(request, job);

@@ -26,7 +26,7 @@ pub enum RowFormat {
     Sarif,
 }
 
-/// Printer of rows. A run that is killed leaves only complete rows.
+/// Printer of rows. If the run is killed, the output contains only complete rows.
 pub struct Rows {
     format: RowFormat,
     /// Maximum number of findings that are printed per file.

@@ -114,7 +114,7 @@ impl ProgressLine {
         self.bar.set_position(0);
     }
 
-    /// Starts a new activity that counts its steps in `counter`, with at most `limit` steps.
+    /// Starts a new activity of at most `limit` steps, which are counted in `counter`.
     pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, limit: usize) {
         self.begin(label);
         let mut activity = lock(&self.activity);

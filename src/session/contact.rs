@@ -260,7 +260,7 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder answers another case of this kind in this view with anything but 69: the view is not missing.
+    /// Returns true if the view is not missing: the decoder answers another case of this kind in this view with anything but 69.
     fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;

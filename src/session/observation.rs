@@ -84,7 +84,7 @@ impl<C: TestCase> Response<C> {
         }
     }
 
-    /// Returns the image if it was compared and differs.
+    /// Returns the image if it differs from the reference's.
     #[must_use]
     pub const fn wrong_image(&self) -> Option<&C::Output> {
         match self {

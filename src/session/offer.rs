@@ -9,7 +9,7 @@ use crate::suite::test_case::TestCase;
 /// The views and kinds of cases that a decoder offers.
 #[derive(Clone, Debug)]
 pub struct Offer<C: TestCase = Case> {
-    /// Views, in order of preference.
+    /// Offered views, in order of preference.
     pub views: Vec<&'static str>,
     /// Missing views, each with a kind of case that the decoder decodes only in other views.
     pub missing_views: Vec<(&'static str, C::Feature)>,

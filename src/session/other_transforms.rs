@@ -21,7 +21,7 @@ use crate::suite::test_case::Allowance;
 /// Number of planes read by the decoder of the current test, and number of planes left to the reference.
 static COUNTS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
-/// Samples of a stream.
+/// Samples of a stream, or the decoding error.
 type DecodedStream = crate::error::Result<Vec<u8>>;
 
 /// Returns the samples from `decode`, or those from the reference if `decode` cannot read the stream.

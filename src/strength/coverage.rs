@@ -1,7 +1,7 @@
 //! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
 //! - A clause is *covered* by its cases, and by those of its misreadings that the suite catches.
-//! - A case *kills* a misreading if a decoder with it fails the case, and *separates* two misreadings with different answers.
+//! - A case *kills* a misreading if a decoder with it fails the case, and *separates* two misreadings if their answers differ.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 
@@ -22,7 +22,7 @@ pub struct Coverage {
     pub clauses: Vec<ClauseCoverage>,
     /// Kills of every misreading, in the order of the catalog.
     pub misreadings: Vec<Kills>,
-    /// Separation of misreadings, with its gaps.
+    /// Separation of misreadings, including sets that are not separated.
     pub separation: Separation,
     /// Pairs of parameter values that occur together in some file.
     pub pairwise: Pairwise,
@@ -170,7 +170,7 @@ impl Coverage {
     }
 }
 
-/// Maximum number of missing pairs of parameters in the summary.
+/// Maximum number of missing pairs of values that the summary lists.
 const MAX_MISSING: usize = 20;
 
 fn measure_clauses(suite: &Suite, rows: &[MatrixRow]) -> Result<Vec<ClauseCoverage>, String> {

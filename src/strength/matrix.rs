@@ -20,7 +20,7 @@ use crate::texture::Rules;
 pub struct MatrixRow<A: 'static = Hook> {
     /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,
-    /// Indices of the failing cases in the suite.
+    /// Suite indices of the failing cases.
     pub killed_by: Vec<usize>,
     /// Hash of the answer to each case.
     pub answers: Vec<u64>,

@@ -66,7 +66,7 @@ pub struct Case {
     pub views: Vec<View>,
     /// True if the case is requested in every view before all other cases.
     pub first: bool,
-    /// Id of the valid file from which this one was edited.
+    /// Id of the case whose valid file was edited to create this one.
     pub twin_of: Option<String>,
     /// Open choices that affect the case, if it declares them.
     pub(super) open_choices: Option<Vec<String>>,
@@ -84,7 +84,7 @@ pub(super) enum Source {
 /// The file of a case with its fields and values.
 #[derive(Debug)]
 pub struct Built {
-    /// The bytes.
+    /// Bytes of the file.
     pub file: Vec<u8>,
     /// Fields of the file; empty for damaged and hand-assembled files.
     pub fields: Vec<Field>,
@@ -166,8 +166,8 @@ impl Case {
         Some(&recipe.compression)
     }
 
-    /// Returns the open choices of 2.9 (rulings of kind *choice*) that affect the stored values of this file. Its values do not
-    /// depend on the readings of other choices.
+    /// Returns the open choices of 2.9 (rulings of kind *choice*) that affect the stored values of this file. The values do not
+    /// depend on any other choice.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
         match &self.open_choices {

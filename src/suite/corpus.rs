@@ -26,7 +26,7 @@ pub struct ManifestEntry {
     pub sha256: String,
     /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
-    /// Id of the valid file from which this one was edited.
+    /// Id of the case whose valid file was edited to create this one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
     /// Expected output in the first view of the case.

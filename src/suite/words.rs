@@ -70,7 +70,7 @@ pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
     digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
 }
 
-/// Parses at least one number.
+/// Parses a list of at least one number.
 pub(super) fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
     let words = text.split_whitespace();
     let list: Result<Vec<T>, String> = words.map(|word| number(name, word)).collect();
@@ -80,7 +80,7 @@ pub(super) fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, Stri
     }
 }
 
-/// Parses one of two words, the first of which means yes.
+/// Returns true if `text` is the word `yes`, or false if it is the word `no`.
 pub(super) fn yes_or_no(name: &str, text: &str, [yes, no]: [&str; 2]) -> Result<bool, String> {
     match text {
         _ if text == yes => Ok(true),

@@ -179,7 +179,7 @@ impl<'a> Dissection<'a> {
         Some(String::from_utf8_lossy(self.bytes(role)?).into_owned())
     }
 
-    /// Returns the offset after the last part.
+    /// Returns the offset of the first byte after the last part.
     #[must_use]
     pub fn end(&self) -> usize {
         let ends = self.parts.iter().map(|part| part.range().end);

@@ -283,7 +283,7 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if this line contains the byte or the compressed plane of the fault, so that the fault is displayed after it.
+    /// Returns true if this line contains the byte or the compressed plane of the fault. The fault is displayed after the line.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {
@@ -336,8 +336,8 @@ fn write_line(out: &mut String, line: &[FilePart], indent: usize) {
 }
 
 impl FilePart {
-    /// Writes the entries, segments or records of this part, but only the first few unless `all` is true. The segments of an
-    /// intact stream share one line unless `all` is true.
+    /// Writes the entries, segments or records of this part. Unless `all` is true, shortens long lists of entries and records,
+    /// and writes the segments of an intact stream on one line.
     fn write_parts(&self, out: &mut String, all: bool, damaged: bool) {
         let is_stream = matches!(self.role, Role::Stream(_)) && !self.parts.is_empty();
         if is_stream && !all && !damaged {

@@ -25,7 +25,7 @@ pub struct RepairedFile {
     pub changes: Vec<String>,
 }
 
-/// Header of a file, split into words by lenient rules, and the payload.
+/// Header of a file, leniently split into words, and the payload.
 struct LenientHeader<'a> {
     /// Words of each line, in the layout of files from HP's programs.
     lines: Vec<Vec<String>>,

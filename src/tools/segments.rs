@@ -25,7 +25,7 @@ pub struct Segment<'a> {
 pub enum SegmentKind {
     /// Marker with this code, including its segment if it has one.
     Marker(u8),
-    /// Fill bytes FF before a marker (T.81 B.1.1.2).
+    /// Fill bytes (FF) before a marker (T.81 B.1.1.2).
     Fill,
     /// Entropy-coded data.
     Data,

@@ -18,7 +18,7 @@ pub fn jobs() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// Returns the misreading of the catalog with this name.
+/// Returns the misreading in the catalog with this slug.
 #[track_caller]
 pub fn misreading(slug: &str) -> &'static Misreading {
     misreadings::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))

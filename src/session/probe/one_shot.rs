@@ -59,7 +59,7 @@ impl FileReplies {
         self.replies.iter().map(one).max().unwrap_or_default()
     }
 
-    /// Returns true if the decoder does not answer in some view.
+    /// Returns true if the decoder timed out in at least one view.
     fn has_hang(&self) -> bool {
         let is_hang = |(_, reply): &(View, Reply)| matches!(reply.answer, Answer::Hung(_));
         self.replies.iter().any(is_hang)

@@ -480,9 +480,9 @@ struct PtmGiven {
     /// The file, in hexadecimal.
     ptm: String,
     light: [f64; 2],
-    /// `rgb_float` or `rgb8`.
+    /// Texel type: `rgb_float` or `rgb8`.
     texel: Option<String>,
-    /// `none` or `box`.
+    /// Mipmap filter: `none` or `box`.
     mipmap: Option<String>,
 }
 
@@ -493,7 +493,7 @@ struct LevelsGiven {
     kind: TexelKind,
     /// The levels, from the base to the pinnacle.
     levels: Vec<LevelGiven>,
-    /// `none` or `box`.
+    /// Mipmap filter: `none` or `box`.
     mipmap: Option<String>,
 }
 

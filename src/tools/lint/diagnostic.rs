@@ -27,7 +27,7 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// Returns the description of the code, followed by the details of this file.
+    /// Returns the description of the code, followed by the details for this file.
     #[must_use]
     pub fn text(&self) -> String {
         match self.found.as_str() {

@@ -1,4 +1,4 @@
-//! Compares the Python decoder with the reference on randomly generated files. The two were written independently.
+//! Compares the Python decoder with the reference on randomly generated files. The two decoders were written independently.
 
 use crate::common::{Workspace, have_python, python_example};
 

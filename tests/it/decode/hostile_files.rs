@@ -1,4 +1,4 @@
-//! Tests that no file makes the decoder panic: it either decodes the file or returns a clear error.
+//! Tests that no file makes the decoder panic: the decoder either decodes the file or returns a clear error.
 
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 use ptm_conform::{Limits, Reading, decode, decode_as};

@@ -23,14 +23,14 @@ const BARE_NAMES: &str = "above|absent|affected|after|against|alike|alone|among|
                           lit|made|named|nearly|of|only|other|others|out|over|plus|rightly|said|seen|shown|slack|such|told|\
                           under|whole|with|without|wrong";
 
-/// Files in which a word is allowed, with the reason.
+/// Words that are allowed in a file, each with the reason.
 const ALLOWED: &[(&str, &str, &str)] = &[(
     "src/codec/jpeg_ls/run_mode.rs",
     "…",
     "an ellipsis in a row of an example",
 )];
 
-/// Returns the text of a comment line, or a document line if it contains no code.
+/// Returns the text of a comment line, or of a document line without code.
 fn prose(is_rust: bool, line: &str) -> Option<&str> {
     let line = line.trim_start();
     match is_rust {
