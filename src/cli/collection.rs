@@ -1,6 +1,6 @@
 //! Files of a collection: given on the command line, in a list, or as the contents of a folder.
 //!
-//! Collections of any size are walked in bounded memory: the names in a folder are read a limited number at a time. Links inside
+//! Collections of any size are walked in bounded memory: the names in a folder are read in chunks of limited size. Links inside
 //! folders are not followed, so a walk cannot loop.
 
 use std::collections::VecDeque;

@@ -131,7 +131,7 @@ impl FuzzArgs {
     }
 }
 
-/// Summarizes the numbers of files, calls and findings.
+/// Summarizes a run: the numbers of files, calls and findings.
 fn summary(result: &FuzzResult, end: &str) -> String {
     let (files, calls, count) = (result.files, result.executions, result.findings.len());
     let plural = if count == 1 { "" } else { "s" };

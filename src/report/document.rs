@@ -157,7 +157,7 @@ pub struct CaseResult {
 }
 
 impl LikelyCause {
-    /// Returns true if the cause implies that the clause is misread. Crashes and nondeterministic answers do not.
+    /// Returns true if the cause implies a misread clause, which crashes and nondeterministic answers do not.
     #[must_use]
     pub fn blames_clause(&self) -> bool {
         !matches!(
@@ -183,7 +183,8 @@ impl LikelyCause {
 impl Report {
     /// Removes the passing cases and adds a digest of all results.
     ///
-    /// # Errors Returns an error if serialization fails, which no report should cause.
+    /// # Errors
+    /// Returns an error if serialization fails, which no report should cause.
     pub fn without_passing_cases(mut self) -> Result<Report, String> {
         self.results_digest = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
         self.cases.retain(|case| case.outcome != Outcome::Pass);

@@ -1,8 +1,7 @@
 //! Reports as `JUnit` XML, for tools that read test results.
 //!
-//! A failing case is reported as a failure, and a case that was not run as an error. A problem with the whole run is also a
-//! failure. Known failures and cases without evidence (unsupported, inconclusive, other dialect, not judged, assumed) are
-//! skipped.
+//! A failing case is reported as a failure, and a case that was not run as an error. Problems with the whole run are failures.
+//! Known failures and cases without evidence (unsupported, inconclusive, other dialect, not judged, assumed) are skipped.
 
 use maud::{Markup, PreEscaped, html};
 

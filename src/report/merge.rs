@@ -31,8 +31,9 @@ pub struct RecordedAnswers<C: TestCase> {
 impl<C: Reportable> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
-    /// # Errors Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, repeated
-    /// or incomplete.
+    /// # Errors
+    /// Returns a message if a file is damaged or from another run, suite or version, or a part is missing, repeated or
+    /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, Trailer)> = Vec::new();

@@ -173,7 +173,8 @@ struct RecorderState<T> {
 impl<C: TestCase> AnswerRecorder<C> {
     /// Creates an answer file.
     ///
-    /// # Errors Returns the I/O error.
+    /// # Errors
+    /// Returns the I/O error.
     pub fn new(path: &Path) -> io::Result<AnswerRecorder<C>> {
         Ok(AnswerRecorder(Mutex::new(RecorderState {
             out: BufWriter::new(File::create(path)?),
@@ -229,7 +230,8 @@ impl<C: TestCase> AnswerRecorder<C> {
 
     /// Writes the remaining answers and the trailer.
     ///
-    /// # Errors Returns the first I/O error.
+    /// # Errors
+    /// Returns the first I/O error.
     pub fn finish(self, end: &Trailer) -> io::Result<()> {
         let mut state = self.0.into_inner().expect("no worker panics");
         let mut waiting: Vec<_> = state.waiting.drain().collect();

@@ -18,7 +18,8 @@ struct SchemaVersion {
 impl Report {
     /// Serializes the report as YAML.
     ///
-    /// # Errors Returns an error if serialization fails, which no report should cause.
+    /// # Errors
+    /// Returns an error if serialization fails, which no report should cause.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }

@@ -15,7 +15,7 @@ use crate::suite::test_case::TestCase;
 /// Maximum number of failures of each kind that are initially repeated.
 const MAX_REPEATED_PER_KIND: usize = 8;
 
-/// Number of repetitions that is always allowed, even if it exceeds a tenth of the run.
+/// Number of repetitions that are always allowed, even if they exceed a tenth of the run.
 const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {

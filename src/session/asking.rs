@@ -48,7 +48,7 @@ pub struct Session<'a, C: TestCase> {
 }
 
 impl<'a, C: TestCase> Session<'a, C> {
-    /// Creates a session in which no request has been sent.
+    /// Creates a session that has not sent any request yet.
     #[must_use]
     pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a DecoderFn<'a, C>) -> Self {
         Session {

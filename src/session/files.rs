@@ -108,8 +108,8 @@ pub fn check_file(
     result
 }
 
-/// Encodes the values of a map in each lossless format with the same channels, and in other header spellings. Describes each
-/// file. A correct decoder outputs the same image for all of them, so no expected output is needed.
+/// Encodes the values of a map in each lossless format with the same channels, and in other header spellings. Returns each file
+/// with a description. A correct decoder outputs the same image for all of them, so no expected output is needed.
 fn encodings(ptm: &Ptm) -> Vec<(String, Vec<u8>)> {
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| {

@@ -1,7 +1,6 @@
 //! Requests the first files again in a locale with a decimal comma.
 //!
-//! Programs that read "0.5" with `strtod` or `scanf` after `setlocale` get 0 in such locales. PTM files use a decimal point in
-//! every locale.
+//! In such a locale, `strtod` and `scanf` read "0.5" as 0 after `setlocale`. PTM files always use a decimal point.
 
 use std::process::{Command, Stdio};
 

@@ -31,7 +31,7 @@ impl<C: TestCase> Default for Offer<C> {
 }
 
 impl<C: TestCase> Offer<C> {
-    /// Returns true if the decoder decodes this kind of case only in other views.
+    /// Returns true if the decoder decodes this kind of case only in views other than `view`.
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
         let mut lacking = self.missing_views.iter();

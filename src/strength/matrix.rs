@@ -20,7 +20,7 @@ use crate::texture::Rules;
 pub struct MatrixRow<A: 'static = Hook> {
     /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,
-    /// Suite indices of the failing cases.
+    /// Indices of the failing cases, in suite order.
     pub killed_by: Vec<usize>,
     /// Hash of the answer to each case.
     pub answers: Vec<u64>,

@@ -98,7 +98,7 @@ pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
 
 /// Returns the correct image for each of the [`Choices::combinations`] of `axes`. The reference's image is known by construction.
 ///
-/// The images are stored with the file, because a suite is run repeatedly.
+/// The images are cached with the file, because a suite is run repeatedly.
 #[cfg_attr(
     not(unix),
     allow(dead_code, reason = "images are compared only where decoders run")

@@ -67,7 +67,7 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Invalid cases, each with the beginning of the expected message. `MAKE` expands to the keys of an image, `↵` to a line
+    /// Invalid cases, each with the beginning of the expected message. `MAKE` stands for the keys of an image, `↵` for a line
     /// feed.
     const INVALID_CASES: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`

@@ -139,8 +139,8 @@ pub struct TextureMap {
 impl TextureMap {
     /// Creates a map with one to three dimensions.
     ///
-    /// # Errors Returns a message if there are no levels, if a level is empty, has the wrong number of texels, or has more
-    /// dimensions than the map, or if texels are of different kinds.
+    /// # Errors
+    /// Returns a message if `dimensions` is not 1, 2 or 3, if there is no valid base level, or if a level is invalid.
     pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
         if !(1..=3).contains(&dimensions) {
             return Err(format!("expected 1, 2 or 3 dimensions, found {dimensions}"));

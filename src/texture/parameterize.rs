@@ -20,8 +20,9 @@ use super::rules::Rules;
 
 /// Returns the texture coordinates of `point` before orientation. Coordinates beyond the `dimensions` of the map are arbitrary.
 ///
-/// # Errors Returns [`NoValue::ImplementationDefined`] if there are too few data values for the map (R-PAR-25) or the reflection
-/// vector is zero, and [`NoValue::Missing`] if the point lacks a value that the method needs.
+/// # Errors
+/// Returns [`NoValue::ImplementationDefined`] if there are too few data values for the map (R-PAR-25) or the reflection vector is
+/// zero, and [`NoValue::Missing`] if the point lacks a value that the method needs.
 pub fn parameterize(
     entry: &Entry,
     point: &Point,

@@ -29,8 +29,9 @@ pub struct Target {
 impl Target {
     /// Checks that quality and loss apply to the format. The error message begins with the name of the offending parameter.
     ///
-    /// # Errors Returns a message for a JPEG format without a quality, another format with a quality, or a loss for a format
-    /// without JPEG-LS.
+    /// # Errors
+    /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for any format but
+    /// JPEG-LS.
     pub fn check(self) -> Result<(), String> {
         let format = self.format;
         let is_jpeg = format.coding() == Some(Coding::Jpeg);

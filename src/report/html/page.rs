@@ -13,7 +13,8 @@ use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
 /// Renders the page of a report. Images are included if `run` is available.
 ///
-/// # Errors Returns an error if the embedded clauses or rulings cannot be read.
+/// # Errors
+/// Returns an error if the embedded clauses or rulings cannot be read.
 pub fn page<C: Reportable>(
     suite: &Suite<C>,
     report: &Report,

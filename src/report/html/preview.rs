@@ -14,8 +14,7 @@ use crate::suite::{cases::Built, compare::Expected};
 /// Maximum number of samples in a map with a preview. Larger maps have no preview.
 const MAX_SAMPLES: usize = 24 << 10;
 
-/// Renders a preview of `frame` next to the expected map. Returns `None` for a frame that has a fixed light or a different shape,
-/// or is too large.
+/// Renders a preview of `frame` and the expected map, unless the frame has a fixed light or a different shape or is too large.
 pub(super) fn figure(built: &Built, frame: &Frame) -> Option<Markup> {
     let expected = Expected::new(&built.values, &View::Raw)?;
     let Samples::U8(stored) = expected.frame().samples else {

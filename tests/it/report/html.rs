@@ -1,4 +1,4 @@
-//! Tests of HTML pages, badges, JUnit files and GitHub output.
+//! Tests of HTML pages, badges, `JUnit` files and GitHub output.
 
 use std::path::Path;
 use std::process::Command;
