@@ -35,7 +35,7 @@ pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
     fn plain_bits(&self) -> Bits<'a, AFTER_FF>;
 }
 
-/// Bit-by-bit reader, as the standards describe it.
+/// Reads bit by bit, as the standards describe.
 #[derive(Clone)]
 pub(super) struct Bits<'a, const AFTER_FF: u32> {
     pub stream: &'a [u8],
@@ -97,8 +97,8 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     }
 }
 
-/// Returns the number of data bits in the byte at `at`, or `None` if the segment has ended there, at a marker or at the end of
-/// the stream (even after a single 0xFF).
+/// Returns the number of data bits in the byte at `at`, or `None` if the segment ends there, at a marker or at the end of the
+/// stream (even after a single 0xFF).
 #[inline]
 pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
     let starts_marker = |next: Option<&u8>| next.is_none_or(|&next| next >> AFTER_FF != 0);
@@ -122,7 +122,7 @@ mod tests {
     use super::{Bits, ReadBits, StreamResult};
 
     /// Reads until an error occurs or `read` returns `None`, and then finishes the segment. Returns all results, which must be
-    /// equal for all implementations of [`ReadBits`].
+    /// the same for every implementation of [`ReadBits`].
     pub fn transcript<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>, T: std::fmt::Debug>(
         stream: &'a [u8],
         mut read: impl FnMut(&mut B) -> Option<StreamResult<T>>,

@@ -31,7 +31,7 @@ pub(super) struct FrameHeader {
 }
 
 impl FrameHeader {
-    /// Reads a frame header. The frame must have `width` × `height` samples, one component and 8 bits.
+    /// Reads a frame header. The frame must have `width` × `height` samples, one component and 8 bits per sample.
     ///
     /// `other_precisions` lists the precisions that the standard allows but this decoder does not implement.
     pub fn read(

@@ -1,7 +1,7 @@
 //! T.81 B.1.1.4 (T.87 C.1): splitting a stream into marker segments, and joining them
 //!
-//! For code that writes headers unlike those of the encoders, or that interprets headers differently from the standards. Fill
-//! bytes (B.1.1.2) belong to no segment and are not preserved.
+//! Used by code that writes unusual headers, or that interprets headers differently from the standards. Fill bytes (B.1.1.2)
+//! belong to no segment and are not preserved.
 
 use super::markers::{Cursor, SOS};
 use super::{stream_error::StreamResult, writer::Writer};

@@ -16,8 +16,8 @@
 //! ```
 //!
 //! Format notes
-//! - The text does not specify line ends. The only real file has one line per list and two for the motion vectors.
-//!   Any other line breaks are accepted as well (clause 2.9/2, ruling `list-layout`).
+//! - The text does not specify line ends. The only known real file has one line per list and two for the motion vectors. Any
+//!   other line breaks are accepted as well (clause 2.9/2, ruling `list-layout`).
 //! - A number in the order list is a *rank*. Its index in the list is the index of the plane, not of the step (ruling `order`).
 //!   Equal ranks, gaps between ranks and a missing rank 0 are accepted if every reference has a lower rank than the planes that
 //!   it predicts (clause 2.9.4/3, ruling `ranks`).
@@ -89,7 +89,7 @@ impl<'a> Streams<'a> {
         Ok(streams)
     }
 
-    /// Returns the parts of the file that the functions of a reading take as input.
+    /// Returns the parts of the file that are passed to the functions of a reading.
     pub(crate) fn coded(&self) -> Coded<'_> {
         Coded {
             coding: self.coding,

@@ -268,8 +268,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     }
 }
 
-/// Returns the indices of the mistakes in `set` that are needed to explain a failure: a single mistake if it is sufficient, or
-/// else all that are indispensable. Returns the first mistake if none is indispensable.
+/// Returns the indices of the mistakes in `set` that are needed to explain a failure: one mistake that is sufficient alone, or
+/// else all indispensable mistakes. Returns the first mistake if none is indispensable.
 fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     let explained = |set: &[MistakeId]| search.explains(w, set);
     if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {

@@ -183,7 +183,7 @@ fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     }
 }
 
-/// Adds misreadings that passing cases contradict, restricted to the files that they explain.
+/// Adds misreadings that passing cases contradict, each restricted to the files that it explains.
 fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let is_open = |&id: &MistakeId| {
         let mistake = &search.mistakes[id];

@@ -36,7 +36,7 @@ struct File<'a> {
     planes: &'a [StoredPlane],
     header: &'a [u8],
     data: &'a [u8],
-    /// Texts of the scales, the biases and the matrix elements.
+    /// The scales, biases and matrix elements, as written in the file.
     numbers: [Vec<&'a str>; 3],
 }
 

@@ -91,14 +91,14 @@ impl FileScope {
     }
 }
 
-/// A scope, and the files in a group that are in the scope.
+/// A scope, and the files of a group that it contains.
 pub(super) struct SharedScope {
     pub scope: FileScope,
     pub cases: Vec<usize>,
 }
 
 impl SharedScope {
-    /// Counts the legal files in the scope (of one format, or of all formats): those in the group, and all others.
+    /// Counts the legal files of one format, or of all formats, in the scope: those in the group, and all others.
     pub fn count_legal(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;

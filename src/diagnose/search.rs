@@ -653,7 +653,7 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if it is less than `min_score`.
+    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` below `min_score`.
     fn total_score(
         &self,
         set: &MistakeSet,
@@ -676,7 +676,7 @@ impl<'a> Search<'a> {
         (total >= min_score).then_some(total)
     }
 
-    /// Returns two mistakes that explain an image only together. Tries pairs that change the image, on the smallest files.
+    /// Returns two mistakes that explain an image only in combination. Tries pairs that change the image, on the smallest files.
     fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());

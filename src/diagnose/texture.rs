@@ -1,6 +1,6 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage that makes this mistake returns the same answer. A passing case contradicts a
+//! A misreading explains a failure if a stage that makes this mistake returns the received answer. A passing case contradicts a
 //! misreading if such a stage would fail the case. A misreading is reported only if it explains more cases than contradict it.
 
 use serde_json::Value;

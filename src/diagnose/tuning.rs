@@ -5,11 +5,11 @@
 pub(super) const IMAGE_SCORE: i64 = 16;
 /// Score of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
 pub(super) const REFUSAL_SCORE: i64 = 8;
-/// Score of a response that is a crash if the mistake implies a refusal. This is also the minimum score of a reported mistake.
+/// Score of a crash on a file that a decoder with the mistake would refuse. This is also the minimum score of a reported mistake.
 pub(super) const CRASH_SCORE: i64 = 3;
-/// Maximum score of a partially explained image. It is less than that of a refusal, because other channels remain wrong.
+/// Maximum score of a partially explained image. It is less than the score of a refusal, because other channels remain wrong.
 pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
-/// Score of a response that is an image if the mistake implies a refusal. The decoder evidently does not make this mistake.
+/// Score of an image of a file that a decoder with the mistake would refuse. The decoder evidently does not make this mistake.
 pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
 /// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
 pub(super) const CONTRADICTION_SCORE: i64 = -16;
@@ -43,7 +43,7 @@ pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
-/// Minimum width and height, in texels, of an image in which mistakes with rows, columns and texels look different.
+/// Minimum width and height, in texels, of an image that distinguishes mistakes with rows, columns and texels.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Maximum number of edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
@@ -51,8 +51,8 @@ pub(super) const MAX_EDITS: usize = 24;
 pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 
 // Evidence
-/// Minimum number of failures needed to support an edit, a scope, a different choice or a statement about a format, and minimum
-/// number of samples or texels needed to support a statement about an image.
+/// Minimum number of failures that support an edit, a scope, a different choice or a statement about a format. Also the minimum
+/// number of samples or texels that support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Minimum number of files that share a reported property.
 pub(super) const MIN_SHARING_FILES: usize = 2;

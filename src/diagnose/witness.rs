@@ -271,7 +271,7 @@ impl Witness<'_> {
     }
 
     /// Returns false if two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or 255
-    /// and many of them differ between the images, or all other wrong colors differ by one in the same direction.
+    /// and many of them differ between the images, or all wrong colors in between differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return true;
@@ -366,7 +366,7 @@ impl Witness<'_> {
     }
 }
 
-/// Returns true if the misreading only affects the steps after decoding.
+/// Returns true if the misreading affects only steps after decoding.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.step.stage() >= Stage::Planes
 }

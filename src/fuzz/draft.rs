@@ -309,7 +309,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Returns the case of the file. For a damaged file, returns two cases: the undamaged twin `ID-whole`, and the file itself.
+    /// Returns the case of the file. For a damaged file, the case of its undamaged twin, `ID-whole`, comes first.
     ///
     /// # Errors
     /// Returns the reason why the file cannot be written.

@@ -20,7 +20,7 @@ use crate::suite::compare::Expected;
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
-/// Maximum number of files that are generated to distinguish suspects; only some of them are requested.
+/// Maximum number of files that are generated to distinguish suspects. Only some of them are sent to the decoder.
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
@@ -30,7 +30,7 @@ pub struct KnownDecoder<'a> {
     pub ask: &'a DecoderFn<'a>,
     /// Views and features that the decoder offers.
     pub offer: Offer,
-    /// Spelling in which tables are sent.
+    /// Spelling of the tables in files that are sent to the decoder.
     pub table: TableSpelling,
     /// The decoder's readings of open questions.
     pub reading: Reading,

@@ -99,7 +99,7 @@ pub fn spelling(bytes: &[u8]) {
     assert_eq!(drawn, planes(&recipe, &model));
 }
 
-/// Checks that planes decode to the same values from plain texels and from lossless JPEG-LS with any prediction.
+/// Checks that planes decode to the same values from plain texels as from lossless JPEG-LS with any prediction.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -324,7 +324,7 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// In addition to the first cases, every case whose index is a multiple of this number is used if its file is small.
+/// Interval between the sampled cases, which are used in addition to the first cases if their files are small.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

@@ -203,7 +203,7 @@ pub(super) struct NamedPlaces<'a> {
 }
 
 impl NamedPlaces<'_> {
-    /// Returns the range of a place that occurs once.
+    /// Returns the range of a place, which must occur exactly once.
     pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {

@@ -157,7 +157,7 @@ pub enum Structure {
     /// All other planes are predicted from the plane of rank 0. Ranks are rotated by 4, so that the order differs from its
     /// inverse.
     Rotated,
-    /// The structure of the only real file, which shows a clay tablet.
+    /// The structure of the only known real file, which shows a clay tablet.
     Tablet,
     /// Like `Star`, but all dependent planes have the same rank (ruling `ranks`).
     EqualRanks,
@@ -243,7 +243,7 @@ impl Compression {
         (self.references, self.order) = structure.lists(self.order.len() as i64);
     }
 
-    /// Returns one number per plane: `numbers` in a cycle, and 0 for unpredicted planes unless `everywhere` is true.
+    /// Returns one number per plane: `numbers`, repeated cyclically, and 0 for unpredicted planes unless `everywhere` is true.
     #[must_use]
     pub fn cycle<T: Copy + Default>(&self, numbers: &[T], everywhere: bool) -> Vec<T> {
         let number = |plane: usize| match everywhere || self.reference(plane).is_some() {

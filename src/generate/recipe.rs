@@ -48,7 +48,7 @@ pub enum Indices {
     Below(u32),
     /// Only entries whose two-byte index has two different bytes.
     BytesDiffer,
-    /// These entries in a cycle, starting with the top row.
+    /// These entries, repeated cyclically, starting with the top row.
     List(Vec<u32>),
 }
 

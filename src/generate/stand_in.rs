@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::{model::Model, place::segment};
 use crate::codec::Coding;
 
-/// A stream of a gray plane, in which all samples are 128, with a wrong property: `gray-one-wider`, for example.
+/// A stream of a gray plane (all samples are 128) with a wrong property, such as `gray-one-wider`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum StandIn {

@@ -11,7 +11,7 @@ use crate::reading::{
     Finals, Predictor, ReadIndices, ReadRecords, Reading, Reconstruct, SideInformation,
 };
 
-/// Function that returns the step for a slug of its section, or `None` for other slugs. Slugs are in `misreadings.yaml` order.
+/// Function that returns the step for a slug in one section, or `None` for other slugs. Slugs are in `misreadings.yaml` order.
 pub(super) type Steps = fn(slug: &str) -> Option<Hook>;
 
 /// The step that a mistake changes, and the function that replaces it.

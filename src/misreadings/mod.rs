@@ -31,7 +31,7 @@ mod layout;
 /// §2.9 and §2.9.1: lines, sizes and the compression parameter
 mod lists;
 
-/// §2.9.2: the choice and the effect of transforms
+/// §2.9.2: the choice and effect of transforms
 mod transforms;
 
 /// §2.9.3: motion vectors

@@ -1,8 +1,8 @@
 //! Public readers of PTMs, with predictions of their results.
 //!
 //! A reader is described by a [`ReaderProfile`]: its formats, its misreadings and its other limits, each with evidence. The
-//! profiles are data (`spec-cases/readers.yaml`). For a [`ReaderPrediction`], a file is read as the reader would read it, and the
-//! result is compared with the correct one.
+//! profiles are data (`spec-cases/readers.yaml`). To make a [`ReaderPrediction`], a file is read as the reader would read it, and
+//! the result is compared with the correct one.
 
 mod profile;
 

@@ -137,7 +137,7 @@ pub struct CallResult {
     pub stderr: String,
     /// Exit status, if the process exited.
     pub exit: Option<i32>,
-    /// Standard output, if the output is written to a file instead.
+    /// Standard output, if the decoder writes its output to a file.
     pub stdout: Vec<u8>,
 }
 
@@ -411,7 +411,7 @@ impl Decoder {
         ))
     }
 
-    /// Converts the end of a call to its result.
+    /// Converts the output of a call to its result.
     fn call_result(&self, result: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match result.ended {

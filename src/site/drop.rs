@@ -28,7 +28,7 @@ const CONTENTS: &str = include_str!("drop.html");
 /// Script shared by all pages of the site.
 const SITE_SCRIPT: &str = include_str!("site.js");
 
-/// Exported functions of the module that the page calls.
+/// Functions that the module exports and the page calls.
 const EXPORTS: [&str; 5] = ["reserve", "open", "report", "samples", "relight"];
 
 /// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions.

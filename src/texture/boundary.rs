@@ -5,7 +5,7 @@
 //! map (R-BND-06). There is one clamp method for all directions (R-CLM-02): no texture (R-CLM-03), or a color (R-CLM-04).
 //!
 //! Format notes
-//! - If the coordinate of any direction with an explicit clamp is outside, the conditions of the other directions have no effect.
+//! - If a direction with explicit clamp has a coordinate outside the map, the other boundary conditions have no effect.
 //! - Directions beyond the dimensions of the map have no boundary condition.
 //! - A texel index may be out of range; the boundary condition maps it to a texel of the map.
 //! - Inside the map, weighted averages under an explicit clamp may need neighbors outside the map. In that case, the edge is

@@ -61,7 +61,7 @@ pub(crate) fn interpolate_in_perspective(ts: &[Vector], b: &[f64], w: &[f64]) ->
     interpolate_linearly(ts, &weights, w).map(|t| t / sum)
 }
 
-/// Returns where a texture is sampled: per facet, vertex or pixel (R-CMP-22).
+/// Returns the sampling site of a texture: facet, vertex or pixel (R-CMP-22).
 #[must_use]
 pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -> Site {
     (rules.site)(interpolation, frequency)

@@ -1,6 +1,6 @@
 //! Finds mistakes that explain the wrong files of a writer.
 //!
-//! A mistake explains a wrong file if only a reader with this mistake sees the right values in it. It also explains a file with
+//! A mistake explains a wrong file if only a reader with this mistake sees the right values in the file, or if the file contains
 //! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads the
 //! reference's file. Single mistakes are tried first, then pairs of mistakes. Other failures are only described.
 

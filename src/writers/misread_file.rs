@@ -130,7 +130,7 @@ impl MisreadFile {
             }
     }
 
-    /// Returns the map with the effective scales and biases, which map raw values to the final coefficients of this reader.
+    /// Returns the map with the effective scales and biases, which convert raw values to the final coefficients of this reader.
     pub fn into_effective_map(self) -> Ptm {
         let mut map = self.ptm;
         if self.stage == Stage::Coefficients {

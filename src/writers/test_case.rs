@@ -209,7 +209,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         built.json.as_bytes()
     }
 
-    /// Allows twice the size of the planes plus the maximum size of a header.
+    /// Returns twice the size of the planes plus the maximum size of a header.
     fn max_answer_bytes(&self, built: &BuiltRequest<V::Request>) -> usize {
         2 * built.size.texels() * self.format.channels() + 65_536
     }

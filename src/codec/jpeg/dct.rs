@@ -11,7 +11,7 @@
 
 use std::ops::{Add, Neg, Sub};
 
-/// Number of fractional bits of the factors: they are multiplied by 2¹³ and rounded.
+/// Number of fractional bits in the factors, which are multiplied by 2¹³ and rounded.
 pub(super) const FRACTION_BITS: u32 = 13;
 
 /// Number of fractional bits that values keep between the two passes.

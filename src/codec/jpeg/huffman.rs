@@ -1,7 +1,7 @@
 //! T.81 F.2.2.3: decoding a Huffman code
 //!
 //! Codes of equal length are consecutive numbers, so a decoder needs only three numbers for each length: the first code, the
-//! number of codes, and the index of the first symbol. It appends bits until they form a code of that length.
+//! number of codes, and the index of the first symbol. It reads bits until they form one of the codes.
 //!
 //! Worked example, with the table of `huffman_table` (00 = 05, 01 = 07, 10 = 06, 110 = 08):
 //!
@@ -40,7 +40,7 @@ impl From<&HuffmanTable> for HuffmanTable {
     }
 }
 
-/// DECODE: reads bit by bit until the bits are a code in the table.
+/// DECODE: reads bits until they form a code in the table.
 pub(super) fn decode_symbol<'a>(
     bits: &mut impl ReadBits<'a, 0>,
     table: &HuffmanTable,

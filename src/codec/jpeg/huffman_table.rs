@@ -21,7 +21,7 @@
 /// A Huffman table, as stored in a stream.
 #[derive(Clone)]
 pub(super) struct HuffmanTable {
-    /// BITS: the number of codes of 1, 2, … 16 bits.
+    /// BITS: the numbers of codes of 1, 2, … 16 bits.
     pub counts: [u8; 16],
     /// HUFFVAL: the symbols, in the order of their codes.
     pub symbols: Vec<u8>,
@@ -56,7 +56,7 @@ impl HuffmanTable {
         codes
     }
 
-    /// Returns the first length with more codes than the shorter codes leave free. The code of all ones counts as taken.
+    /// Returns the first length that has more codes than the shorter codes leave room for. The code of all ones counts as taken.
     pub fn overfull_length(&self) -> Option<usize> {
         let mut next = 0_u32;
         (1..=16).find(|&length| {

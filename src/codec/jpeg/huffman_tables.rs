@@ -4,7 +4,7 @@
 //! the shortest codes for the symbols that occur.
 //!
 //! Worked example: four symbols that occur 5, 3, 1 and 1 times. A placeholder, which never occurs, gets the code of all ones. The
-//! two rarest trees are merged until one is left, and each merge makes the codes in both trees one bit longer:
+//! two lightest trees are merged until one is left, and each merge makes the codes in both trees one bit longer:
 //!
 //! ```text
 //! merged                    lengths of A B C D, placeholder

@@ -10,7 +10,7 @@
 //!  9 …
 //! ```
 
-/// Row-order position of the k-th coefficient in the stream.
+/// Row-order positions of the coefficients, in the order of the stream.
 pub(crate) const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, //
     17, 24, 32, 25, 18, 11, 4, 5, //

@@ -30,7 +30,7 @@ pub(crate) const J: [u32; 32] = [
 pub(super) struct RunMode {
     /// `RUNindex`, a measure of recent run lengths.
     index: usize,
-    /// Contexts by `RItype`: 0 if a and b differ, 1 if |a − b| ≤ NEAR. The standard numbers them 365 and 366.
+    /// Contexts by `RItype`: 1 if |a − b| ≤ NEAR, else 0. In the standard, their indices are 365 + `RItype`.
     contexts: [RunContext; 2],
 }
 

@@ -182,8 +182,8 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
 }
 
 /// Attributes wrong final values and colors to a step of an earlier view if that view has more than half as many unexplained
-/// wrong images. Images are counted in the same format, or in all formats with wrong images in the earlier view, even if they are
-/// described elsewhere. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
+/// wrong images. Images are counted in the same format, or in all formats with wrong images in the earlier view. Images that are
+/// described elsewhere also count. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -512,7 +512,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain its crash.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain the crash.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
