@@ -212,8 +212,7 @@ impl<'a> Input<'a> {
 
 /// Parses `[+-]?(d+.?d*|.d+)([eE][+-]?d+)?` with a finite value.
 fn decimal(token: &[u8]) -> Option<f64> {
-    // For these characters, the standard library accepts exactly this grammar. The check excludes `inf`, `infinity`
-    // and `nan`.
+    // For these characters, the standard library accepts exactly this grammar. The check excludes `inf`, `infinity` and `nan`.
     let text = std::str::from_utf8(token).ok()?;
     if text
         .bytes()

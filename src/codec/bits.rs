@@ -24,8 +24,8 @@ use super::stream_error::{StreamError, StreamResult, malformed};
 /// Operations on an entropy-coded segment. [`Bits`] follows the standards bit by bit, and
 /// [`BitBuffer`](super::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadBits<'a, const AFTER_FF: u32>: Sized {
-    /// Creates a reader for the segment that starts at byte `at`, after a marker or a marker segment. The previous byte must not
-    /// be 0xFF.
+    /// Creates a reader for the segment at byte `at`, which follows a marker or marker segment. The previous byte must not be
+    /// 0xFF.
     fn new(stream: &'a [u8], at: usize) -> Self;
 
     /// RECEIVE (T.81 F.2.2.4): reads the next `count` bits (at most 16) as a number.

@@ -36,7 +36,7 @@ use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
 /// Reads the payload of a compressed file. Returns an error if the payload is incomplete (clause 2.9.8/2, ruling `payload-end`)
-/// or its planes are too large. `declared_size` replaces the size of the payload if the byte ranges of `plan` overflow.
+/// or its planes are too large. If the byte ranges of `plan` overflow, `declared_size` is the size of the payload.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference regardless of their size"
@@ -122,7 +122,7 @@ impl<'a> Coded<'a> {
         self.plan.steps.iter().map(blank).collect()
     }
 
-    /// Adds the predictor to `plane`, which holds the residuals of plane `i`. Does nothing if the plane has no reference (clause
+    /// Adds the predictor to `plane`, which holds the residuals of plane `i`. Does nothing if there is no reference (clause
     /// 2.9.5/2).
     pub(crate) fn predict(
         &self,

@@ -11,8 +11,7 @@
 //! ```
 //!
 //! Format notes
-//! - Scales may have exponents, signs, and leading or trailing decimal points. Zero and negative scales are legal (ruling
-//!   `numbers`).
+//! - Scales may have exponents, signs, and leading or trailing decimal points. They may be zero or negative (ruling `numbers`).
 //! - Biases below 0 and above 255 occur in real files. An integer written as `3.0` is accepted (ruling `odd-numbers`).
 //! - In the uncompressed formats without a table, this is the last line of the header. The payload starts right after its line
 //!   feed, and its first byte may be 0x0A or 0x20. A decoder that skips whitespace here loses texels (ruling `header-line-end`).

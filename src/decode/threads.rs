@@ -1,8 +1,8 @@
 //! Parallel decoding of the streams of 2.9.8
 //!
 //! Streams are independent, so they are decoded in parallel. Prediction and correction depend on other planes and follow later.
-//! The result equals that of [`planes::residuals`]. If several streams are invalid, the error is that of the first one in
-//! decoding order.
+//! The result equals that of [`planes::residuals`]. If several streams are invalid, the first in decoding order determines the
+//! error.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

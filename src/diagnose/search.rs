@@ -308,8 +308,7 @@ impl<'a> Search<'a> {
         answers.swap_remove(best)
     }
 
-    /// Returns all possible answers of a decoder with these mistakes. Mistakes that change the same decision are tried
-    /// separately.
+    /// Returns all possible answers of a decoder with these mistakes. Tries mistakes that change the same decision separately.
     fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }

@@ -38,7 +38,7 @@ pub struct DraftDamage {
     pub expect: Expect,
 }
 
-/// The part of `make` that contains a word (`compression`, `spelling`, or empty), and the key of that word.
+/// The part of `make` that contains a word (`compression`, `spelling` or an empty string), and the key of that word.
 pub type DraftKey = (&'static str, &'static str);
 
 impl Draft {

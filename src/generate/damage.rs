@@ -46,7 +46,7 @@ pub struct Damage {
     /// Bytes of the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<TexelPlace, Index>,
-    /// True to adjust the sizes of streams and side information to the edited planes.
+    /// True if the sizes of streams and side information are adjusted to the edited planes.
     #[serde(rename = "fit")]
     adjusts_sizes: bool,
     reads_as: Option<DamageChange>,

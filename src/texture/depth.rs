@@ -7,7 +7,7 @@
 //! Format notes
 //! - The chapter's suggested formulas are lost, and other formulas are allowed (R-HNT-01), so no verdict depends on this module
 //!   (ruling `depth-formula`).
-//! - The map is magnified if a pixel covers exactly one texel. If directions disagree, the larger span decides (ruling
+//! - The map is magnified if a pixel covers exactly one texel. If directions disagree, the largest span decides (ruling
 //!   `one-texel`).
 
 use super::entry::Vector;

@@ -103,8 +103,7 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if the values equal those of `request`. Compares stored values, or derived values if a mistake takes effect
-    /// later.
+    /// Returns true if the values equal those of `request`: stored values, or derived values if a mistake takes effect later.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()

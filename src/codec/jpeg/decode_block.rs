@@ -30,8 +30,7 @@ use crate::codec::stream_error::{StreamResult, malformed};
 
 /// Decodes and dequantizes a block (A.3.4). Returns its DCT coefficients in row order.
 ///
-/// `steps` are in zigzag order. `previous_dc` is the quantized DC coefficient of the previous block, and is set to that of this
-/// block.
+/// `steps` are in zigzag order. `previous_dc`, the quantized DC coefficient of the previous block, is set to that of this block.
 #[inline]
 pub(super) fn decode_block<'a, B: ReadSymbols<'a>>(
     bits: &mut B,
