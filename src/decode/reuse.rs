@@ -16,7 +16,7 @@ use crate::ptm::Shape;
 use crate::reading::Reading;
 
 impl Streams<'_> {
-    /// Returns the map under a reading that differs from the original one only in steps after the streams are decoded.
+    /// Returns the map under a reading that differs from the original one only in steps after stream decoding.
     pub(crate) fn reconstruct_map<'r>(&self, reading: &'r Reading) -> Result<StoredMap<'r>> {
         let parts = self.channels(self.residuals.clone(), reading)?;
         // All compressed formats have the planes of RGB or those of LRGB (clause 2.9/3).

@@ -1,7 +1,7 @@
 //! `--assume`: judges a decoder that is known to make certain mistakes.
 //!
-//! A failure that a decoder with these mistakes reproduces becomes "as assumed". Every other wrong image is compared
-//! with the output of such a decoder.
+//! Failures that a decoder with these mistakes reproduces are marked "as assumed". Every other wrong image is compared with the
+//! output of such a decoder.
 
 use super::witness::{Agreement, Witness, witnesses};
 use crate::misreadings::{self, Misreading};

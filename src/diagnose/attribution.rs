@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained images of the same formats are wrong in an earlier view than every explained image. "Many"
-/// means more than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained wrong images have the formats of the explained ones, but earlier views. "Many" means more
+/// than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();

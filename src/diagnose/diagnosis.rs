@@ -63,7 +63,7 @@ pub enum Cause<A: 'static = Hook> {
         category: Category,
         /// Clause that the cases test.
         clause: String,
-        /// Behavior of the decoder, as a sentence without its subject: "refuses …".
+        /// Behavior of the decoder, as a sentence without a subject: "refuses …".
         effect: String,
         /// Advice, in the imperative: "read …".
         fix: String,

@@ -591,7 +591,7 @@ impl<'a> Search<'a> {
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the best of `finalists` on all cases marked in `tried`, together with those that are equally good.
+    /// Returns the finalist that is best on all cases marked in `tried`, together with any equally good ones.
     fn pick_finalist(
         &self,
         set: &MistakeSet,

@@ -1,7 +1,7 @@
 //! The stages of decoding from stored bytes to an image, in terms of formulas.
 //!
-//! A formula without an edit is computed by the function of the [`Reading`]. Edits can therefore be combined with other readings
-//! of the open questions, and with misreadings that are implemented as functions.
+//! A formula without an edit is computed by the corresponding function of the [`Reading`]. Edits can therefore be combined with
+//! other readings of the open questions, and with misreadings that are implemented as functions.
 
 use std::borrow::Cow;
 use std::cell::Cell;

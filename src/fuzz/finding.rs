@@ -69,7 +69,7 @@ impl KnownDecoder<'_> {
         (self.ask)(&message, 0).answer
     }
 
-    /// Predicts the answer of a decoder with these mistakes and with this decoder's readings of open questions.
+    /// Predicts the answer of a decoder with these mistakes and this decoder's readings of open questions.
     fn answer_with(&self, mistakes: &[&Misreading], request: &DraftRequest) -> Answer {
         misreadings::answer(mistakes, self.reading, &request.built.file, &request.view)
     }

@@ -343,7 +343,7 @@ fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, Stri
     Ok(edited)
 }
 
-/// Returns each texel as the nine adjacent bytes that a reader of version 1.1 finds in the payload of an LRGB file.
+/// Returns the values that a reader of version 1.1 finds in an LRGB payload: nine adjacent bytes per texel.
 fn interleave_texels(model: &Model) -> Model {
     let row = model.size.width as usize * 9;
     let rows = model.samples.chunks(row).rev();

@@ -78,7 +78,7 @@ pub enum Residuals {
     Gray,
 }
 
-/// Additional records of side information, which are not necessary.
+/// Records of side information in addition to the necessary ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Records {
     planes: PlaneSelection,

@@ -24,10 +24,10 @@ use crate::writers::{reference::write_requested_file, request::WriteRequest};
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;
 
-/// Number of the smallest wrong files per format that are tried first. A mistake that explains none of them is skipped.
+/// Number of wrong files per format that are tried first, smallest first. A mistake that explains none of them is skipped.
 const SCREENED_FILES: usize = 3;
 
-/// Number of the smallest unexplained files for which pairs of mistakes are tried.
+/// Number of unexplained files, smallest first, for which pairs of mistakes are tried.
 const PAIR_SEARCH_FILES: usize = 4;
 
 /// Diagnosed cause of a writer's failures.

@@ -1,7 +1,7 @@
 //! T.87 Annex A: samples → bits
 //!
-//! This is the mirror image of `decode_scan`. The neighbors are decoded samples, which differ from the image if NEAR is not 0. An
-//! encoder that predicts from the original image drifts away from the decoder.
+//! This is the mirror image of `decode_scan`. The neighbors are decoded samples, which may differ from the image if NEAR is
+//! not 0. An encoder that predicts from the original image drifts away from the decoder.
 //!
 //! Worked example: a line of seven zeros and a one, in the bytes FB 40.
 //!

@@ -22,7 +22,7 @@ pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i
     81 * region(d - b) + 9 * region(b - c) + region(c - a)
 }
 
-/// Returns the region of a gradient (A.3.3). The flat region extends from −NEAR to NEAR, the others up to T1, T2 and T3.
+/// Returns the region of a gradient (A.3.3). The flat region extends from −NEAR to NEAR, and T1, T2 and T3 separate the others.
 #[inline]
 fn region(parameters: &Parameters, gradient: i32) -> i32 {
     let [t1, t2, t3] = parameters.thresholds;

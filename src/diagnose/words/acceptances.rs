@@ -1,4 +1,4 @@
-//! Describes malformed files that the decoder accepts, because it does not check for their faults.
+//! Describes malformed files that the decoder accepts because it does not check for their faults.
 
 use super::list_first;
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};

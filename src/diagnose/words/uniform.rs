@@ -8,7 +8,7 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes views in which no image depends on the file, and removes these images from `left`.
+/// Describes views whose images do not depend on the file, and removes these images from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let found = find_uniform_images(witnesses, left);
     let diagnosis = |(effect, indices): (String, Vec<usize>)| {

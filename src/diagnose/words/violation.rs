@@ -1,4 +1,4 @@
-//! Describes violations for files that must or may be refused: crashes, hangs, malformed frames and "unsupported" responses.
+//! Describes violations on files that must or may be refused: crashes, hangs, malformed frames and "unsupported" responses.
 
 use super::{acceptances::fault_text, list_first, refusals::example};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
@@ -6,7 +6,7 @@ use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes violations for files that need not be decoded, by failure mode. Removes these files from `left`.
+/// Describes violations on files that need not be decoded, by failure mode. Removes these files from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let refusable = |w: usize| witnesses[w].case.expect != Expect::Decode;
     let violates = |w: &usize| {

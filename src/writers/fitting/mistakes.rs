@@ -142,7 +142,7 @@ fn has_wide_steps(evidence: &WrongMap) -> bool {
     is_wide && (0..6).all(is_near)
 }
 
-/// Returns true if some values of 0 or 255 should be outside the byte range, and all other values are approximately right.
+/// Returns true if some values were clamped to 0 or 255, and all other values are approximately right.
 fn has_clamped_values(evidence: &WrongMap) -> bool {
     let mut clamped_count = 0;
     let others_are_near = (0..6).all(|i| {
