@@ -1,6 +1,6 @@
 //! T.81 B.2.2, B.2.3 (T.87 C.2.2, C.2.3): the frame header and the scan header
 //!
-//! The frame header contains the size of the image, the precision of its samples and its components. The scan header lists the
+//! The frame header contains the size of the image, the precision of the samples, and the components. The scan header lists the
 //! components in the entropy-coded data that follows. A plane has one component, so both headers have a fixed length here.
 //!
 //! ```text

@@ -243,7 +243,7 @@ fn checked_reference(lists: &RawLists, plane: usize) -> Result<Option<usize>> {
     Ok(Some(reference))
 }
 
-/// Returns the total size of all planes and their side information, which may exceed the address space.
+/// Returns the total size of all planes and their side information. The total may exceed the address space.
 fn declared_bytes(lists: &RawLists) -> u64 {
     let sizes = lists.sizes.iter().chain(&lists.side_sizes);
     let sizes = sizes.filter_map(|number| u64::try_from(number.value).ok());

@@ -27,7 +27,7 @@ pub struct Diagnosis<A: 'static = Hook> {
 pub struct Causes<A: 'static = Hook> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics during the search. Each indicates a bug in this program, which may hide a cause.
+    /// Messages of panics during the search. Each indicates a bug in this program that may hide a cause.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
     pub answer_count: usize,

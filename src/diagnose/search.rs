@@ -204,7 +204,7 @@ impl<'a> Search<'a> {
         members
     }
 
-    /// Returns the cost of a result, which grows with the number of mistakes and with the number of unexplained failures.
+    /// Returns the cost of a result. The cost grows with the number of mistakes and the number of unexplained failures.
     pub fn cost(&self, found: &[Member]) -> usize {
         self.unexplained(&ids_of(found)).len() + MIN_SUPPORT * found.len()
     }

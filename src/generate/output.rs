@@ -8,7 +8,7 @@ use crate::ptm::Field;
 pub struct GeneratedFile {
     /// The bytes of the file.
     pub bytes: Vec<u8>,
-    /// Fields in file order, which describe the meaning of each byte.
+    /// Fields that describe the meaning of each byte, in file order.
     pub fields: Vec<Field>,
     /// The offset of the first byte after the header text.
     pub payload: usize,

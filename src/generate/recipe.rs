@@ -73,7 +73,7 @@ pub struct Recipe {
     pub entries: u32,
     /// The table entries that texels use.
     pub indices: Indices,
-    /// The compression of the planes (2.9), which uncompressed formats ignore.
+    /// The compression of the planes (2.9); ignored for uncompressed formats.
     pub compression: Compression,
     /// The first byte of the payload, if it is fixed.
     pub first_byte: Option<u8>,

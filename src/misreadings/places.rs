@@ -105,7 +105,7 @@ fn set_sizes(
     }
 }
 
-/// Returns the sizes of the stream and the side information of a plane, which are known to be nonnegative.
+/// Returns the sizes of the stream and the side information of a plane. Both are known to be nonnegative.
 fn stored_sizes(lists: &RawLists, plane: usize) -> (usize, usize) {
     let size = |number: &Number| number.value.max(0) as usize;
     (size(&lists.sizes[plane]), size(&lists.side_sizes[plane]))

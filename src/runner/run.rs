@@ -219,7 +219,7 @@ impl Decoder {
         })
     }
 
-    /// Creates a decoder with default limits, whose command line is a template.
+    /// Creates a decoder with default limits and a template as its command line.
     ///
     /// # Errors
     /// Returns an error if the working directory is unknown.

@@ -171,8 +171,8 @@ impl Template {
         self.words.iter().map(joined).collect()
     }
 
-    /// Returns the output file of a call, if the template has one. Must be called before the program starts, because it opens
-    /// `workplace`, so that replacing the directory later has no effect.
+    /// Returns the output file of a call, if the template has one. Must be called before the program starts: it opens
+    /// `workplace`, so replacing the directory later has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {
             return Ok(None);

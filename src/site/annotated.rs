@@ -8,7 +8,7 @@ use crate::kit::embedded;
 use crate::kit::yaml::{from_files, from_yaml};
 use crate::suite::values::parse_hex;
 
-/// Chapter of the annotated format, which becomes one page.
+/// Chapter of the annotated format, rendered as one page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Chapter {
@@ -85,7 +85,7 @@ pub struct WorkedExample {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Name of the part, which describes it.
+    /// Descriptive name of the part.
     #[serde(rename = "is")]
     pub name: String,
     text: Option<String>,

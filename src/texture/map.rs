@@ -172,7 +172,7 @@ impl TextureMap {
         })
     }
 
-    /// Returns the number of dimensions, which is the number of coordinates of a sample (R-PAR-03).
+    /// Returns the number of dimensions, which equals the number of coordinates of a sample (R-PAR-03).
     #[must_use]
     pub fn dimensions(&self) -> usize {
         self.dimensions

@@ -30,8 +30,8 @@ pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     [row(0) / w, row(1) / w, row(2) / w]
 }
 
-/// Interpolates coordinates inside a facet. For each corner, `ts` contains its coordinates, `b` its screen-space weight, and `w`
-/// its homogeneous coordinate.
+/// Interpolates coordinates inside a facet. For each corner, `ts` contains the coordinates, `b` the screen-space weight, and `w`
+/// the homogeneous coordinate.
 ///
 /// # Errors
 /// Returns [`NoValue::ImplementationDefined`] for the correction method Vertex.

@@ -95,7 +95,7 @@ fn weighted_average(
     Texel::sum(map.kind(), corners)
 }
 
-/// Returns the index of the cell that contains `t`, which is ⌊t·N⌋ (rulings `texel-grid`, `texel-tie`).
+/// Returns ⌊t·N⌋, the index of the cell that contains `t` (rulings `texel-grid`, `texel-tie`).
 pub(crate) fn cell_index(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
     fold_index(boundary, (t * size as f64).floor() as i64, size, rules)
 }

@@ -46,7 +46,7 @@ pub fn request_file<V: RequestValues>(
     }
 }
 
-/// Rewords the reason why a program is not a writer, so that it describes writers instead of decoders.
+/// Rewords the reason why a program is not a writer in terms of writers instead of decoders.
 pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
     let Some(reason) = &run.not_a_decoder else {
         return;

@@ -1,6 +1,6 @@
 //! T.81 F.2.2: decoding a block of coefficients
 //!
-//! A coefficient is coded in two parts: a Huffman code for its *size* (the number of bits of its magnitude), and that number of
+//! A coefficient is coded in two parts: a Huffman code for its *size* (the number of bits of its magnitude), and *size*
 //! additional bits, which select one of the numbers of this size. The code of an AC coefficient also contains the preceding run
 //! of zeros: RUN in the high four bits of the symbol, SIZE in the low four.
 //!

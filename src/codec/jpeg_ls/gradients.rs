@@ -13,8 +13,8 @@
 
 use super::{parameters::Parameters, template::Neighbors};
 
-/// Returns the signed index of the context, which is negative if the neighborhood is mirrored. Index 0 is the flat neighborhood,
-/// which run mode handles. The standard does not specify the numbering.
+/// Returns the index of the context, negated if the neighborhood is mirrored. Index 0 is the flat neighborhood, which run mode
+/// handles. The standard does not specify the numbering.
 #[inline]
 pub(super) fn context_number(parameters: &Parameters, neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, d } = neighbors;

@@ -65,7 +65,7 @@ impl Lines {
         }
     }
 
-    /// Sets the sample in column `x`, which has these neighbors. Returns the neighbors of the next sample.
+    /// Sets the sample in column `x`, given its neighbors. Returns the neighbors of the next sample.
     #[inline]
     pub fn set_sample(&mut self, x: usize, sample: i32, neighbors: Neighbors) -> Neighbors {
         self.line[x + 1] = sample as u8;
