@@ -110,7 +110,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     });
     subject.program().map_or(Ok(()), check_trouble)?;
     if args.output.html.is_some() && run.ended_early.is_none() {
-        run.scene = lit_scene::request(&run.offer, &run.judgement.decoded, &ask);
+        run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &ask);
     }
     let given_up = servers.filter(Servers::is_serve_mode_disabled);
     let notes = capabilities.remarks.iter();

@@ -282,7 +282,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     let (run, _) = run_with_mistakes(suite, &[misreading], &[], jobs(None)?, &HashMap::new());
     bar.finish_and_clear();
     let (mut ids, mut sizes) = (Vec::new(), Vec::new());
-    for index in run.judgement.with_outcome(Outcome::Fail) {
+    for index in run.judgment.with_outcome(Outcome::Fail) {
         let case = &suite.cases[index];
         ids.push(&*case.id);
         sizes.push((case.build(TableSpelling::default()).file.len(), index));
@@ -291,7 +291,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
         return Ok(String::new());
     };
     let (ids, Case { id, because, .. }) = (abbreviate_ids(&ids, "cases"), &suite.cases[index]);
-    let (judged, seen) = (&run.judgement.cases[index], &run.observations[index]);
+    let (judged, seen) = (&run.judgment.cases[index], &run.observations[index]);
     let says = judged.as_ref().map_or("", |judged| &judged.message);
     let view = seen.as_ref().map(|seen| seen.view.to_string());
     let view = view.unwrap_or_default();

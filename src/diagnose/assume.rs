@@ -39,7 +39,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
         }
     }
     for (index, outcome, says) in changes {
-        if let Some(judged) = &mut run.judgement.cases[index] {
+        if let Some(judged) = &mut run.judgment.cases[index] {
             judged.outcome = outcome;
             judged.message = says;
         }

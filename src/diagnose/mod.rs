@@ -83,7 +83,7 @@ fn diagnose_by(
 ) -> Causes {
     let mut diagnoses = words::nondeterminism::describe(suite, run);
     diagnoses.extend(words::promises::describe(suite, run));
-    if run.judgement.with_outcome(Outcome::Fail).next().is_none() {
+    if run.judgment.with_outcome(Outcome::Fail).next().is_none() {
         return diagnoses.into();
     }
     let by_dialect = witnesses(suite, run, None, threads);
@@ -196,7 +196,7 @@ mod tests {
         let explained = causes.diagnoses.iter().map(|cause| cause.explains.len());
         assert_eq!(
             explained.sum::<usize>(),
-            run.judgement.with_outcome(Outcome::Fail).count()
+            run.judgment.with_outcome(Outcome::Fail).count()
         );
     }
 }

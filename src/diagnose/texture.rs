@@ -19,9 +19,9 @@ use crate::texture::Rules;
 /// Returns the smallest set of misreadings that explains the failures of `run`, the misreading with the most failures first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
-    let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
-    let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
-    let inferred = CHOICES.apply(&run.judgement.dialect, Rules::SPEC);
+    let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
+    let passing: Vec<usize> = run.judgment.with_outcome(Outcome::Pass).collect();
+    let inferred = CHOICES.apply(&run.judgment.dialect, Rules::SPEC);
     let candidates = all().filter_map(|misreading| {
         let rules = misreading.apply_to(inferred);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
@@ -62,7 +62,7 @@ fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool
     let must_refuse = case.expect() == Expect::Reject;
     match case.answer(rules) {
         Answer::Decoded(answer) => {
-            let expected = case.expected(&run.judgement.dialect);
+            let expected = case.expected(&run.judgment.dialect);
             must_refuse || difference(&expected, &answer, case.tolerance).is_some()
         }
         Answer::Rejected => !must_refuse,

@@ -92,7 +92,7 @@ pub(super) fn witnesses<'a>(
 ) -> Vec<Witness<'a>> {
     let dialect = dialect_reading(run);
     let mut legal_files: HashMap<_, [usize; 2]> = HashMap::new();
-    for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
+    for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
         let Some(judged) = judged.as_ref().filter(|_| case.expect == Expect::Decode) else {
             continue;
         };
@@ -102,7 +102,7 @@ pub(super) fn witnesses<'a>(
     }
     let witness = |case_index: usize| {
         let case = &suite.cases[case_index];
-        let outcome = run.judgement.cases[case_index].as_ref()?.outcome;
+        let outcome = run.judgment.cases[case_index].as_ref()?.outcome;
         // Inconsistent responses and broken promises are no evidence for a misreading.
         let observation = run.observations[case_index]
             .as_ref()
@@ -140,7 +140,7 @@ pub(super) fn witnesses<'a>(
 /// Returns true if the decoder exited with 69 for a file in a format that it declares but never reads.
 pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
     run.offer
-        .is_broken_by(case, observation, &run.judgement.unsupported)
+        .is_broken_by(case, observation, &run.judgment.unsupported)
 }
 
 impl Witness<'_> {
@@ -374,8 +374,8 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
 /// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder reads a line
 /// feed after tables, this choice is kept, unless it is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
-    let judgement = &run.judgement;
-    let mut choices = judgement.dialect.0.iter().zip(&judgement.certainties);
+    let judgment = &run.judgment;
+    let mut choices = judgment.dialect.0.iter().zip(&judgment.certainties);
     let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
     let reading = match run.table.newline {
         true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
@@ -390,8 +390,8 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 
 /// Returns the choices that were inferred for the decoder.
 pub(crate) fn dialect_reading(run: &Run) -> Reading {
-    let judgement = &run.judgement;
-    let choices = judgement.dialect.0.iter().zip(&judgement.certainties);
+    let judgment = &run.judgment;
+    let choices = judgment.dialect.0.iter().zip(&judgment.certainties);
     let settled = choices.map(|(&reading, certain)| match certain {
         Certainty::Open => 0,
         _ => reading,

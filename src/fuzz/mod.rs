@@ -222,7 +222,7 @@ impl Batch {
         run: &'a Run,
         outcome: Outcome,
     ) -> impl Iterator<Item = (&'a Draft, usize)> {
-        let indices = run.judgement.with_outcome(outcome);
+        let indices = run.judgment.with_outcome(outcome);
         indices.filter_map(|index| {
             let id = self.suite.cases[index].id.strip_prefix("draft-")?;
             // The twin `-whole` of a damaged draft fails as a draft without damage.

@@ -78,7 +78,7 @@ impl Baseline {
     #[must_use]
     pub fn compare<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> BaselineComparison {
         let mut comparison = BaselineComparison::default();
-        for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
+        for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
             let Some(judged) = judged else { continue };
             let list = match (judged.outcome, self.0.contains_key(case.id())) {
                 (Outcome::Fail, true) => &mut comparison.known,
@@ -96,7 +96,7 @@ impl Baseline {
     #[must_use]
     pub fn to_updated_yaml<C: TestCase>(&self, suite: &Suite<C>, run: &Run<C>) -> String {
         let mut known = Vec::new();
-        for (case, judged) in suite.cases.iter().zip(&run.judgement.cases) {
+        for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
             let listed = self.0.get(case.id());
             let stays = match judged.as_ref().map(|judged| judged.outcome) {
                 Some(Outcome::Fail) => true,

@@ -52,7 +52,7 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
         let is_lenient = matches!(case.expect(), Expect::Lenient | Expect::Robust);
         let ruling = case.ruling().filter(|_| is_lenient);
         let seen = run.observations[i].as_ref().zip(ruling);
-        let Some(((seen, ruling), judged)) = seen.zip(run.judgement.cases[i].as_ref()) else {
+        let Some(((seen, ruling), judged)) = seen.zip(run.judgment.cases[i].as_ref()) else {
             continue;
         };
         let counts = rulings.entry(ruling).or_insert_with(|| Leniency {
@@ -75,7 +75,7 @@ pub(super) fn passing_case_ids<C: TestCase>(
     run: &Run<C>,
     is_included: impl Fn(usize) -> bool,
 ) -> Vec<String> {
-    let passed = run.judgement.with_outcome(Outcome::Pass);
+    let passed = run.judgment.with_outcome(Outcome::Pass);
     let passed = passed.filter(|&i| is_included(i));
     let ids = passed.map(|i| suite.cases[i].id().to_owned());
     ids.take(MAX_EVIDENCE_CASES).collect()

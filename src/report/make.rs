@@ -35,7 +35,7 @@ impl Report {
         let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
         let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
         let views = run.offer.views.iter();
-        let decoded = run.judgement.decoded.iter();
+        let decoded = run.judgment.decoded.iter();
         let remarks = run.remarks.iter().cloned();
         Report {
             schema: SCHEMA,
@@ -82,7 +82,7 @@ impl Report {
 
 fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> {
     let mut results = Vec::new();
-    let observed = run.judgement.cases.iter().zip(&run.observations);
+    let observed = run.judgment.cases.iter().zip(&run.observations);
     for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
         let Some(judged) = judged else { continue };
         let observation = observation.as_ref();
@@ -105,7 +105,7 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
 fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
     let mut readings = C::readings_of_files(suite, run);
     for (axis, choice) in C::CHOICES.iter().enumerate() {
-        if run.judgement.certainties[axis] != Certainty::Settled {
+        if run.judgment.certainties[axis] != Certainty::Settled {
             continue;
         }
         let shows = |i: usize| {
@@ -117,7 +117,7 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
         };
         readings.push(FollowedReading {
             ruling: choice.ruling.to_owned(),
-            reading: choice.readings[run.judgement.dialect.0[axis]].0.to_owned(),
+            reading: choice.readings[run.judgment.dialect.0[axis]].0.to_owned(),
             shown_by: passing_case_ids(suite, run, shows),
         });
     }
@@ -126,7 +126,7 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
 
 /// Returns everything for which the decoder always exits with status 69: features, and single views of one kind of case.
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
-    let features = run.judgement.unsupported.iter();
+    let features = run.judgment.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();
     for (view, kind) in &run.offer.missing_views {
         let name = format!("{view} of {kind}");

@@ -94,7 +94,7 @@ impl Reportable for Case {
     fn readings_of_files(suite: &Suite, run: &Run) -> Vec<FollowedReading> {
         let is_table =
             |feature: &Feature| matches!(feature, Feature::Format(format) if format.has_table());
-        if !run.judgement.decoded.iter().any(is_table) {
+        if !run.judgment.decoded.iter().any(is_table) {
             return Vec::new();
         }
         let newline = ["nothing", "one line feed"][usize::from(run.table.newline)];

@@ -64,8 +64,8 @@ const MAX_FIRST_CAUSES: usize = 5;
 /// Formats the likely causes of failures among the first cases of a run. Returns `None` if no case failed.
 #[must_use]
 pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
-    let judged = run.judgement.cases.iter().flatten().count();
-    let failed = run.judgement.with_outcome(Outcome::Fail).count();
+    let judged = run.judgment.cases.iter().flatten().count();
+    let failed = run.judgment.with_outcome(Outcome::Fail).count();
     if failed == 0 {
         return None;
     }

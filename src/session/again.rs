@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use crate::protocol::frame::Answer;
 use crate::session::asking::{CountCallback, Session, previous_request_text};
-use crate::session::judge::Judgement;
+use crate::session::judge::Judgment;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
 use crate::session::plan::{Repeat, SAMPLE_INTERVAL};
@@ -26,14 +26,14 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
-        judgement: &Judgement<C>,
+        judgment: &Judgment<C>,
         progress: &CountCallback,
     ) -> bool {
         if self.plan.repeat == Repeat::Nothing {
             return false;
         }
         let is_wanted = |&i: &usize| {
-            let (Some(observation), Some(judged)) = (&observations[i], &judgement.cases[i]) else {
+            let (Some(observation), Some(judged)) = (&observations[i], &judgment.cases[i]) else {
                 return false;
             };
             // Repeating a timeout would take too long. If two responses already differ, the case is decided.
@@ -42,7 +42,7 @@ impl<C: TestCase> Session<'_, C> {
             // The sample includes the first legal case of each unsupported kind.
             let cases = &self.suite.cases;
             let is_first_unsupported = || {
-                let mut unsupported = judgement.with_outcome(Outcome::Unsupported);
+                let mut unsupported = judgment.with_outcome(Outcome::Unsupported);
                 let key = |index: usize| (cases[index].kind(), cases[index].expect());
                 let first = (cases[i].kind(), Expect::Decode);
                 unsupported.find(|&index| key(index) == first) == Some(i)

@@ -14,7 +14,7 @@ use crate::suite::test_case::TestCase;
 
 /// The result of judging a decoder.
 #[derive(Clone, Debug)]
-pub struct Judgement<C: TestCase = Case> {
+pub struct Judgment<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
     /// Reading of each open question; the reference's if no case reveals the decoder's.
@@ -27,7 +27,7 @@ pub struct Judgement<C: TestCase = Case> {
     pub decoded: BTreeSet<C::Feature>,
 }
 
-impl<C: TestCase> Judgement<C> {
+impl<C: TestCase> Judgment<C> {
     /// Returns the indices of the cases with this outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
         let judged = self.cases.iter().enumerate();
@@ -43,7 +43,7 @@ pub fn judge<C: TestCase>(
     selected: &[bool],
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
-) -> Judgement<C> {
+) -> Judgment<C> {
     let (dialect, certain) = dialect_of(observations);
     let (unsupported, decoded) = features(suite, observations, offer);
     let twins = C::twins(&suite.cases);
@@ -68,7 +68,7 @@ pub fn judge<C: TestCase>(
         facts.verdict(offer)
     };
     let cases = (0..suite.cases.len()).map(|i| selected[i].then(|| judged(i)));
-    Judgement {
+    Judgment {
         cases: cases.collect(),
         dialect,
         certainties: certain,

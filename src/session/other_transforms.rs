@@ -67,8 +67,8 @@ fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
         misreadings::answer(&[], reading, request.file, request.view).into()
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
-    let failed = run.judgement.with_outcome(Outcome::Fail);
-    let failed = failed.map(|i| (&suite.cases[i].id, &run.judgement.cases[i]));
+    let failed = run.judgment.with_outcome(Outcome::Fail);
+    let failed = failed.map(|i| (&suite.cases[i].id, &run.judgment.cases[i]));
     let failed: Vec<_> = failed.collect();
     let [read, left] = [0, 1].map(|i: usize| COUNTS[i].swap(0, Ordering::Relaxed));
     assert!(failed.is_empty(), "{} failed: {failed:#?}", failed.len());

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 pub use crate::session::asking::Session;
 use crate::session::asking::{CountCallback, DecoderFn, is_hang};
 use crate::session::contact::{Contact, FirstFile};
-use crate::session::judge::{Judgement, judge};
+use crate::session::judge::{Judgment, judge};
 use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
 use crate::session::scores::{Fraction, Scores};
@@ -22,7 +22,7 @@ pub struct Run<C: TestCase = Case> {
     /// Observations, one slot per case of the suite.
     pub observations: Vec<Option<Observation<C>>>,
     /// The verdicts.
-    pub judgement: Judgement<C>,
+    pub judgment: Judgment<C>,
     /// The decoder's replies to the first files.
     pub first: Vec<FirstFile<C>>,
     /// The offer of the decoder.
@@ -161,8 +161,8 @@ impl<C: TestCase> Session<'_, C> {
         let selected = &self.plan.selected;
         let is_seen = |i: usize| selected[i] && indices.contains(&i) && observations[i].is_some();
         let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
-        let judgement = judge(self.suite, &selected, observations, &contact.offer);
-        self.run(contact.clone(), observations.to_vec(), judgement)
+        let judgment = judge(self.suite, &selected, observations, &contact.offer);
+        self.run(contact.clone(), observations.to_vec(), judgment)
     }
 
     /// Judges the observations, repeats failures, and judges again if a response differed. `progress` is called after each
@@ -181,13 +181,13 @@ impl<C: TestCase> Session<'_, C> {
             Some(_) => (&nothing, end_reason),
             None => (&self.plan.selected, contact.end_reason.or(end_reason)),
         };
-        let mut judgement = judge(suite, selected, &observations, &contact.offer);
-        if ended_early.is_none() && self.repeat(table, &mut observations, &judgement, progress) {
-            judgement = judge(suite, selected, &observations, &contact.offer);
+        let mut judgment = judge(suite, selected, &observations, &contact.offer);
+        if ended_early.is_none() && self.repeat(table, &mut observations, &judgment, progress) {
+            judgment = judge(suite, selected, &observations, &contact.offer);
         }
         let reason = || all_unsupported_reason(suite, &observations);
         let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
-        let run = self.run(contact, observations, judgement);
+        let run = self.run(contact, observations, judgment);
         let mut run = Run {
             ended_early,
             not_a_decoder,
@@ -203,11 +203,11 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         contact: Contact<C>,
         observations: Vec<Option<Observation<C>>>,
-        judgement: Judgement<C>,
+        judgment: Judgment<C>,
     ) -> Run<C> {
         Run {
             observations,
-            judgement,
+            judgment,
             first: contact.first,
             offer: contact.offer,
             table: contact.table,
@@ -239,7 +239,7 @@ fn all_unsupported_reason<C: TestCase>(
 impl<C: TestCase> Run<C> {
     /// Explains why cases were not requested: they were withheld, or the run ended early.
     fn explain_skipped_cases(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
-        let judged = suite.cases.iter().zip(&mut self.judgement.cases);
+        let judged = suite.cases.iter().zip(&mut self.judgment.cases);
         for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {
             let Some(judged) = judged else { continue };
             if let Some(why) = why {
@@ -259,7 +259,7 @@ impl<C: TestCase> Run<C> {
             *reason = format!("{reason}\n{why}");
             return;
         }
-        let not_run = self.judgement.with_outcome(Outcome::NotRun);
+        let not_run = self.judgment.with_outcome(Outcome::NotRun);
         let asked = self.request_count;
         let not_run = format!("{} cases were not run", not_run.count());
         let says = format!("{why}; {not_run}; {asked} requests were sent");
@@ -269,14 +269,14 @@ impl<C: TestCase> Run<C> {
     /// Returns the scores of this run.
     #[must_use]
     pub fn scores(&self, suite: &Suite<C>) -> Scores {
-        let count = |outcome: Outcome| self.judgement.with_outcome(outcome).count();
+        let count = |outcome: Outcome| self.judgment.with_outcome(outcome).count();
         let mut features: BTreeSet<C::Feature> = BTreeSet::new();
-        for (case, _) in (suite.cases.iter().zip(&self.judgement.cases)).filter(|of| of.1.is_some())
+        for (case, _) in (suite.cases.iter().zip(&self.judgment.cases)).filter(|of| of.1.is_some())
         {
             features.extend(case.views().iter().flat_map(|view| case.features(view)));
         }
         let passed = count(Outcome::Pass);
-        let decoded = self.judgement.decoded.intersection(&features).count();
+        let decoded = self.judgment.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };
         Scores {
             correctness: fraction(passed, passed + count(Outcome::Fail)),
@@ -288,7 +288,7 @@ impl<C: TestCase> Run<C> {
     /// Returns the exit status of `check`: 0, 1 or 3.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        self.status(self.judgement.with_outcome(Outcome::Fail).next().is_some())
+        self.status(self.judgment.with_outcome(Outcome::Fail).next().is_some())
     }
 
     /// Returns the exit status of a run in which some failures may be ignored. `failed` is true if any failure counts.

@@ -79,7 +79,7 @@ fn matrix_row<C: TestCase, A: 'static>(
     });
     MatrixRow {
         misreading,
-        killed_by: run.judgement.with_outcome(Outcome::Fail).collect(),
+        killed_by: run.judgment.with_outcome(Outcome::Fail).collect(),
         answers: digests.map(Option::unwrap_or_default).collect(),
     }
 }

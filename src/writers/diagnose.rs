@@ -51,7 +51,7 @@ pub fn diagnose(
     run: &Run<FileCase<Recipe>>,
     threads: usize,
 ) -> Vec<WriterDiagnosis> {
-    let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
+    let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
     if failing.is_empty() {
         return Vec::new();
     }
@@ -61,7 +61,7 @@ pub fn diagnose(
     let attempts: Attempts = attempts
         .filter_map(|(i, attempt)| Some((i, attempt?)))
         .collect();
-    let passing: Vec<usize> = run.judgement.with_outcome(Outcome::Pass).collect();
+    let passing: Vec<usize> = run.judgment.with_outcome(Outcome::Pass).collect();
     let single = single_mistakes(&attempts, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
@@ -228,7 +228,7 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
     };
     let fix = match clause {
         "refused" => "check the byte that the example names",
-        "1.0/1" => "compare the images under the light of the example",
+        "1.0/1" => "compare the images under the light direction in the example",
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",
         "2.4/3" => "write all digits of the six scales, in the order of the coefficients",

@@ -13,7 +13,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         .observations
         .iter()
         .enumerate()
-        .filter(|&(index, _)| run.judgement.cases[index].is_some())
+        .filter(|&(index, _)| run.judgment.cases[index].is_some())
         .filter_map(|(index, observation)| {
             Some((index, observation.as_ref()?.nondeterminism.as_ref()?))
         })
@@ -70,7 +70,7 @@ pub(in crate::diagnose) fn is_prevalent(run: &Run) -> bool {
         let difference = observation.and_then(|observation| observation.nondeterminism.as_ref());
         difference.is_some_and(|difference| !difference.in_serve_mode)
     };
-    let failed: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
+    let failed: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
     let differing = failed.iter().filter(|index| differs(index)).count();
     is_substantial(differing, failed.len())
 }

@@ -11,7 +11,7 @@ use crate::suite::cases::Suite;
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
     let is_broken = |&index: &usize| {
         let observation = run.observations[index].as_ref();
-        run.judgement.cases[index].is_some()
+        run.judgment.cases[index].is_some()
             && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[index], seen))
     };
     let indices: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();

@@ -129,7 +129,7 @@ impl RequestValues for ImageSource {
         run: &Run<FitCase>,
         _: usize,
     ) -> Vec<Diagnosis<&'static Misreading>> {
-        let mut failing: Vec<usize> = run.judgement.with_outcome(Outcome::Fail).collect();
+        let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
         let wrong_map = |index: usize| wrong_file(run.observations[index].as_ref());
         let mut evidence: BTreeMap<usize, WrongMap> = BTreeMap::new();
         for &index in &failing {

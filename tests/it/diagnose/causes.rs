@@ -27,7 +27,7 @@ fn causes(suite: &Suite, run: &Run) -> Vec<Diagnosis> {
 }
 
 fn failures(run: &Run) -> Vec<usize> {
-    run.judgement.with_outcome(Outcome::Fail).collect()
+    run.judgment.with_outcome(Outcome::Fail).collect()
 }
 
 /// Returns the slugs of the misreadings that a diagnosis names or lists as equivalent.
@@ -151,7 +151,7 @@ fn undecoded_format_is_unsupported_despite_refusals() {
         },
         other => other,
     });
-    let count = |outcome| run.judgement.with_outcome(outcome).count();
+    let count = |outcome| run.judgment.with_outcome(outcome).count();
     let (refused, unsupported) = (count(Outcome::Fail), count(Outcome::Unsupported));
     assert!(unsupported > 3 * refused, "{refused} {unsupported}");
     let lum = (suite.cases.iter()).filter(|case| case.format() == Format::Lum);
@@ -281,8 +281,7 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
-/// Checks every `step`th misreading, starting at `first`: a decoder with that misreading must fail, and the first cause must name
-/// it.
+/// Checks every `step`th misreading, starting at `first`: a decoder that makes it must fail, and the first cause must name it.
 fn check_every_misreading(
     (first, step): (usize, usize),
     suite: &Suite,

@@ -99,7 +99,7 @@ fn replay(suite: &Suite, reader: &str) -> Run {
 /// Returns every cause that is reported for a decoder.
 fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     let run = replay(suite, reader);
-    let failures = run.judgement.with_outcome(Outcome::Fail).count();
+    let failures = run.judgment.with_outcome(Outcome::Fail).count();
     let found = diagnose(suite, &run, &[], 2);
     assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
@@ -214,7 +214,7 @@ fn report_text(suite: &Suite, run: &Run) -> String {
         .into_iter()
         .filter(|&outcome| outcome != Outcome::Pass)
     {
-        let mut cases = run.judgement.with_outcome(outcome).peekable();
+        let mut cases = run.judgment.with_outcome(outcome).peekable();
         if cases.peek().is_some() {
             text.extend(["  ", outcome.name(), ":\n"]);
         }

@@ -118,7 +118,7 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
         let some = Suite { cases };
         let (run, _) =
             run_with_mistakes(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
-        run.judgement.with_outcome(Outcome::Fail).next().is_some()
+        run.judgment.with_outcome(Outcome::Fail).next().is_some()
     })
 }
 

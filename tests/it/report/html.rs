@@ -290,7 +290,7 @@ fn colors_are_explained_with_their_arithmetic() {
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
     let mut run = check(&suite, &plan, &halve_red, &|_, _, _, _| ());
-    run.scene = lit_scene::request(&run.offer, &run.judgement.decoded, &halve_red);
+    run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &halve_red);
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
     let page = html::page(&suite, &report, Some(&run)).expect("a page");
     save_page("colors.html", &page);

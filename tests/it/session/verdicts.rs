@@ -26,7 +26,7 @@ fn hang() -> Answer {
 }
 
 fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<Item = &'a Case> {
-    run.judgement
+    run.judgment
         .with_outcome(outcome)
         .map(|place| &suite.cases[place])
 }
@@ -114,7 +114,7 @@ fn tables_are_unsupported_for_a_decoder_without_tables() {
         assert!(cases(&suite, &run, Outcome::Unsupported).any(|case| case.expect == expect));
     }
     let others = suite.cases.len() - unsupported.len();
-    assert_eq!(run.judgement.with_outcome(Outcome::Pass).count(), others);
+    assert_eq!(run.judgment.with_outcome(Outcome::Pass).count(), others);
     assert_eq!(run.exit_status(), 0);
 }
 
@@ -129,7 +129,7 @@ fn refusing_some_tables_passes_no_table_case() {
         case.format().has_table().then_some(refused)
     });
     assert!(!cases(&suite, &run, Outcome::Pass).any(|case| case.format().has_table()));
-    assert_eq!(run.judgement.with_outcome(Outcome::Fail).count(), 0);
+    assert_eq!(run.judgment.with_outcome(Outcome::Fail).count(), 0);
 }
 
 #[test]
@@ -144,8 +144,8 @@ fn unselected_legal_files_still_decide_support() {
     let run = run(&suite, &plan, |case| {
         case.format().has_table().then_some(Answer::Unsupported)
     });
-    assert_eq!(run.judgement.with_outcome(Outcome::Pass).count(), 0);
-    assert!(run.judgement.with_outcome(Outcome::Unsupported).count() > 0);
+    assert_eq!(run.judgment.with_outcome(Outcome::Pass).count(), 0);
+    assert!(run.judgment.with_outcome(Outcome::Unsupported).count() > 0);
 }
 
 #[test]
@@ -173,11 +173,11 @@ fn hangs_on_optional_files_do_not_end_a_run() {
         (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
     });
     assert_eq!(run.ended_early, None);
-    assert_eq!(run.judgement.with_outcome(Outcome::NotRun).count(), 0);
+    assert_eq!(run.judgment.with_outcome(Outcome::NotRun).count(), 0);
     let is_hung = |case: &&Case| !matches!(case.expect, Expect::Decode | Expect::Spelling);
     let hung = suite.cases.iter().filter(is_hung);
     assert_eq!(
-        run.judgement.with_outcome(Outcome::Fail).count(),
+        run.judgment.with_outcome(Outcome::Fail).count(),
         hung.count()
     );
 }
@@ -192,7 +192,7 @@ fn three_hangs_end_a_run_for_any_number_of_jobs() {
     let reports = [1, 4].map(|jobs| {
         let plan = RunPlan::new(&suite, jobs);
         let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
-        let not_run: Vec<usize> = run.judgement.with_outcome(Outcome::NotRun).collect();
+        let not_run: Vec<usize> = run.judgment.with_outcome(Outcome::NotRun).collect();
         assert!(not_run.iter().copied().eq(legal[2] + 1..suite.cases.len()));
         assert_eq!(run.exit_status(), 1);
         let command = ["decoder".to_owned()];

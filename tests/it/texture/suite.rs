@@ -40,7 +40,7 @@ fn cases_with_outcome(
     run: &Run<TextureCase>,
     wanted: Outcome,
 ) -> Vec<String> {
-    let cases = run.judgement.with_outcome(wanted);
+    let cases = run.judgment.with_outcome(wanted);
     cases.map(|i| suite.cases[i].id.clone()).collect()
 }
 
@@ -116,7 +116,7 @@ fn mixed_readings_fail() {
             let pure = run(&suite, |case| case.answer(&rules));
             let failed = cases_with_outcome(&suite, &pure, Outcome::Fail);
             assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
-            assert_eq!(pure.judgement.dialect, dialect, "{}: {name}", choice.ruling);
+            assert_eq!(pure.judgment.dialect, dialect, "{}: {name}", choice.ruling);
             let revealing = suite.cases.iter().filter(|case| {
                 let other = case.expected(&dialect);
                 case.relevant_axes().contains(&axis)
@@ -188,7 +188,7 @@ fn only_whole_steps_can_be_unsupported() {
         false => case.answer(&Rules::SPEC),
     });
     assert_eq!(consistent.exit_status(), 0);
-    let names: Vec<&String> = consistent.judgement.unsupported.iter().collect();
+    let names: Vec<&String> = consistent.judgment.unsupported.iter().collect();
     assert_eq!(names, ["PTM maps", "depth", "interpolate"]);
     let inconsistent = run(&suite, |case| match case.id.as_str() {
         "SMP-08" => Answer::Unsupported,
@@ -306,7 +306,7 @@ fn malformed_questions_name_the_faulty_field() {
 {"op":"index","given":{"boundary":"Wrap","size":0,"t":[0]}} | from 1 to 2^31
 {"op":"parameterize","given":{"entry":{},"point":{"vrc":[0,0,0]}}} | a normal
 {"op":"parameterize","given":{"dim":4}} | 1, 2 or 3
-{"op":"interpolate","given":{"ts":[[0],[1]],"b":[1],"correction":"None"}} | for each corner
+{"op":"interpolate","given":{"ts":[[0],[1]],"b":[1],"correction":"None"}} | per corner
 {"op":"resolve","given":{"index":0}} | index-out-of-range
 {"op":"compose","given":{"texel":["RGB",[1]],"color":[0,0,0]}} | [kind, components]"#,
     ) {

@@ -108,8 +108,7 @@ fn no_system_file_is_identified_as_a_ptm() {
     assert_eq!(count_ptms(&Workspace::new(), &files), 0);
 }
 
-/// Returns at most `max_files` files in a directory and its subdirectories, except links and files whose names contain a line
-/// feed.
+/// Returns at most `max_files` files at any depth in a directory, except links and files with a line feed in their names.
 fn files_below(directory: &Path, max_files: usize) -> Vec<PathBuf> {
     let (mut files, mut directories) = (Vec::new(), vec![directory.to_owned()]);
     while let (Some(directory), true) = (directories.pop(), files.len() < max_files) {

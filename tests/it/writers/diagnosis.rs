@@ -56,7 +56,7 @@ impl Requests {
         };
         let plan = RunPlan::new(&self.suite, 2);
         let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
-        let failing = run.judgement.with_outcome(Outcome::Fail).count();
+        let failing = run.judgment.with_outcome(Outcome::Fail).count();
         let causes = diagnose(&self.suite, &run, 2);
         match causes.first().map(|first| &first.cause) {
             Some(Cause::Misreading {
