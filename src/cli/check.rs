@@ -232,4 +232,4 @@ const SERVE_MODE_FAILED: &str =
     "serve mode failed: the first requests were not answered; fell back to one process per request";
 
 /// Hint for the author of a decoder that starts slowly.
-const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. ptm-conform example python prints a decoder with both modes.";
+const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. To print a decoder that supports it, run: ptm-conform example python";

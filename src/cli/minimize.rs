@@ -100,7 +100,7 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
                 (Answer::Decoded(made), Answer::Decoded(shown)) => {
                     equal_up_to_rounding(made, shown)
                 }
-                (made, answer) => made.is_of_kind(answer),
+                (made, answer) => made.is_same_kind_as(answer),
             }
         })
     };

@@ -39,7 +39,7 @@ pub(super) const MAX_FALLBACK_CASES: usize = 160;
 pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 
 // Edits of formulas
-/// Maximum number of times that every edit is tried: alone, and together with the first mistakes that were found.
+/// Maximum number of passes over the edits. The first pass tries each edit alone, the second together with mistakes already found.
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;

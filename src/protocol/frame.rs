@@ -581,7 +581,7 @@ impl<T> Answer<T> {
     /// Returns true if both answers are of the same kind. All exceeded limits count as one kind, because timing determines which
     /// one is exceeded first.
     #[must_use]
-    pub fn is_of_kind(&self, other: &Answer<T>) -> bool {
+    pub fn is_same_kind_as(&self, other: &Answer<T>) -> bool {
         let is_limit = |answer: &Answer<T>| {
             matches!(
                 answer,
@@ -599,7 +599,7 @@ impl Answer {
     pub fn is_equivalent(&self, other: &Answer) -> bool {
         match (self, other) {
             (Answer::Decoded(a), Answer::Decoded(b)) => a.is_equivalent(b),
-            _ => self.is_of_kind(other),
+            _ => self.is_same_kind_as(other),
         }
     }
 }

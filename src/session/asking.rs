@@ -181,7 +181,7 @@ pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
 /// Returns the failure of a serving process, if a new process then answered within the limits.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.serve_mode_answer.as_ref()?;
-    if served.is_of_kind(&reply.answer) {
+    if served.is_same_kind_as(&reply.answer) {
         return None;
     }
     let after = previous_request_text(reply.previous_request.as_ref());

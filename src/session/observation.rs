@@ -79,7 +79,7 @@ impl<C: TestCase> Response<C> {
                 (Some(a), Some(b)) => C::is_equivalent(a, b),
                 (a, b) => a.is_none() && b.is_none(),
             },
-            (Response::Violation(a), Response::Violation(b)) => a.is_of_kind(b),
+            (Response::Violation(a), Response::Violation(b)) => a.is_same_kind_as(b),
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
     }

@@ -51,7 +51,7 @@ impl Profile {
         Self::ALL[self as usize].2
     }
 
-    /// Returns the views for which expected answers of a case are included.
+    /// Returns the views in which the profile includes the expected answers of a case.
     fn views(self, case: &Case) -> Vec<View> {
         let preferred = match self {
             Profile::Minimal => &[][..],

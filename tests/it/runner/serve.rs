@@ -13,7 +13,7 @@ use crate::common::{
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
 
-/// Checks a program of the zoo with a few cases.
+/// Checks a program from the zoo on a few cases.
 fn check_zoo(kind: &str) -> CheckRun {
     check(&format!("{FEW_CASES} -- {}", zoo(kind)))
 }
