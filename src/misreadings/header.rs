@@ -65,22 +65,9 @@ pub(super) const STEPS: Steps = |slug| {
         "scale-bias-two-lines-only" => |f| f.refuse_if(!f.bytes_after(SCALE, 5).contains(&b'\n')),
         "scale-bias-one-line-only" => |f| f.refuse_if(f.bytes_after(SCALE, 5).contains(&b'\n')),
         "double-space-dies" => |f| f.refuse_if(header_contains(f, b"  ")),
-        "double-space-is-zero" => |f| {
-            let (Some(first), Some(last)) = (f.nth_field(SCALE, 0), f.nth_field(BIAS, 5)) else {
-                return f.unchanged();
-            };
-            let range = first.range.start..last.range.end;
-            let text = String::from_utf8_lossy(&f.file[range.clone()]);
-            let read_line = |line: &str| {
-                let pieces = line.split(' ');
-                let pieces = pieces.map(|piece| if piece.is_empty() { "0" } else { piece });
-                let count = line.split_ascii_whitespace().count();
-                pieces.take(count).collect::<Vec<_>>().join(" ")
-            };
-            let lines: Vec<String> = text.split('\n').map(read_line).collect();
-            let mut bytes = f.file.to_vec();
-            bytes.splice(range, lines.join("\n").into_bytes());
-            EditedFile::File(bytes)
+        "double-space-is-zero" => |f| match header_contains(f, b"  ") {
+            true => f.respell(&[SCALE, BIAS], |_| Some("0".to_owned())),
+            false => f.unchanged(),
         },
         "last-number-needs-space" => |f| {
             let mut bytes = f.file.to_vec();
