@@ -206,16 +206,16 @@ impl fmt::Display for Error {
     }
 }
 
+/// Describes a number of bytes, which may be the result of saturating arithmetic.
+pub(crate) fn byte_count(n: u64) -> String {
+    match n {
+        u64::MAX => "more bytes than 64 bits can count".to_owned(),
+        n => format!("{n} bytes"),
+    }
+}
+
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Do not print a saturated number of bytes.
-        let bytes = |n: u64| {
-            if n == u64::MAX {
-                "more bytes than 64 bits can count".to_owned()
-            } else {
-                format!("{n} bytes")
-            }
-        };
         match self {
             Kind::Expected { what, found } => write!(f, "expected {what}, found \"{found}\""),
             Kind::Ended { what } => write!(f, "expected {what}, found the end of the file"),
@@ -223,12 +223,16 @@ impl fmt::Display for Kind {
                 what,
                 needed,
                 remaining,
-            } => write!(f, "{what} need {}, {remaining} remain", bytes(*needed)),
+            } => write!(f, "{what} need {}, {remaining} remain", byte_count(*needed)),
             Kind::IndexOutOfRange { index, entries } => {
                 write!(f, "index {index}, but the table has {entries} entries")
             }
             Kind::TooLarge { needed: n, limit } => {
-                write!(f, "the planes need {}; the limit is {limit}", bytes(*n))
+                write!(
+                    f,
+                    "the planes need {}; the limit is {limit}",
+                    byte_count(*n)
+                )
             }
             Kind::NotAPlane {
                 plane,

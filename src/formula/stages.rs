@@ -97,6 +97,7 @@ fn coefficient_index(channel: usize) -> [f64; 2] {
 fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
+    // Edits of formulas that the format does not use change nothing.
     let mut formulas = edits.0.iter().map(|edit| edit.formula);
     if !formulas.any(|formula| formula.is_used_by(header.format)) {
         return decode_as(file, reading, &Limits::default());

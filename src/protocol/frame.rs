@@ -18,6 +18,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::decode::StoredMap;
+use crate::error::byte_count;
 use crate::formula::{self, Edits};
 use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
@@ -409,11 +410,9 @@ impl Frame {
         };
         let needed = shape
             .into_iter()
-            .try_fold(size, |product: usize, n| product.checked_mul(n as usize));
-        if needed != Some(samples.len()) {
-            let needed = needed.map_or("more bytes than 64 bits can count".to_owned(), |needed| {
-                format!("{needed} bytes")
-            });
+            .fold(size, |product: u64, n| product.saturating_mul(n.into()));
+        if needed != samples.len() as u64 {
+            let needed = byte_count(needed);
             let hint = match bytes.len().is_multiple_of(65_536) {
                 true => {
                     "; the output is truncated at a multiple of 65,536 bytes; does the program exit before its output is flushed?"

@@ -1,6 +1,7 @@
 //! NumPy arrays: `\x93NUMPY`, a version, the length of the header, and the header, which is a Python dictionary with `descr`,
 //! `fortran_order` and `shape`. The shape is (height, width, channels), the type is `u1` or `<f4`, and the order is C order.
 
+use crate::error::byte_count;
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 
 /// Parses a complete `.npy` file as a frame of `view`.
@@ -37,13 +38,11 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     };
     let needed = [height, width, channels]
         .into_iter()
-        .try_fold(size, |product: u64, n| product.checked_mul(u64::from(n)));
-    if needed != Some(data.len() as u64) {
+        .fold(size, |product: u64, n| product.saturating_mul(n.into()));
+    if needed != data.len() as u64 {
         return Err(format!(
             "shape ({height}, {width}, {channels}) of {descr} needs {}, {} follow",
-            needed.map_or("more bytes than 64 bits can count".to_owned(), |needed| {
-                format!("{needed} bytes")
-            }),
+            byte_count(needed),
             data.len()
         ));
     }

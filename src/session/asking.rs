@@ -68,8 +68,8 @@ impl<'a, C: TestCase> Session<'a, C> {
 
     /// Returns the reason to end the run, if there is one.
     pub(super) fn end_reason(&self) -> Option<&'static str> {
-        let (stop, hung) = (&self.plan.stop, &self.tally.too_many_hangs);
-        match (stop.load(Ordering::Relaxed), hung.load(Ordering::Relaxed)) {
+        let (stop, hangs) = (&self.plan.stop, &self.tally.too_many_hangs);
+        match (stop.load(Ordering::Relaxed), hangs.load(Ordering::Relaxed)) {
             (true, _) => Some("the run was interrupted"),
             (false, true) => {
                 Some("the run ended early: the decoder hung on three legal files in a row")

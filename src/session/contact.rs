@@ -347,7 +347,7 @@ fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
             "it exits with 69 (unsupported) on all of the first files in every view".to_owned()
         }
         (Answer::Rejected | Answer::Unsupported, _) => format!(
-            "it decodes none of the first files in any view; with status 65, it refuses {refused} of {} requests for ordinary files",
+            "it decodes none of the first files in any view, and refuses {refused} of {} requests for ordinary files (exit status 65)",
             first.len()
         ),
         (answer, _) => format!(
