@@ -32,7 +32,7 @@ impl<C: Reportable> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from another run, suite or version, or a part is missing, repeated or
+    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, repeated or
     /// incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
@@ -99,8 +99,8 @@ impl<C: Reportable> RecordedAnswers<C> {
         Ok((run, report))
     }
 
-    /// Returns the recorded answer to a request. If no part repeated the request, the first answer is used again, because
-    /// its verdict did not require a repetition.
+    /// Returns the recorded answer to a request. If no part repeated the request, the first answer is used again, because the
+    /// verdict on it did not require a repetition.
     fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
         let key = |alone| (file.clone(), request.view.to_string(), alone);

@@ -45,7 +45,7 @@ pub trait Reportable: TestCase {
 
     /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.
     fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
-    /// Assumes the given misreadings: failures that they explain no longer count as failures.
+    /// Assumes the given misreadings. Failures explained by one of them no longer count as failures.
     ///
     /// # Errors
     /// Returns a message that names the first unknown misreading.
@@ -55,7 +55,7 @@ pub trait Reportable: TestCase {
             _ => Err("--assume works only with --suite ptm".to_owned()),
         }
     }
-    /// Returns the causes of failures other than the assumed misreadings, sorted by the number of cases that each explains.
+    /// Returns the causes of failures, without the assumed misreadings, sorted by the number of cases that each explains.
     fn diagnose(
         suite: &Suite<Self>,
         run: &Run<Self>,
@@ -84,7 +84,7 @@ impl Reportable for Case {
         Suite::load()
     }
 
-    /// Returns the recorded digest of all files, because generating the files would take longer than most runs of single cases.
+    /// Returns the recorded digest of all files. Generating the files would take longer than most runs of single cases.
     fn digest(_: &Suite) -> String {
         include_str!("../../spec-cases/corpus.sha256")
             .trim()

@@ -27,7 +27,7 @@ use crate::session::{plan::RunPlan, remark::Remark};
 use crate::suite::dialect::RightDialects;
 use crate::suite::test_case::{Allowance, TestCase};
 
-/// Part of the suite, written as `3/8` for the third of eight.
+/// A part of the suite, written as `3/8` for the third of eight parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Number of the part, starting at 1.
@@ -38,7 +38,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. Depends only on the id, so new cases do not move existing ones.
+    /// Returns true if this part contains the case `id`. New cases do not move existing ones, because only the id matters.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());

@@ -42,7 +42,7 @@ impl Report {
         text
     }
 
-    /// Returns a comma-separated list of the number of cases with each outcome.
+    /// Returns the number of cases with each outcome, as a comma-separated list.
     #[must_use]
     pub fn counts(&self) -> String {
         let mut counts = Vec::new();

@@ -19,7 +19,7 @@ impl Report {
     /// Serializes the report as YAML.
     ///
     /// # Errors
-    /// Returns an error if serialization fails, which no report should cause.
+    /// Returns an error if serialization fails, which should never happen.
     pub fn to_yaml(&self) -> Result<String, String> {
         to_yaml(self)
     }
@@ -27,7 +27,7 @@ impl Report {
     /// Reads a report that `check` wrote to `path`.
     ///
     /// # Errors
-    /// Returns a message that names the file and, if known, the line. Short reports and other schema versions are rejected.
+    /// Returns a message with the file and, if known, the line. Rejects short reports (`--short`) and other schema versions.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
         let in_file = |error: String| format!("{}: {error}", path.display());

@@ -135,7 +135,7 @@ fn kill_until_none(list: impl Fn() -> Vec<u32>) {
     }
 }
 
-/// Returns the orphans that this process inherited and for which `wanted` is true.
+/// Returns the orphans of this process for which `wanted` returns true.
 fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     let this = std::process::id();
     // Orphans become children of the main thread. Children of other threads were started by these threads.

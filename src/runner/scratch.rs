@@ -1,6 +1,6 @@
 //! Temporary directories for inputs and decoders. A run removes its directories when it ends.
 //!
-//! Inputs are written to an in-memory file system if there is one and the file fits, because this avoids waiting for a disk.
+//! Inputs are written to an in-memory file system if there is one and the input fits, because this avoids waiting for a disk.
 //! Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an in-memory file
 //! system may forbid execution.
 
@@ -206,7 +206,7 @@ fn write_read_only(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)
 }
 
-/// Returns true if an input is unchanged. A decoder may have replaced it with a pipe or a link, and may still change it.
+/// Returns true if an input is unchanged. A decoder may have replaced it with a pipe or a link, and may still be changing it.
 pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
     let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
     let open = fs::OpenOptions::new()

@@ -220,7 +220,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     )
 }
 
-/// Returns the name of an ELF machine, and true if this system can execute its programs.
+/// Returns the name of an ELF machine, and true if this system can execute programs for that machine.
 fn machine_name(machine: u16) -> (String, bool) {
     let known = [
         (3, "x86"),

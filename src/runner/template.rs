@@ -26,7 +26,7 @@ pub struct Template {
 enum TemplatePiece {
     Text(OsString),
     In,
-    /// The output file, with an extension, because viewers choose the format by extension.
+    /// The output file with this extension, from which a viewer may choose the format.
     Out(String),
     Lu,
     Lv,
@@ -54,7 +54,7 @@ impl Template {
         Ok(template)
     }
 
-    /// Parses a template for a program that writes `{out}`. The other placeholders are `{in}` and `names`.
+    /// Parses a template for a program that writes `{out}`. The other placeholders are `{in}` and those in `names`.
     ///
     /// # Errors
     /// Returns a message that describes the error in the template.
@@ -114,7 +114,7 @@ impl Template {
         }
     }
 
-    /// Returns true if the view is part of the command line, so that a call can request any view.
+    /// Returns true if the command line contains the view, which means that a call can request any view.
     #[must_use]
     pub fn has_view(&self) -> bool {
         self.pieces().any(|piece| *piece == TemplatePiece::View)

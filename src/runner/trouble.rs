@@ -62,7 +62,7 @@ pub(crate) fn is_shortage(error: &io::Error) -> bool {
     Errno::from_io_error(error).is_some_and(|error| shortages.contains(&error))
 }
 
-/// Returns true if a file could not be written because of its file system, so that another file system may have space.
+/// Returns true if a file could not be written because of its file system. Another file system may have space.
 pub(crate) fn is_out_of_space(error: &io::Error) -> bool {
     let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
     Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))

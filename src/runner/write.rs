@@ -14,7 +14,7 @@ use crate::runner::template::Template;
 /// A file that a request refers to.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Name in a template and in the text of the request, where it appears in braces.
+    /// Name that stands for the file, in braces, in a template and in the text of the request.
     pub name: String,
     /// Name of the file.
     pub file_name: String,
@@ -38,7 +38,7 @@ pub struct WriteCall<'a> {
 }
 
 impl Decoder {
-    /// Returns the same program with the command line `program args… VERB REQUEST OUT`, unless it has a template.
+    /// Returns the same program, which is called as `program args… VERB REQUEST OUT` unless it has a template.
     #[must_use]
     pub fn as_writer(&self, verb: &str) -> Decoder {
         let words = [verb, "{in}", "{out}"].map(OsString::from);

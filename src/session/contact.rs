@@ -287,8 +287,8 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the table spelling that a decoder reads best, judged by small tables, if it reads no `spelling` case correctly.
-    /// Returns `None` if the evidence is weak.
+    /// Returns the table spelling in which the decoder reads small tables best, if it reads no `spelling` case correctly. Returns
+    /// `None` if the evidence is weak.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
         if self.plan.precomputed {

@@ -53,7 +53,7 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
 }
 
 /// Returns, for each of these axes, the reading under which most of the answers are right, and the certainty of that reading.
-/// Considers only answers that depend on one of the axes.
+/// Considers only answers that depend on at least one of the axes.
 fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
     let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
     let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();

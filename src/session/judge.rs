@@ -163,7 +163,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns how a wrong image differs from the correct image in the decoder's dialect, unless it is also the reference's.
+    /// Returns how an image differs from the correct image in the decoder's dialect, or `None` for the reference's.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;

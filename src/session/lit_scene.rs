@@ -142,7 +142,7 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     write(&recipe, &model).bytes
 }
 
-/// Paints four corners and a striped ball with the luminance of a matte surface: the dot product of normal and light.
+/// Paints four corners and a striped ball with the luminance of a matte surface: the dot product of the normal and the light.
 #[must_use]
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;

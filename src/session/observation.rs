@@ -50,7 +50,7 @@ pub struct Nondeterminism {
 /// An answer, compared with the expected one.
 #[derive(Clone, Debug)]
 pub enum Response<C: TestCase = Case> {
-    /// An image, or another answer to the question.
+    /// An image, or the answer to a texture question.
     Image {
         /// The dialects in which the image is right.
         right: RightDialects,

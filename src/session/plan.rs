@@ -21,7 +21,7 @@ pub struct RunPlan {
     pub views: Vec<String>,
     /// The views that the decoder declares; empty if it declares none.
     pub declared_views: Vec<String>,
-    /// The names of the kinds of case that the decoder declares; empty if it declares none.
+    /// The names of the kinds of cases that the decoder declares; empty if it declares none.
     pub declared_kinds: Vec<String>,
     /// The requests to repeat.
     pub repeat: Repeat,
@@ -63,7 +63,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns the mode of the decoder for reports.
+    /// Returns the name of the decoder's mode in reports.
     #[must_use]
     pub fn mode(&self) -> &'static str {
         match self.repeat {
@@ -84,7 +84,7 @@ impl RunPlan {
         self.withheld.get(i).is_none_or(Option::is_none)
     }
 
-    /// Returns the reasons why cases are not requested, one slot per case of the suite, for this spelling of tables.
+    /// Returns the reasons why cases are not requested in this table spelling, one slot per case of the suite.
     pub(super) fn withheld_in<C: TestCase>(
         &self,
         suite: &Suite<C>,

@@ -150,7 +150,7 @@ impl<C: TestCase> Session<'_, C> {
         observations
     }
 
-    /// Returns the run as if only these cases had been selected. Nothing is repeated.
+    /// Returns the run that results if only these cases are selected. Nothing is repeated.
     #[must_use]
     pub fn partial_run(
         &self,

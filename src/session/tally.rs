@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
-/// Number of consecutive legal files with timeouts after which a run ends.
+/// Number of timeouts on consecutive legal files after which a run ends.
 const MAX_CONSECUTIVE_HANGS: usize = 3;
 
 /// Counts of calls so far.

@@ -1,8 +1,8 @@
 //! Transforms that make nearly all first files wrong in the same way: flipped images, swapped channels, a factor or a tone curve.
 //!
 //! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
-//! before comparison, so that other mistakes become visible. Undoing it must correct nearly all wrong images of first files in a
-//! view, within the default tolerances, and leave the other images correct.
+//! before comparison, so that other mistakes become visible. Undoing a transform must correct nearly all wrong images of first
+//! files in a view, within the default tolerances, and leave the other images correct.
 
 use std::sync::Arc;
 

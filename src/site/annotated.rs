@@ -91,7 +91,7 @@ pub struct Part {
     text: Option<String>,
     hex: Option<String>,
     stream: Option<String>,
-    /// Number of times that the bytes are repeated, 1 by default.
+    /// Number of copies of the bytes, 1 by default.
     times: Option<usize>,
 }
 

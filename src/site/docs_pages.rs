@@ -50,7 +50,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     DOCUMENTS.iter().map(page).chain([image]).collect()
 }
 
-/// Returns the headings of all documents, their URLs relative to the root of the site, and the names of the documents.
+/// Returns every heading in the documents, its URL relative to the root of the site, and the name of its document.
 pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)> {
     DOCUMENTS.iter().flat_map(|(file, name, text)| {
         let (headings, _) = render_document(file, text);

@@ -146,7 +146,7 @@ type NamedText = (String, String);
 /// Descriptions by name.
 pub(super) type NamedTexts = BTreeMap<String, String>;
 
-/// Texts and tables of the site. `spec-cases/site/texts.yaml` describes the fields.
+/// Text and tables shown on the site. `spec-cases/site/texts.yaml` describes the fields.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Texts {

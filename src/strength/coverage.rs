@@ -1,7 +1,7 @@
 //! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
 //! - A clause is *covered* by its cases, and by those of its misreadings that the suite catches.
-//! - A case *kills* a misreading if a decoder with it fails the case, and *separates* two misreadings if their answers differ.
+//! - A case *kills* a misreading that makes a decoder fail the case, and *separates* two misreadings whose answers differ.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
 

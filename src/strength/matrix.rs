@@ -84,8 +84,8 @@ fn matrix_row<C: TestCase, A: 'static>(
     }
 }
 
-/// Runs the suite against a decoder with these mistakes. Requests only `views`, or all views if the list is empty.
-/// Returns the run and the answers. If no mistake can affect a file, reuses the answer in `correct` if it is available.
+/// Runs the suite against a decoder with these mistakes. Requests only `views`, or all views if the list is empty. Returns the
+/// run and the answers. For files that no mistake can affect, reuses the answers in `correct`, if available.
 #[must_use]
 pub fn run_with_mistakes(
     suite: &Suite,

@@ -66,7 +66,7 @@ pub struct Case {
     pub views: Vec<View>,
     /// True if the case is requested in every view before all other cases.
     pub first: bool,
-    /// Id of the case whose valid file was edited to create this one.
+    /// Id of the case whose valid file was edited to create this file.
     pub twin_of: Option<String>,
     /// Open choices that affect the case, if it declares them.
     pub(super) open_choices: Option<Vec<String>>,
@@ -98,7 +98,7 @@ pub struct Built {
     pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
 }
 
-/// Correct images by dialect; `None` for a dialect that refuses the file.
+/// Correct image in each dialect; `None` if the file is refused in that dialect.
 pub(crate) type Pictures = Arc<Vec<Option<Expected>>>;
 
 /// Spelling of a lookup table in a file. A decoder need not support every spelling.

@@ -175,11 +175,11 @@ pub enum Difference {
     },
     /// Different samples.
     Samples {
-        /// Column of the first texel that differs, from the left.
+        /// Column of the first texel that differs, counted from the left.
         x: usize,
-        /// Row of that texel, from the top.
+        /// Row of that texel, counted from the top.
         y: usize,
-        /// First channel of that texel that differs.
+        /// First channel in which that texel differs.
         channel: String,
         /// Expected values of all channels of that texel.
         expected: Vec<f64>,

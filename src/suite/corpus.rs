@@ -13,7 +13,7 @@ use crate::suite::compare::Expected;
 /// Maximum size in bytes of files in the committed corpus. Larger files are only listed in the manifest.
 pub const MAX_COMMITTED_SIZE: usize = 4 * 1024;
 
-/// Manifest entry for a file of the corpus.
+/// Manifest entry for a file in the corpus.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ManifestEntry {
     /// Id of the case.
@@ -26,7 +26,7 @@ pub struct ManifestEntry {
     pub sha256: String,
     /// Expected result: `decode`, `reject`, `refuse`, `lenient`, `robust` or `spelling`.
     pub expect: Expect,
-    /// Id of the case whose valid file was edited to create this one.
+    /// Id of the case whose valid file was edited to create this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
     /// Expected output in the first view of the case.

@@ -15,9 +15,9 @@ pub enum Feature {
     LumColor,
     /// Planes that are predicted from other planes.
     Prediction,
-    /// References that are inverted.
+    /// Prediction from inverted planes.
     Inversion,
-    /// References that are displaced.
+    /// Prediction from displaced planes.
     Motion,
     /// Side information after the planes.
     SideInformation,

@@ -34,7 +34,7 @@ impl Suite {
         Suite::from_files(FILES)
     }
 
-    /// Builds a suite from case files, given as names and texts.
+    /// Builds a suite from case files, given as pairs of file name and text.
     ///
     /// # Errors
     /// Returns a message that names the file and the offending line or case.

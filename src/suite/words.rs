@@ -33,7 +33,7 @@ impl<'a> Words<'a> {
         self.replaced(text, |name, _| slug(name))
     }
 
-    /// Fills in the words of an optional text, parses the result, and stores the value in `slot`.
+    /// Fills in the words in an optional text, parses the result, and stores the value in `slot`.
     pub fn set<T>(
         &self,
         slot: &mut T,
@@ -61,7 +61,7 @@ pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     read.map_err(|error| error.to_string())
 }
 
-/// Parses a decimal number, or a hexadecimal number after `0x`.
+/// Parses a decimal number, or a hexadecimal number with the prefix `0x`.
 pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
     let digits = text.strip_prefix("0x").map_or_else(
         || text.parse().ok(),

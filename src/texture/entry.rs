@@ -123,7 +123,7 @@ enumerants! {
         Replace,
         /// The colors of the map and the primitive are multiplied.
         Modulate,
-        /// The primitive and the environment color are blended by the map.
+        /// The color of the primitive is blended with the environment color, weighted by the map.
         BlendEnvColor,
         /// The map is drawn over the primitive, weighted by the alpha of the map.
         Decal,
@@ -173,7 +173,7 @@ enumerants! {
         ClampBorder,
         /// Repeat the map.
         Wrap,
-        /// Repeat the map, alternately mirrored.
+        /// Repeat the map, mirroring every second copy.
         Mirror,
     }
 }
@@ -229,7 +229,7 @@ pub struct Entry {
     pub clamp_method: ClampMethod,
     /// Clamp color for [`ClampMethod::Color`] (note g).
     pub clamp_color: Color,
-    /// Number of levels that sampling moves away from the base.
+    /// Number of levels by which sampling moves away from the base.
     pub depth_bias: f64,
     /// Frequency hints for the directions t0, t1 and t2, greater than 0 and at most 1. Values below 1 reduce blur.
     pub frequency: [f64; 3],

@@ -190,8 +190,8 @@ impl TextureMap {
         &self.levels
     }
 
-    /// Returns a map with the same base and box-filtered levels, each half the size of the previous one, down to one texel.
-    /// Each texel is the average of the area that it covers (ruling `level-making`).
+    /// Returns a map with the same base level and a box-filtered level for each halving of its size, down to one texel. Each
+    /// texel is the average of the area that it covers (ruling `level-making`).
     #[must_use]
     pub fn with_box_levels(self) -> TextureMap {
         let mut levels = vec![self.levels.into_iter().next().expect("a map has a base")];
@@ -224,7 +224,7 @@ fn half_size_level(fine: &Level) -> Level {
     Level { size, texels }
 }
 
-/// Returns the fine cells that coarse cell `at` covers, with their weights. `fine` and `coarse` are the numbers of cells.
+/// Returns the fine cells that coarse cell `at` covers, with their weights. `fine` and `coarse` are cell counts.
 fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
     let (low, high) = (at * fine, (at + 1) * fine);
     // In units of 1/(fine · coarse): fine cell k runs from k·coarse to (k + 1)·coarse.

@@ -1,4 +1,4 @@
-//! Orientation, interpolation and perspective correction: coordinates between vertex and sample.
+//! Orientation, interpolation and perspective correction: from the coordinates of vertices to those of samples.
 //!
 //! The coordinates of every method are transformed by the orientation matrix (R-ORI-01) and then interpolated across the
 //! facet (R-ORI-03). In a perspective view, the interpolated coordinates are corrected before sampling (R-ORI-04).

@@ -131,7 +131,7 @@ fn coordinates(preview: &Preview, point: &Point, rules: &Rules) -> Result<Vector
     Ok(orient(&preview.entry.orientation_matrix, t, rules))
 }
 
-/// Returns the point of the shape that is visible at (x, y), if there is one.
+/// Returns the point on the shape that is visible at (x, y), if there is one.
 fn surface(preview: &Preview, x: f64, y: f64) -> Option<Point> {
     const MARGIN: f64 = 1.06;
     let (x, y) = (x * MARGIN, y * MARGIN);

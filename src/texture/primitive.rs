@@ -83,7 +83,7 @@ pub struct VertexData {
     pub geometric_normal: Option<Vector>,
 }
 
-/// Point of a B-spline surface.
+/// Point on a B-spline surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(default))]
@@ -108,7 +108,7 @@ pub struct Point {
     pub vrc: VertexData,
     /// Floating-point data of the vertex.
     pub fp_data: Vec<f64>,
-    /// Point of the B-spline surface, if the primitive is one.
+    /// Point on the surface, if the primitive is a B-spline surface.
     pub spline: Option<SplinePoint>,
     /// Unit vector from the eye to the vertex, if given directly.
     pub sight: Option<Vector>,

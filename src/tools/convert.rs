@@ -123,7 +123,7 @@ const NOT_ONE_POLYNOMIAL: &str =
 const NOT_A_BYTE: &str =
     "a coefficient times its color, divided by 255, is not a representable integer";
 
-/// Maximum absolute value of a bias. Products of two such biases are exact in `f64`.
+/// Maximum absolute value of a bias. Products of two such biases fit in an `i64`.
 const MAX_EXACT_BIAS: f64 = 1e9;
 
 /// Conversion of a texel, given the biases and one flag per coefficient: true if its scale is not 0.
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(factor_colors(&other, &[0; 6], COUNTS), None);
     }
 
-    /// Half of the texels are convertible by construction: the colors are multiples of 51, and the coefficients of 5.
+    /// Half of the texels are convertible by construction: colors are multiples of 51, and coefficients are multiples of 5.
     #[test]
     fn exact_products_are_factored() {
         let bias = [20, 30, 40, 50, 60, 70];

@@ -22,7 +22,7 @@ const FORMATS_TO_TRY: [Format; 7] = [
 /// Converts the file that `dissection` describes to the first format that all of `readers` display correctly.
 ///
 /// # Errors
-/// Returns a message with a reason for each format that the readers support.
+/// Returns a message that explains why each format that the readers support is unsuitable.
 pub fn convert_for(
     dissection: &Dissection,
     ptm: &Ptm,

@@ -38,9 +38,9 @@ pub struct PlaneDifference {
 /// Texel with different values in two files.
 #[derive(Debug, PartialEq, Serialize)]
 pub struct FirstTexel {
-    /// Column, from the left.
+    /// Column, counted from the left.
     pub x: usize,
-    /// Row, from the top.
+    /// Row, counted from the top.
     pub y: usize,
     /// Stored value in each file.
     pub values: [u8; 2],

@@ -12,8 +12,8 @@ use image::GrayImage;
 use crate::ptm::{Ptm, Shape, Size, channel_name};
 use crate::tools::join_texts;
 
-/// Encodes a map as an EXR file with a named float channel for each final coefficient and each other channel. Blocks of 16 scan
-/// lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix.
+/// Encodes a map as an EXR file with a named float channel for each final coefficient and for each of the remaining channels.
+/// Blocks of 16 scan lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix.
 ///
 /// # Errors
 /// Returns an error if the map is too large for the format.

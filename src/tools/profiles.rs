@@ -138,7 +138,7 @@ pub struct ProfileCase {
     /// Ruling that the case is about.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ruling: Option<String>,
-    /// Id of the valid case whose file was damaged to create this one.
+    /// Id of the valid case whose file was damaged to create this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub twin_of: Option<String>,
     /// Effect of the damage, if the file is damaged.
@@ -161,7 +161,7 @@ pub struct ProfiledAnswer {
     pub file: String,
     /// File format: `npy`, `png` or `exr`.
     pub encoding: &'static str,
-    /// Numbers of rows, columns and channels.
+    /// Number of rows, number of columns, and number of channels.
     pub shape: [usize; 3],
     /// SHA-256 digest of the file.
     pub sha256: String,

@@ -179,8 +179,8 @@ impl<'a> LenientHeader<'a> {
     }
 }
 
-/// Returns true if the bytes after `end` may be values: whole texels or records of side information, or values that are
-/// displaced because the header continues into the payload. Any bytes may be indices of a table.
+/// Returns true if the bytes after `end` may be values: table indices (any bytes), whole texels or records of side information,
+/// or values that are displaced because the payload seems to begin with whitespace of the header.
 fn may_be_values(bytes: &[u8], end: usize) -> bool {
     let Ok(Ptm { header, .. }) = decode(bytes) else {
         return false;

@@ -193,7 +193,7 @@ pub(super) fn describe_differences<V: RequestValues>(
     diagnoses
 }
 
-/// Creates a described cause from an effect and a fix.
+/// Creates a cause from descriptions of its effect and its fix.
 pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: String) -> Cause<A> {
     Cause::Described {
         category: Category::Difference,

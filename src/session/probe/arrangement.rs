@@ -61,7 +61,7 @@ impl Arrangement {
         places
     }
 
-    /// Returns the same image with its samples in the correct order.
+    /// Returns `frame` with its samples in the correct order.
     pub(in crate::session) fn undo(&self, frame: &Frame) -> Frame {
         let [width, height, channels] =
             [frame.width, frame.height, frame.channels].map(|count| count as usize);
@@ -86,7 +86,7 @@ impl Arrangement {
     }
 }
 
-/// Returns the same values in every possible order, each with the mistakes that lead to that order.
+/// Returns `values` in every possible order, each with the mistakes that lead to that order.
 pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;

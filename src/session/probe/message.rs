@@ -1,4 +1,4 @@
-//! The messages of a probe. Their texts are in `spec-cases/probe.yaml`.
+//! The messages of a probe, which are stored in `spec-cases/probe.yaml`.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;

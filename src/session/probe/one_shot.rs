@@ -123,7 +123,7 @@ pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<F
     None
 }
 
-/// Requests a file of every other format. For each file, the decoder must return an image or exit with 69.
+/// Requests a file in each of the other formats. For each file, the decoder must return an image or exit with 69.
 pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     let mut unsupported = Vec::new();
     let mut failed: BTreeMap<String, (Vec<&str>, Reproduction)> = BTreeMap::new();

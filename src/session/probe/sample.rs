@@ -55,7 +55,7 @@ impl Sample {
         format!("a frame of {} texels in {view}", self.size.texels())
     }
 
-    /// Returns the same map in every spelling of its format, the default spelling first.
+    /// Returns a map in every spelling of its format, the default spelling first.
     pub(super) fn samples_in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
         let spellings = TableSpelling::all().take(spellings);

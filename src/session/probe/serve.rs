@@ -21,7 +21,7 @@ use super::one_shot::FileReplies;
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// Reason for an early end: a fault after a number of requests, or `None` if serve mode is not offered.
+/// Reason for an early end: the number of successful requests and a fault, or `None` if serve mode is not offered.
 type Stop = Option<(usize, ProbeFault)>;
 
 /// Runs the steps of serve mode: requests two frames and a refusal, one after the other, and then ends the process.

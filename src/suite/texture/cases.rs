@@ -154,7 +154,7 @@ impl TextureCase {
 /// Returns the requirements of the texture mapping chapter.
 ///
 /// # Errors
-/// Returns a message that names the error in the file.
+/// Returns a message that describes the error in the file.
 pub fn clauses() -> Result<Vec<Clause>, String> {
     let files = embedded!["spec-cases", "texture/clauses.yaml"];
     Ok(from_files::<Vec<Clause>>(files)?.concat())
@@ -163,7 +163,7 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 /// Returns the rulings on open questions of the texture mapping chapter.
 ///
 /// # Errors
-/// Returns a message that names the error in the file.
+/// Returns a message that describes the error in the file.
 pub fn rulings() -> Result<Vec<Ruling>, String> {
     let files = embedded!["spec-cases", "texture/rulings.yaml"];
     Ok(from_files::<Vec<Ruling>>(files)?.concat())

@@ -26,7 +26,7 @@ impl TextureCase {
         }
     }
 
-    /// Returns the expected answer: the answer in the case for the reference's dialect, or a computed answer for any other.
+    /// Returns the expected answer: for the reference's dialect, as stated in the case; for any other dialect, computed.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {

@@ -1,6 +1,6 @@
 //! Named maps, such as `ramp4` or `lit4x4` in a case.
 //!
-//! Cases name their maps; a question contains their texels, so that programs under test do not need this file.
+//! Cases refer to maps by name. A question contains the texels, so that programs under test do not need this file.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -57,7 +57,7 @@ fn new_map(value: &Value) -> Value {
     value
 }
 
-/// Joins the pieces of a file and returns them in hexadecimal.
+/// Returns the joined pieces of a file in hexadecimal.
 fn hex(pieces: &Value) -> String {
     let mut digits = String::new();
     for piece in pieces.as_array().into_iter().flatten() {

@@ -1,7 +1,7 @@
 //! Questions about a texture stage, and the reference's answers.
 //!
 //! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or the whole pipeline (`stage`). A missing field
-//! of an entry has its fallback value. Enumerants are written as in the chapter, without their prefix.
+//! of an entry has its fallback value. Enumerants are written as in the chapter, but without their prefixes.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub struct Question(Arc<TextureStep>);
 /// Reason why a question has no answer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// The input is not a question, or it is outside the valid range; exit status 65.
+    /// The input is not a question, or the question is outside the valid range; exit status 65.
     Malformed(String),
     /// The question needs something that the reference does not support; exit status 69.
     Unsupported(String),
@@ -501,7 +501,7 @@ struct LevelsGiven {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LevelGiven {
-    /// One number for each direction of the map.
+    /// Number of texels in each direction of the map.
     size: Vec<usize>,
     /// The components of each texel, with t0 varying fastest.
     texels: Vec<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! Effects on a file of alternative readings of open questions (rulings of kind *choice*).
+//! Effects that alternative readings of open questions (rulings of kind *choice*) have on a file.
 //!
 //! Every alternative reading is tried, and differences are reported. Nothing is guessed from the contents of the image.
 
@@ -81,7 +81,7 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
     }
 }
 
-/// Describes how the file differs under another reading. Returns `None` if it does not.
+/// Describes how the values or colors of the file differ under another reading. Returns `None` if they do not.
 fn difference(
     dissection: &Dissection,
     ptm: &Ptm,

@@ -142,7 +142,7 @@ impl Lint {
         out
     }
 
-    /// Describes the status and the numbers of errors, warnings and infos.
+    /// Describes the status and counts the errors, warnings and infos.
     #[must_use]
     pub fn summary(&self) -> String {
         let count = |count: usize, noun: &str| {

@@ -185,7 +185,7 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     }
 }
 
-/// Reports texels of predicted JPEG planes that another inverse DCT may wrap around, because they are close to 0 or 255.
+/// Reports texels of predicted JPEG planes that are so close to 0 or 255 that another inverse DCT may wrap them around.
 ///
 /// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, for which all decoders
 /// agree. Texels that a record corrects are exact.

@@ -44,7 +44,7 @@ enum Criterion {
     Lights(fn(&Photograph) -> [f64; 2]),
     /// The map is right if its coefficients are read in this order and computed with this function of raw value, scale and bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
-    /// The numbers of the map satisfy this predicate.
+    /// The map satisfies this predicate.
     Map(fn(&WrongMap) -> bool),
 }
 

@@ -4,7 +4,7 @@ use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 
-/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, the coefficients of luminance times color.
+/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, they are those of luminance times color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 
@@ -35,7 +35,7 @@ impl Polynomials {
         (!is_lum).then(|| Polynomials(ptm.planes.texels().map(texel).collect()))
     }
 
-    /// Evaluates the polynomials under a light. The values are clamped to 0 to 255 but not rounded.
+    /// Evaluates the polynomials under a light. The values are clamped to 0…255 but not rounded.
     pub(super) fn evaluate(&self, [u, v]: [f64; 2]) -> impl Iterator<Item = f64> {
         let values = self.0.iter().flatten();
         values.map(move |a| clamp(polynomial(a, u, v)))

@@ -1,8 +1,8 @@
 //! Tests every error of the codecs with a witness: the smallest stream that causes the error, and the message.
 //!
-//! Each row of a table contains a stream and its result. A stream consists of bytes in hexadecimal, with `01*64` for sixty-four
-//! 01 bytes, and of names of parts of the smallest stream. A stream may end early if the rest does not matter. A result is an
-//! error, or samples that are repeated to fill the image.
+//! Each row of a table contains a stream and its result. A stream is written as bytes in hexadecimal (`01*64` stands for
+//! sixty-four 01 bytes) and names of parts of the smallest stream. A stream may end early if the rest does not matter. A result
+//! is an error, or samples that are repeated to fill the image.
 
 use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 

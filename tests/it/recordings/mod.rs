@@ -1,4 +1,4 @@
-//! The responses of seven public readers to this suite, compressed.
+//! The compressed responses of seven public readers to this suite.
 
 use std::collections::HashMap;
 use std::fs::File;

@@ -12,7 +12,7 @@ fn workspace_with_report() -> (Workspace, String) {
     (here, published)
 }
 
-/// Returns a command line that checks a decoder of the zoo on a few cases and writes `NAME.yaml`.
+/// Returns a command line that checks a decoder from the zoo on a few cases and writes `NAME.yaml`.
 fn check(name: &str, kind: &str, options: &str) -> String {
     let zoo = zoo(kind);
     format!("check --report {name}.yaml --case header-plain-* --case version-1-3-* {options} {zoo}")

@@ -1,4 +1,4 @@
-//! Counts in documents match those of the program, and links lead to files in the packed crate.
+//! Counts in documents are up to date, and links lead to files in the packed crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Reads a document and replaces each line break and indentation with one space.
+/// Reads a document and replaces each line break and the indentation after it with one space.
 fn document(path: &str) -> String {
     let text = repository_text(path);
     text.split_whitespace().collect::<Vec<_>>().join(" ")

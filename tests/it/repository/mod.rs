@@ -47,7 +47,7 @@ pub fn is_for_tests(tokens: &[TokenTree]) -> bool {
         && (text == "cfg(test)" || text.starts_with("cfg(all(") && text.contains("test"))
 }
 
-/// Returns the number of tokens of an item, up to its semicolon or its body.
+/// Returns the number of tokens in an item, up to its semicolon or its body.
 pub fn item_length(tokens: &[TokenTree]) -> usize {
     let ends = |token: &TokenTree| {
         is_punct(token, ';')

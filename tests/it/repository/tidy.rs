@@ -156,7 +156,7 @@ fn functions(text: &str) -> Vec<(String, usize)> {
     found
 }
 
-/// Returns the types of a file, except associated types and types of tests.
+/// Returns the types in a file, except associated types and types in tests.
 fn types(tokens: TokenStream) -> Vec<String> {
     let mut found = Vec::new();
     visit_top_level(tokens, &mut |tokens| {

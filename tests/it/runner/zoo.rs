@@ -247,7 +247,7 @@ fn serving_decoders_get_the_listed_verdicts() {
     check_table(SERVING);
 }
 
-/// Repeats all checks while all processors are busy: `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
+/// Repeats all checks while all processors are busy. Run it with `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
 /// --nocapture verdicts_are_the_same_under_load`.
 #[test]
 #[ignore = "takes half an hour"]

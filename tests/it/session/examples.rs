@@ -77,7 +77,7 @@ fn c_decoder_reads_all_spellings_of_tables() {
     }
 }
 
-/// The viewer calls the C decoder: `viewer LU LV FILE IMAGE`, with exit status 1 for every failure.
+/// The program `viewer LU LV FILE IMAGE` calls the C decoder and exits with 1 for every failure.
 #[test]
 fn wrapped_viewer_passes() {
     let Some(here) = workspace_with_c_decoder() else {

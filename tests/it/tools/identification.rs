@@ -8,7 +8,7 @@ use crate::common::{Workspace, have_tool, repository, repository_text, stdout};
 use data_encoding::HEXUPPER_PERMISSIVE;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
-/// Returns every part of a text that is between the two markers.
+/// Returns all parts of `text` that are between the two markers.
 fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
     let parts = text.split(before).skip(1);
     parts
