@@ -115,7 +115,7 @@ pub struct Trailer {
 pub struct RecordedAnswer<T> {
     /// Id of the case.
     pub case: String,
-    /// Beginning of the digest of the file. The file depends on the table spelling.
+    /// Start of the digest of the file that was sent. The file depends on the table spelling.
     pub file: String,
     /// Requested view.
     pub view: String,

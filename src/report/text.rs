@@ -56,7 +56,7 @@ impl Report {
     }
 }
 
-/// Minimum number of failures for which a cause is reported during a run.
+/// Minimum number of failures that a cause must explain to be reported during a run.
 const MIN_FAILURES_PER_CAUSE: usize = 3;
 /// Maximum number of causes that are reported during a run.
 const MAX_FIRST_CAUSES: usize = 5;
@@ -231,7 +231,7 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out, "{}", report.scores)
     }
 
-    /// Writes how many open questions the decoder reads as the reference does, and the decoder's readings of the rest.
+    /// Writes how many open questions the decoder reads as the reference does, and how it reads the rest.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();

@@ -50,7 +50,7 @@ pub(crate) struct Call {
 pub(crate) enum CallEnd {
     /// The process exited on its own.
     Exited(ExitStatus),
-    /// The process was killed because of the timeout.
+    /// The process was killed because it exceeded the timeout.
     OutOfTime,
     /// The process was killed because it used too much memory.
     OutOfMemory,

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply if the caller sends `answer` to a request for one texel, and true if the run was stopped.
+    /// Returns the reply to a request for one texel that the caller answers with `answer`, and true if the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

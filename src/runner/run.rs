@@ -28,7 +28,7 @@ use crate::runner::start;
 use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
 
-/// Maximum time for which a call is repeated because of a problem in this program, before the run stops.
+/// Maximum time for repeating a call that fails because of a problem in this program. After that, the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
 
 /// A decoder and the limits of its calls.
@@ -244,7 +244,7 @@ impl Decoder {
         &self.command
     }
 
-    /// Returns the problem in this program that stopped the run, if any. The results then say nothing about the decoder.
+    /// Returns the problem in this program that stopped the run, if any. In that case, the results say nothing about the decoder.
     #[must_use]
     pub fn trouble(&self) -> Option<&str> {
         self.trouble.get().map(String::as_str)
@@ -411,7 +411,7 @@ impl Decoder {
         ))
     }
 
-    /// Converts the output of a call to its result.
+    /// Converts the output of a call to a `CallResult`.
     fn call_result(&self, result: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match result.ended {

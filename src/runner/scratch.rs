@@ -20,7 +20,7 @@ use crate::runner::trouble::{Trouble, is_out_of_space};
 /// An in-memory file system, on systems that have one.
 const MEMORY_DIRECTORY: &str = "/dev/shm";
 
-/// Minimum number of free bytes in the working directory of a decoder.
+/// Minimum free space, in bytes, on the file system that contains a decoder's working directory.
 const MIN_FREE_BYTES: u64 = 64 << 20;
 
 /// Directories of a run, each on a different file system.
@@ -132,7 +132,7 @@ impl Drop for Scratch {
     }
 }
 
-/// Private directories of one process, so that leftover files do not affect other processes.
+/// The private directories of one process. Leftover files in them do not affect other processes.
 pub(crate) struct Workspace<'a> {
     scratch: &'a Scratch,
     name: String,

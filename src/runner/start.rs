@@ -1,6 +1,6 @@
 //! Explains why a program does not start, and how to fix the problem.
 //!
-//! The message of the system ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
+//! The system's message ("no such file or directory") is often misleading: the file exists, but not its interpreter.
 
 use std::ffi::OsStr;
 use std::fs;

@@ -26,7 +26,7 @@ pub struct Template {
 enum TemplatePiece {
     Text(OsString),
     In,
-    /// The output file with this extension, from which a viewer may choose the format.
+    /// The output file, with this extension. Viewers choose the format by extension.
     Out(String),
     Lu,
     Lv,
@@ -171,7 +171,7 @@ impl Template {
         self.words.iter().map(joined).collect()
     }
 
-    /// Returns the output file of a call, if the template has one. Must be called before the program starts: it opens
+    /// Returns the output file of a call, if the template has one. Must be called before the program starts. The method opens
     /// `workplace`, so replacing the directory later has no effect.
     pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {

@@ -28,7 +28,7 @@ pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
 pub type UndoFn<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
 
-/// A common transform of a view that has been reported and is undone before images are compared.
+/// A common transform of all images in a view. It has been reported, and is undone before images are compared.
 #[derive(Clone)]
 pub struct UndoneTransform<C: TestCase> {
     /// The affected view.
@@ -104,7 +104,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         (observation, reply)
     }
 
-    /// Sends a request without counting it. Without a timeout factor, the request goes to a new process.
+    /// Sends a request without counting it. If `timeout_factor` is `None`, the request goes to a new process.
     pub(super) fn request(
         &self,
         case: &C,

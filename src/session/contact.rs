@@ -191,8 +191,8 @@ impl<C: TestCase> Session<'_, C> {
         replies
     }
 
-    /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. For a kind of case, an
-    /// offered view is missing if the decoder exited with 69 for every first file of that kind in that view.
+    /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. An offered view is missing
+    /// for a kind of case if the decoder exited with 69 for every first file of that kind in that view.
     fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);

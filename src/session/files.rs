@@ -40,7 +40,7 @@ pub struct FileResult {
     /// The reason for the outcome.
     #[serde(rename = "says", skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
-    /// Descriptions of other encodings of the same values for which the decoder returns a different image or none.
+    /// Descriptions of other encodings of the same values for which the decoder returns a different image or no image.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
     /// Number of other encodings that were tried.

@@ -241,7 +241,7 @@ fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> boo
 }
 
 /// Returns the unsupported and the decoded features. A feature is unsupported if none of its must-accept files was decoded and
-/// most were answered with 69. The rest may be refused because of another mistake, for example in the header.
+/// most were answered with 69. The others may have been refused because of a different mistake, for example in the header.
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<Observation<C>>],

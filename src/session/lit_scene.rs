@@ -40,7 +40,7 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a supported format and view. Returns `None` if the decoder supports none or the request fails.
+/// Requests the scene in a supported format and view. Returns `None` if there are none or the request fails.
 #[must_use]
 pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();

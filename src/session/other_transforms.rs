@@ -52,7 +52,7 @@ fn samples_of_other_decoders_pass() {
     });
 }
 
-/// Checks that the reference passes with these samples.
+/// Checks that the reference passes with the samples from `stream`.
 #[track_caller]
 fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
     let mut reading = Reading::SPEC;

@@ -80,7 +80,7 @@ impl Outcome {
     }
 }
 
-/// The properties of a response that decide the outcome.
+/// The kind of a response, as far as it affects the outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResponseKind {
     /// The expected image, or any image if every image is correct.

@@ -25,12 +25,12 @@ pub struct RunPlan {
     pub declared_kinds: Vec<String>,
     /// The requests to repeat.
     pub repeat: Repeat,
-    /// True for cases that are requested before the others, one slot per case of the suite; empty if there are none.
+    /// True for cases that are requested before the others, one slot per case of the suite; empty if no case has priority.
     #[serde(skip)]
     pub prioritized: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; `None` for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
-    /// True if the answers were produced before the run: there are no first files, and tables have the default spelling.
+    /// True if the answers were produced before the run. There are then no first files, and tables have the default spelling.
     pub precomputed: bool,
     /// Flag that is set when the user ends the run.
     #[serde(skip)]
@@ -45,7 +45,7 @@ pub enum Repeat {
     Nothing,
     /// Failures, because the decoder may be nondeterministic.
     Failures,
-    /// Failures, and one in every [`SAMPLE_INTERVAL`] other cases, because a serving process may leak state between files.
+    /// Failures, and one in [`SAMPLE_INTERVAL`] of the other cases, because a serving process may leak state between files.
     FailuresAndSample,
 }
 
@@ -53,7 +53,7 @@ pub enum Repeat {
 pub const SAMPLE_INTERVAL: usize = 100;
 
 impl RunPlan {
-    /// Creates a plan that requests everything once from a decoder that declares no capabilities.
+    /// Creates a plan that requests every case once, for a decoder that declares no capabilities.
     #[must_use]
     pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {
@@ -63,7 +63,7 @@ impl RunPlan {
         }
     }
 
-    /// Returns the name of the decoder's mode in reports.
+    /// Returns the name that reports use for the mode of the decoder.
     #[must_use]
     pub fn mode(&self) -> &'static str {
         match self.repeat {

@@ -68,7 +68,7 @@ fn example(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     }
 }
 
-/// Lists the readers that the code affects, based on runs and the catalog.
+/// Lists the readers that the problem affects, based on runs and the catalog.
 fn affected_readers(paper: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     let mut seen: Vec<_> = misreadings::all().collect();
     seen.retain(|m| m.clause == code.clause && !readers_with_mistake(m).is_empty());

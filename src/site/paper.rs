@@ -1,4 +1,4 @@
-//! Page template: head, navigation, and links relative to the depth of the page.
+//! Page template: head, navigation, and relative links.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

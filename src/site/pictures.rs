@@ -1,4 +1,4 @@
-//! Embedded images of maps: small PNGs that are displayed enlarged with hard edges.
+//! Embedded images of maps: small PNGs that are enlarged with hard edges when they are displayed.
 
 use data_encoding::BASE64;
 use image::{DynamicImage, GenericImageView, GrayImage, ImageBuffer, ImageFormat, imageops};

@@ -42,7 +42,7 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     mistakes
 }
 
-/// Returns the run of the suite on a reader, if there is one.
+/// Returns the run of the suite against a reader, if there is one.
 fn find_run<'a>(paper: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
     paper.library.runs.iter().find(|run| run.reader == reader)
 }

@@ -10,7 +10,7 @@ use crate::misreadings::Misreading;
 use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
 
-/// Run of the suite on a public reader.
+/// Run of the suite against a public reader.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReaderRun {

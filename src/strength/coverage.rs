@@ -18,7 +18,7 @@ use crate::suite::clauses::{self, ClauseStatus};
 /// All measurements of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Coverage {
-    /// Coverage of every clause, in the order of the text.
+    /// Coverage of every clause, in the order of the specification.
     pub clauses: Vec<ClauseCoverage>,
     /// Kills of every misreading, in the order of the catalog.
     pub misreadings: Vec<Kills>,
@@ -220,7 +220,7 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
     (separation, unique_separators)
 }
 
-/// Returns the parameters of a recipe, with names and values.
+/// Returns the names and values of the parameters of a recipe.
 fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let line_count = |two: bool| if two { "two lines" } else { "one line" };

@@ -212,7 +212,7 @@ impl Case {
         }
     }
 
-    /// Returns the file of a recipe, its fields and its values.
+    /// Generates a file from a recipe. Returns the file with its fields and values.
     fn write(&self, recipe: &Recipe, damage: Option<&Damage>) -> (Vec<u8>, Vec<Field>, Values) {
         let model = Model::paint(recipe);
         let written = write(recipe, &model);

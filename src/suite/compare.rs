@@ -73,7 +73,7 @@ impl Expected {
         }
     }
 
-    /// Returns the samples of `file` in `view` under another reading, or `None` if that reading refuses the file.
+    /// Returns the samples of `file` in `view` under another reading, or `None` if the file is refused under that reading.
     #[must_use]
     pub fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let ptm = decode_as(file, reading, &Limits::default()).ok()?;

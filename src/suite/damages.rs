@@ -24,7 +24,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
     Ok(damages)
 }
 
-/// Returns all kinds of damage, in the order of the file.
+/// Returns all kinds of damage, in the order of `damages.yaml`.
 ///
 /// # Errors
 /// Returns a message that names the offending line.

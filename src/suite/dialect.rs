@@ -11,7 +11,7 @@ pub type Axis = usize;
 pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
-    /// The readings of the ruling.
+    /// The readings that the ruling allows.
     pub readings: Alternatives<R>,
 }
 

@@ -65,7 +65,7 @@ impl CaseRecord {
         })
     }
 
-    /// Returns the source of the file.
+    /// Returns the source from which the file is generated.
     fn source(&self, words: &Words, twin: Option<&Case>) -> Result<Source, String> {
         match (&self.make, &self.bytes, &self.twin_of) {
             (Some(make), None, None) => Ok(Source::Recipe(make.recipe(words)?, None)),

@@ -6,7 +6,7 @@
 //! Format notes
 //! - t0 = t1 = 0 is the *lower* left of the image.
 //! - A texel with luminance L represents the color (L, L, L) (R-CMP-14).
-//! - Levels of any sizes are used as given. [`TextureMap::with_box_levels`] creates a conventional mipmap.
+//! - Levels may have any size and are used as given. [`TextureMap::with_box_levels`] creates a conventional mipmap.
 
 use std::fmt;
 use std::str::FromStr;
@@ -190,8 +190,8 @@ impl TextureMap {
         &self.levels
     }
 
-    /// Returns a map with the same base level and a box-filtered level for each halving of its size, down to one texel. Each
-    /// texel is the average of the area that it covers (ruling `level-making`).
+    /// Returns a map with the same base level followed by box-filtered levels that halve the size, down to one texel. Each texel
+    /// is the average of the area that it covers (ruling `level-making`).
     #[must_use]
     pub fn with_box_levels(self) -> TextureMap {
         let mut levels = vec![self.levels.into_iter().next().expect("a map has a base")];

@@ -137,7 +137,7 @@ pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
     direction.map(|c| c / length)
 }
 
-/// Reflects the line of sight `i` at a surface with normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
+/// Reflects the line of sight `i` off a surface with normal `n`: i − 2(n·i)n (R-PAR-29, ruling `reflection-vector`).
 #[must_use]
 pub fn reflect(i: Vector, n: Vector) -> Vector {
     let projection = dot(n, i);

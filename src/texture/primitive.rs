@@ -135,7 +135,7 @@ enumerants! {
         None,
         /// Colors of the vertices are interpolated.
         Color,
-        /// Dot products of the reflectance equations are interpolated.
+        /// The dot products in the reflectance equations are interpolated.
         DotProduct,
         /// Normals are interpolated.
         Normal,

@@ -7,7 +7,7 @@ use super::{
 };
 
 impl Rules {
-    /// Reading of the reference implementation: the chapter, and the rulings of `spec-cases/texture/rulings.yaml` where the
+    /// Reading of the reference implementation: the chapter, and the rulings in `spec-cases/texture/rulings.yaml` where the
     /// chapter is silent.
     pub const SPEC: Rules = Rules {
         fallback_values: entry::fallback_values,

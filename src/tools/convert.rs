@@ -62,7 +62,7 @@ pub struct ConvertedMap {
 /// Converts the file that `dissection` describes.
 ///
 /// # Errors
-/// Returns a message if the target cannot represent the map, or if the converted file, read back, differs from the map.
+/// Returns a message if the target cannot represent the map, or if the converted file differs from the map when it is read back.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap, String> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;

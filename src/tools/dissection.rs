@@ -46,7 +46,7 @@ pub struct FilePart {
     pub(super) gap: String,
 }
 
-/// Role of a part. Numbers are indices of coefficients, matrix elements, blocks or planes.
+/// Role of a part. The numbers are indices of coefficients, matrix elements, blocks or planes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[allow(missing_docs)] // variants use the terms of the format
 pub enum Role {

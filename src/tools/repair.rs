@@ -133,7 +133,7 @@ impl<'a> LenientHeader<'a> {
         Ok(self.to_bytes())
     }
 
-    /// Returns true if every line feed of the payload seems to have been converted to the line ending of the header.
+    /// Returns true if every line feed in the payload seems to have been converted to the line ending of the header.
     fn has_converted_payload(&self) -> bool {
         let count = |pattern: &[u8]| {
             self.payload

@@ -205,7 +205,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
-/// Returns the effect and the fix for files that differ in the given clause.
+/// Returns the effect and the fix for files that violate the given clause.
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = match fault.message.starts_with("the reference refuses") {
         true => "refused",

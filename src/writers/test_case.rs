@@ -122,7 +122,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     fn judge(request: &Self::Request, format: Format, file: &[u8]) -> Result<(), WriterFault>;
     /// Returns all values as bytes, for the digest of the suite.
     fn to_bytes(built: &BuiltRequest<Self::Request>) -> Vec<u8>;
-    /// Returns a caption and a text that describe the request on a page.
+    /// Returns a caption, and text that describes the request on a page.
     fn describe(built: &BuiltRequest<Self::Request>) -> (&'static str, String);
     /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
     fn diagnose(

@@ -99,7 +99,7 @@ impl Workspace {
         String::from_utf8(self.read(name)).expect("UTF-8")
     }
 
-    /// Copies a file of the corpus, such as `lrgb/first-lrgb.ptm`, to this directory.
+    /// Copies a file from the corpus, such as `lrgb/first-lrgb.ptm`, to this directory.
     pub fn copy_from_corpus(&self, file: &str) {
         let name = file.rsplit('/').next().expect("a file name");
         fs::copy(repository(&format!("corpus/{file}")), self.path(name)).expect("a copy");
@@ -126,7 +126,7 @@ pub fn stdout(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
-/// Asserts that a text contains all given parts, which are separated by ` && `.
+/// Asserts that `text` contains all given parts, which are separated by ` && `.
 #[track_caller]
 pub fn assert_contains(text: &str, parts: &str) {
     for part in parts.split(" && ") {

@@ -54,7 +54,7 @@ pub struct Reproduction {
 /// A request for a file in a view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeRequest {
-    /// The view, as a word of the command line.
+    /// The view, as a word on the command line.
     pub view: String,
     /// A name for the file.
     pub file_name: String,
@@ -100,7 +100,7 @@ impl Reproduction {
     }
 }
 
-/// The steps that were taken.
+/// The steps that were taken, and their results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Checklist {
     /// The steps, in the order in which they were taken.

@@ -19,7 +19,7 @@ impl Repair {
     }
 }
 
-/// Describes the smallest set of mistakes that must be undone to make `bytes` the correct answer, or returns `None`.
+/// Describes the smallest set of mistakes that must be undone to correct `bytes`. Returns `None` if no set does.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
     // Of several smallest sets, the first is returned.
     let repairs = repairs(bytes, expected, view).into_iter();

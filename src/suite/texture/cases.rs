@@ -70,7 +70,7 @@ pub struct TextureCase {
 pub enum Basis {
     /// The text of the chapter.
     Text,
-    /// Another public PEX text.
+    /// Another public text about PEX.
     Sibling,
     /// A lost formula without a known alternative, reconstructed from the chapter and related texts.
     Inferred,

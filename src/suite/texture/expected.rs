@@ -26,7 +26,7 @@ impl TextureCase {
         }
     }
 
-    /// Returns the expected answer: for the reference's dialect, as stated in the case; for any other dialect, computed.
+    /// Returns the expected answer. It is stated in the case for the reference's dialect, and computed for any other dialect.
     #[must_use]
     pub fn expected(&self, dialect: &Dialect) -> Value {
         if *dialect == CHOICES.reference() {

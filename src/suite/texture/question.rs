@@ -150,7 +150,7 @@ enum TextureStep {
     },
     /// Returns the sample depth of a footprint on a map.
     Depth {
-        /// Number of texels of the base level in each direction.
+        /// Number of texels in each direction of the base level.
         size: Vec<usize>,
         /// The change in the coordinates from a pixel to its right neighbor.
         dtdx: Vec<f64>,
@@ -356,12 +356,12 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// Some fields of an entry. Missing fields have their fallback values.
+/// The fields of an entry that a question contains. Missing fields have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct EntryGiven {
     fields: Map<String, Value>,
-    /// The entry, with the fallback values of the text.
+    /// The entry, with the fallback values from the chapter.
     entry: Entry,
 }
 

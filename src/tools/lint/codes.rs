@@ -136,7 +136,7 @@ pub struct Code {
     /// Suggested fix for a writer; empty if there is nothing to do.
     #[serde(default, deserialize_with = "deserialize_static")]
     pub fix: Text,
-    /// Ruling of kind *choice* that changes the image.
+    /// Ruling of kind *choice* whose readings produce different images.
     #[serde(skip_serializing)]
     pub ruling: Option<String>,
     /// Names of kinds of damage, and ids of cases, that trigger the code.

@@ -40,10 +40,10 @@ pub struct Lint {
     /// Format of the file, if it could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<&'static str>,
-    /// Number of texels per row, if it could be read.
+    /// Number of texels per row, if the size could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
-    /// Number of rows, if it could be read.
+    /// Number of rows, if the size could be read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height: Option<u32>,
     /// Size of the file in bytes, if known.

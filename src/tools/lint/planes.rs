@@ -75,7 +75,7 @@ pub(super) fn diagnose_errors(findings: &mut Findings) {
     }
 }
 
-/// Classifies the problem of a stream that the codec refuses, based on the markers in the stream.
+/// Classifies the problem with a stream that the codec refuses, based on the markers in the stream.
 fn stream_problem(coding: Coding, stream: &[u8], size: Size) -> Problem {
     let is_stream = stream.starts_with(&[0xff, 0xd8]);
     match frame(&segments(stream)) {

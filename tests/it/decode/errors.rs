@@ -130,7 +130,7 @@ sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 0C 00 01 00 01 01 01 11 00 | compressed 
   plane 2: 12-bit samples are not implemented
 "#;
 
-/// Returns a file with one texel and nine intra planes, all zero, after the given changes.
+/// Applies changes to a file with one texel and nine intra planes of zeros. Returns the changed file.
 fn compressed_file(changes: &str) -> Vec<u8> {
     let names = "transforms x y order references sizes side-sizes stream side";
     let mut values = ["0", "0", "0", "0", "-1", "28", "0", STREAM, ""].map(|value| [value; 9]);

@@ -1,5 +1,5 @@
-//! Tests that a lack of resources is never reported as a fault of the decoder. With little disk space, few open files, few
-//! processes or an ignored signal, a correct decoder passes, or the run ends with status 2 and names the missing resource.
+//! Tests that a lack of resources is never reported as a fault of the decoder. With little disk space, low limits on open files
+//! or processes, or an ignored signal, a correct decoder passes, or the run ends with status 2 and names the missing resource.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;

@@ -140,7 +140,7 @@ fn killed_run_leaves_no_hidden_process() {
     }
 }
 
-/// Returns how often the watcher of a run has gone to sleep so far.
+/// Returns the number of times that the watcher of a run has gone to sleep so far.
 fn watcher_sleeps(run: u32) -> u64 {
     let words = format!("watch {run} ");
     let watchers = processes(|command, _| command.contains(&words));
