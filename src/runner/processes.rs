@@ -31,7 +31,7 @@ pub fn can_inspect_processes() -> bool {
     Path::new(&format!("/proc/self/task/{this}/children")).exists()
 }
 
-/// Prepares this process to inherit orphans, and disables core dumps and limits file sizes for its children.
+/// Prepares this process to inherit orphans. Disables core dumps and limits file sizes for this process and its children.
 pub fn prepare() {
     prepare_for(MAX_FILE_BYTES);
 }

@@ -1,8 +1,8 @@
 //! Temporary directories for inputs and decoders. A run removes its directories when it ends.
 //!
-//! Inputs are written to an in-memory file system if there is one and the input fits, because this avoids waiting for a disk.
-//! Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an in-memory file
-//! system may forbid execution.
+//! Unless `TMPDIR` is set, inputs are written to an in-memory file system, if there is one with enough space: this avoids waiting
+//! for a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an
+//! in-memory file system may forbid execution.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -236,7 +236,7 @@ pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
             .is_ok_and(|_| read == bytes))
 }
 
-/// Returns true if the directory is still empty, with its original owner and mode.
+/// Returns true if this is still an empty directory to which its owner has full access.
 fn is_unchanged_directory(directory: &Path) -> bool {
     let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
     fs::symlink_metadata(directory).is_ok_and(ours)

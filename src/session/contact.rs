@@ -192,7 +192,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. An offered view is missing
-    /// for a kind of case if the decoder exited with 69 for every first file of that kind in that view.
+    /// for a kind of case if the decoder exited with 69 for all requested files of that kind in that view, but not in every view.
     fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
@@ -260,7 +260,7 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the view is not missing: the decoder answers another case of this kind in this view with anything but 69.
+    /// Returns true if the decoder answers one of a few other cases of this kind in this view with anything but 69.
     fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;

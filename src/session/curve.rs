@@ -8,7 +8,7 @@ use crate::suite::compare::Expected;
 pub(super) struct Curve {
     /// Result of the curve for each correct byte.
     table: Vec<f64>,
-    /// Tolerance for a received byte, because colors may be rounded in any way.
+    /// Tolerance for the correct byte, because colors may be rounded in any way.
     slack: u8,
 }
 

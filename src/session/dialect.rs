@@ -9,7 +9,7 @@ use crate::suite::test_case::TestCase;
 pub enum Certainty {
     /// The answers do not distinguish the reading from every other reading.
     Open,
-    /// The answers distinguish the reading, but several are wrong under it, so the apparent reading may be due to a mistake.
+    /// The answers distinguish the reading, but too many are wrong under it, so the apparent reading may be due to a mistake.
     Likely,
     /// The answers distinguish the reading.
     Settled,

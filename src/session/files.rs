@@ -43,7 +43,7 @@ pub struct FileResult {
     /// Descriptions of other encodings of the same values for which the decoder returns a different image or no image.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<String>,
-    /// Number of other encodings that were tried.
+    /// Number of other encodings that the decoder supports.
     pub encodings: usize,
 }
 

@@ -105,7 +105,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     Some(CommonTransform { effect, ..change })
 }
 
-/// Returns all candidate changes, those with the fewest mistakes first.
+/// Returns all candidate changes: arrangements, those with the fewest mistakes first, and then curves.
 fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
     let change = |(says, next): ProbeFault, undo: Arc<UndoFn<Frame>>| {
         let view = view.name();

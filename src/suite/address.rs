@@ -45,7 +45,7 @@ pub(crate) fn slug(name: &str) -> String {
 }
 
 impl SuiteName {
-    /// Returns the address of the page for a case, or `None` for requests to writers, which have no page.
+    /// Returns the address of the page for a case, or `None` for requests to writers and fitters, which have no page.
     #[must_use]
     pub fn case_page(self, id: &str) -> Option<String> {
         matches!(self, SuiteName::Ptm | SuiteName::Texture).then(|| self.page("cases", id))

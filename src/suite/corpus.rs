@@ -10,7 +10,7 @@ use crate::kit::{digest::sha256, parallel::map_in_parallel, yaml::to_yaml};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Maximum size in bytes of files in the committed corpus. Larger files are only listed in the manifest.
+/// Maximum size in bytes of files in the committed corpus. Cases with larger files are only listed in the manifest.
 pub const MAX_COMMITTED_SIZE: usize = 4 * 1024;
 
 /// Manifest entry for a file in the corpus.
@@ -78,8 +78,8 @@ pub fn entry(case: &Case) -> (ManifestEntry, Vec<CorpusFile>) {
     (entry, outputs)
 }
 
-/// Writes the corpus of `suite` to `directory`: its files, and `MANIFEST.yaml`. Files larger than `largest` bytes are only listed
-/// in the manifest. The output does not depend on `jobs`.
+/// Writes the corpus of `suite` to `directory`: its files, and `MANIFEST.yaml`. Cases with a file larger than `largest` bytes are
+/// only listed in the manifest. The output does not depend on `jobs`.
 ///
 /// # Errors
 /// Returns an error with the path of a file that cannot be written.

@@ -33,7 +33,7 @@ const PAIR_SEARCH_FILES: usize = 4;
 /// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
-/// Request and the file that was written for it.
+/// Request, and the wrong file that was written for it, or else the file of the reference.
 struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.
@@ -44,7 +44,7 @@ struct Attempt {
 /// Attempts that are small enough to search, by case index.
 type Attempts = BTreeMap<usize, Attempt>;
 
-/// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
+/// Returns the causes of the failures of `run`: single mistakes, then pairs, then descriptions of the other differences.
 #[must_use]
 pub fn diagnose(
     suite: &Suite<FileCase<Recipe>>,
@@ -79,7 +79,7 @@ pub fn diagnose(
     diagnoses
 }
 
-/// Returns the attempt for a request, or `None` if the file is too large or missing.
+/// Returns the attempt for a request, or `None` if a file is too large or the reference cannot write it.
 fn attempt(
     suite: &Suite<FileCase<Recipe>>,
     run: &Run<FileCase<Recipe>>,

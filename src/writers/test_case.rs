@@ -124,7 +124,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     fn to_bytes(built: &BuiltRequest<Self::Request>) -> Vec<u8>;
     /// Returns a caption, and text that describes the request on a page.
     fn describe(built: &BuiltRequest<Self::Request>) -> (&'static str, String);
-    /// Returns the causes of the failures of `run`, sorted by the number of cases that each explains.
+    /// Returns the causes of the failures of `run`.
     fn diagnose(
         suite: &Suite<FileCase<Self>>,
         run: &Run<FileCase<Self>>,

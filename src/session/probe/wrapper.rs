@@ -23,8 +23,8 @@ use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
 /// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
-/// Each fault has a fix and the number of affected views. `command` is empty if arguments cannot be appended to it. Refusals are
-/// tested only if the run judges cases that must be refused.
+/// Each fault has a fix, and states how many views are affected. `command` is empty if arguments cannot be appended to it.
+/// Refusals are tested only if the run judges cases that must be refused.
 #[must_use]
 pub fn wrapper_faults(
     command: &[OsString],
@@ -82,7 +82,7 @@ pub fn wrapper_faults(
     merge_equal_fixes(faults)
 }
 
-/// Keeps one of several faults with the same fix, and appends the number of faults that were dropped.
+/// Merges faults with the same fix. Keeps the first one and adds the number of other affected views.
 fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let mut list: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {
@@ -146,7 +146,7 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     (is_common && !repair.reorders).then(|| reply.step(repair.fault()))
 }
 
-/// Returns the reason why the decoder returned no frame for any first file, from the first reply that reveals it.
+/// Explains why the decoder returned no frame for any first file, if the cause is known, based on the first failing reply.
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let failed = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(failed).or_else(|| replies.first())?;

@@ -23,8 +23,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size whose planes would exceed the memory limit, even in a truncated file. Returns true if the size was
-/// reported.
+/// Reports an image size whose planes would exceed the memory limit, even in a truncated file. Returns true if it did so.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {

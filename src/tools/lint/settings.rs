@@ -24,7 +24,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Merges two sets of settings. The values in `other` take precedence.
+    /// Merges two sets of settings. Lists are combined, and single values in `other` take precedence.
     #[must_use]
     pub fn merge(mut self, other: Settings) -> Settings {
         self.allow.extend(other.allow);

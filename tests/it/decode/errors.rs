@@ -10,8 +10,8 @@ fn header(format: &str) -> String {
     format!("PTM_1.2\nPTM_FORMAT_{format}\n2\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n")
 }
 
-/// Malformed files: the start of the file, the rest, and the message. The start is `none`, `size` or `scale` for an RGB header
-/// that ends before §2.3 or §2.4, or the format of a complete header. In the rest, `\s` represents a space.
+/// Malformed files: the start of the file, the rest, and the message. The start is `none` (empty), `size` or `scale` (an RGB
+/// header up to §2.3 or §2.4), or the format of a complete header. In the rest, `\s` represents a space.
 const WITNESSES: &str = r#"
 none | | header string (§2.1), byte 0: expected PTM_1.2, found the end of the file
 none | PTM_1.1\n | header string (§2.1), byte 0: expected PTM_1.2, found "PTM_1.1"
