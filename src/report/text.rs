@@ -93,7 +93,7 @@ pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -
     Some(lines.join("\n  "))
 }
 
-/// Describes the behavior of a decoder with this mistake, including the misread clause.
+/// Describes the behavior of a decoder with this mistake, and names the misread clause if there is one.
 fn behavior(cause: &LikelyCause) -> String {
     match cause.blames_clause() {
         true => format!("{} (clause {})", cause.effect, cause.clause),

@@ -22,8 +22,8 @@ const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 /// empty), the text after the name, and the page of the misreading on the site.
 type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 
-/// Returns the details of a cause: misreadings with the same effect, other misreadings that affect the same cases, and cases that
-/// the cause does not explain.
+/// Returns the details of a cause: misreadings with the same effect, accompanying misreadings, partly explained failures, and
+/// passing cases that contradict the cause.
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let subject = suite.subject();
     let mut details: Vec<Detail> = Vec::new();

@@ -5,8 +5,8 @@
 //!
 //! Format notes
 //! - n is the number of dimensions of the map. "2n" in the chapter is 2ⁿ without its superscript.
-//! - Texel k of N covers k/N to (k + 1)/N (ruling `texel-grid`). On the border between two texels, the one with the higher index
-//! counts as the closest (ruling `texel-tie`).
+//! - Texel k of N covers k/N to (k + 1)/N (ruling `texel-grid`). On the border between two texels, the one with the higher
+//!   index counts as the closest (ruling `texel-tie`).
 //! - A depth at or beyond the first or last level selects that level, without interpolation (R-SMP-09, R-SMP-11).
 
 use super::boundary::{fold_index, is_clamped};
