@@ -99,8 +99,8 @@ impl<C: Reportable> RecordedAnswers<C> {
         Ok((run, report))
     }
 
-    /// Returns the recorded answer to a request. If no part repeated the request, the first answer is used again, because the
-    /// verdict on it did not require a repetition.
+    /// Returns the recorded answer to a request. If no part repeated the request, returns the first answer again, because the
+    /// verdict did not require a repetition.
     fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
         let key = |alone| (file.clone(), request.view.to_string(), alone);

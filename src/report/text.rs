@@ -303,7 +303,7 @@ fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String
     (case.stderr.lines()).try_for_each(|line| writeln!(out, "    {line}"))
 }
 
-/// Failures with the same message.
+/// A message, and the failures with that message.
 type SimilarFailures<'a> = (&'a str, Vec<&'a CaseResult>);
 
 /// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.

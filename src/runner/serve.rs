@@ -357,8 +357,8 @@ impl Drop for Server<'_> {
     }
 }
 
-/// Parses the answer to request `sequence` at the start of `bytes`. Returns the answer and its length, or `None`
-/// while it is incomplete. The error is a sentence.
+/// Parses the answer to request `sequence` at the start of `bytes`. Returns the answer and its length, or `None` while it is
+/// incomplete. An error describes a malformed answer.
 fn read_answer(
     bytes: &[u8],
     sequence: u64,

@@ -21,7 +21,7 @@ pub struct Template {
     words: Vec<Vec<TemplatePiece>>,
 }
 
-/// A piece of a word of a template.
+/// A piece of a word in a template.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum TemplatePiece {
     Text(OsString),
@@ -31,7 +31,7 @@ enum TemplatePiece {
     Lu,
     Lv,
     View,
-    /// A named value of the request.
+    /// A named value from the request.
     Value(String),
 }
 
@@ -140,7 +140,7 @@ impl Template {
         })
     }
 
-    /// Returns the command line of a call that executes the request in `input`, with named values.
+    /// Returns the command line of a call that executes the request in `input`. Fills in named placeholders from `values`.
     pub(crate) fn command_words_with_values(
         &self,
         input: &Path,

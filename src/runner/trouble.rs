@@ -10,7 +10,7 @@ use rustix::io::Errno;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Trouble(String);
 
-/// Remedies for known shortages of resources.
+/// Remedies for known resource shortages.
 const REMEDIES: [(&[Errno], &str); 6] = [
     (
         &[Errno::NOSPC, Errno::DQUOT],

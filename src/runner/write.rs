@@ -14,7 +14,7 @@ use crate::runner::template::Template;
 /// A file that a request refers to.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Name that stands for the file, in braces, in a template and in the text of the request.
+    /// Name of the placeholder for the file, which appears in braces in a template and in the text of the request.
     pub name: String,
     /// Name of the file.
     pub file_name: String,

@@ -81,7 +81,7 @@ pub fn judge<C: TestCase>(
 struct CaseFacts<'a, C: TestCase> {
     case: &'a C,
     observation: &'a Observation<C>,
-    /// Valid twins of the case, by id.
+    /// Valid twins of the case: their ids and observations.
     twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
@@ -163,7 +163,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns how an image differs from the correct image in the decoder's dialect, or `None` for the reference's.
+    /// Returns how an image differs from the correct image in the decoder's dialect, or `None` for the reference's dialect.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;

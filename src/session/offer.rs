@@ -47,7 +47,7 @@ impl<C: TestCase> Offer<C> {
         views.find(|view| !self.lacks(view, &case.kind())).or(first)
     }
 
-    /// Returns true if the case breaks the offer: its kind is declared but unsupported, and every answer to it was 69.
+    /// Returns true if the case breaks the offer: its kind is declared but unsupported, and the answer to it was 69.
     #[must_use]
     pub fn is_broken_by(
         &self,

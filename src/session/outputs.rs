@@ -18,9 +18,9 @@ use crate::runner::run::{Reply, Request};
 use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::corpus::write_file;
 
-/// File name of the list of requests for programs.
+/// File name of the request list for programs.
 const LIST_NAME: &str = "requests.yaml";
-/// File name of the list of requests for spreadsheets and scripts.
+/// File name of the request list for spreadsheets and scripts.
 const TABLE_NAME: &str = "requests.tsv";
 /// Name of the directory for the answers.
 const ANSWERS_DIR: &str = "outputs";
@@ -106,7 +106,7 @@ const REFUSALS: [(&str, &str, Answer); 2] = [
 #[derive(Clone, Debug)]
 pub struct Outputs {
     given: BTreeMap<String, OfflineAnswer>,
-    /// The view of all requests.
+    /// The view that all requests have in common.
     pub view: &'static str,
     /// Names of files that match no request.
     pub unmatched: Vec<String>,

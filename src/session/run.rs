@@ -67,8 +67,8 @@ pub fn check<C: TestCase>(
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Returns the indices of the prioritized cases and of the other cases to request: selected cases and their twins in views
-    /// that the decoder offers. Both lists are empty if nothing can be requested.
+    /// Returns the indices of the cases to request: the prioritized ones, and the others. Includes selected cases and their twins
+    /// if one of their views is offered. Both lists are empty if nothing can be requested.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);

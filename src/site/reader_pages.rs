@@ -27,7 +27,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
     std::iter::once(list(paper)).chain(pages).collect()
 }
 
-/// Returns the mistakes of a reader: first those in its profile, in the order in which they affect a file, then other sightings.
+/// Returns the mistakes of a reader: first those in its profile, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
     let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));

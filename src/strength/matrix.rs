@@ -29,7 +29,7 @@ pub struct MatrixRow<A: 'static = Hook> {
 /// Answers, indexed by case and view.
 pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 
-/// Runs the suite of PTM files against every misreading. `progress` receives the number of finished items and the total.
+/// Runs the suite of PTM files against every misreading. `progress` receives the number of finished misreadings and the total.
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, correct) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());

@@ -1,7 +1,7 @@
 //! Decisions that an implementation of the chapter has to make.
 //!
-//! For each decision, [`Rules::SPEC`] contains the function that implements the requirement. The pipeline always calls the
-//! decisions through [`Rules`], so an alternative reading or a deliberate mistake is implemented by replacing a function.
+//! For each decision, [`Rules::SPEC`] contains the function that implements the requirement. The pipeline calls these functions
+//! only through [`Rules`], so replacing one implements an alternative reading or a deliberate mistake.
 
 use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
 use super::map::{CellPair, Texel};

@@ -1,9 +1,9 @@
 //! Rendering control: applies all maps and the light to a primitive, in one of two forms.
 //!
 //! Each map is applied to the result of the previous one (R-CMP-05, R-CMP-06). `PreLight` maps precede the reflectance
-//! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but texture
-//! per pixel, the split form is used: the light on the surface and the light on a white surface are computed first, and the
-//! maps are applied to both (R-CMP-20). All other cases use the direct form (R-CMP-21).
+//! calculation, and `PostLight` maps follow it (R-RCT-04, R-RCT-05). If light is computed per facet or vertex but the texture is
+//! sampled per pixel, the split form is used: the light on the surface and the light on a white surface are computed first, and
+//! the maps are applied to both (R-CMP-20). All other cases use the direct form (R-CMP-21).
 //!
 //! Format notes
 //! - The reflectance calculation is `CW·C + CS`: ambient and diffuse light times the color, plus the highlight. A stage
@@ -58,7 +58,7 @@ pub(crate) fn apply_all_maps(
     apply(RenderingControl::PostLight, lit, [1.0; 3])
 }
 
-/// Returns true if light is computed per facet or vertex, but texture per pixel (R-CMP-20, R-CMP-23).
+/// Returns true if light is computed per facet or vertex, but the texture is sampled per pixel (R-CMP-20, R-CMP-23).
 pub(crate) fn is_split(interpolation: Interpolation, frequency: Frequency) -> bool {
     matches!(interpolation, Interpolation::None | Interpolation::Color)
         && frequency == Frequency::Pixel

@@ -241,7 +241,7 @@ fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8,
     Ok(largest)
 }
 
-/// Checks that two maps of different shapes have the same colors. A polynomial has six coefficients, so six lights suffice.
+/// Checks that an RGB map and an LRGB map have the same colors. A polynomial has six coefficients, so six lights suffice.
 fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
     const LU: [f64; 6] = [0.0, 0.5, 0.0, -0.5, 0.25, 0.625];
     const LV: [f64; 6] = [0.0, 0.0, 0.5, 0.25, -0.5, 0.625];

@@ -165,7 +165,7 @@ pub struct ProfiledAnswer {
     pub shape: [usize; 3],
     /// SHA-256 digest of the file.
     pub sha256: String,
-    /// Path of an array of the same shape that contains an additional tolerance for each value, because inverse DCTs differ.
+    /// Path of an array of the same shape with an additional tolerance for each value, which allows for different inverse DCTs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slack: Option<String>,
     /// Rulings that affect the answer. Decoders that follow other readings of these rulings have different correct answers.

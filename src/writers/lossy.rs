@@ -127,7 +127,7 @@ impl<'a> LossyPlane<'a> {
         Err(self.fault("2.9.1/1", index, &why))
     }
 
-    /// Creates a fault at an index in stored order.
+    /// Creates a fault for the texel at an index in stored order.
     fn fault(&self, clause: &str, index: usize, why: &str) -> WriterFault {
         let width = self.request.header.width as usize;
         let height = self.request.header.height as usize;

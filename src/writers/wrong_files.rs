@@ -12,7 +12,7 @@ use crate::writers::misread_file::{MisreadFile, edit_bytes, explains};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
 
-/// Maximum number of repairs. Several are needed because planes may be predicted from one another in a chain.
+/// Maximum number of repairs. Several are needed if planes are predicted from one another in a chain.
 const MAX_REPAIRS: usize = 20;
 
 /// Changes to the header before the first repair: none, negated biases, or reciprocal scales.

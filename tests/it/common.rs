@@ -14,7 +14,7 @@ use tempfile::TempDir;
 
 pub use crate::table::rows;
 
-/// Temporary working directory of the program, so that command lines can use file names without a path.
+/// Temporary working directory of the program. Command lines can therefore use file names without a path.
 ///
 /// Command lines are split into words as in a shell. They do not include the program itself.
 pub struct Workspace(TempDir);

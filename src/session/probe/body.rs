@@ -83,7 +83,7 @@ fn line_mistakes(
     made.map(|(_, name, slots)| fault(name, slots)).collect()
 }
 
-/// Returns the numbers that the bytes may represent.
+/// Returns all interpretations of the bytes as numbers.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;

@@ -24,7 +24,7 @@ pub struct ProbeStep {
     pub mark: Mark,
     /// The observation.
     pub message: String,
-    /// The next step, if there is something to do.
+    /// The suggested action, if there is something to do.
     pub next: Option<String>,
     /// Requests that reproduce the observation, if there is something to fix.
     pub repeat: Option<Reproduction>,

@@ -123,7 +123,7 @@ enum ServeResult {
     Fault(ProbeFault),
 }
 
-/// A lenient conversation with a process in serve mode.
+/// A conversation with a serving process, which tolerates protocol errors.
 struct Dialog<'a> {
     call: Call,
     workspace: Workspace<'a>,

@@ -82,7 +82,7 @@ pub fn wrapper_faults(
     merge_equal_fixes(faults)
 }
 
-/// Merges faults with the same fix. Keeps the first one and adds the number of other affected views.
+/// Merges faults with the same fix: keeps the first of them, and adds the number of other affected views.
 fn merge_equal_fixes(faults: Vec<ProbeStep>) -> Vec<ProbeStep> {
     let mut list: Vec<(ProbeStep, usize)> = Vec::new();
     for fault in faults {

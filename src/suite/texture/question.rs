@@ -143,12 +143,12 @@ enum TextureStep {
         w: Option<Vec<f64>>,
         correction: Correction,
     },
-    /// Returns the points at which a surface is sampled.
+    /// Returns the site at which a texture is sampled.
     Sites {
         interp: Interpolation,
         frequency: Frequency,
     },
-    /// Returns the sample depth of a footprint on a map.
+    /// Returns the depth at which a map is sampled for a footprint.
     Depth {
         /// Number of texels in each direction of the base level.
         size: Vec<usize>,
@@ -163,7 +163,7 @@ enum TextureStep {
         #[serde(default)]
         freq: Vec<f64>,
     },
-    /// Returns the texels at coordinates along one direction.
+    /// Returns the indices of the texels at the given coordinates along one direction.
     Index {
         boundary: Boundary,
         size: usize,
@@ -356,7 +356,7 @@ fn white() -> Color {
     [1.0; 3]
 }
 
-/// The fields of an entry that a question contains. Missing fields have their fallback values.
+/// The fields of a table entry that are given in a question. Missing fields have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
 pub struct EntryGiven {

@@ -91,7 +91,7 @@ fn damaged_streams_cause_no_panic() {
     }
 }
 
-/// Every truncated stream is refused, and so is every stream for which a different size is requested, however large.
+/// Every truncated stream is refused, and so is every stream if a different size is requested, however large that size is.
 #[test]
 fn truncated_or_resized_streams_are_malformed() {
     for (decode, streams) in [jpeg_streams(), jpeg_ls_streams()] {

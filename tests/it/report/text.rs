@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::{Workspace, assert_contains, rows, zoo};
 
-/// Creates a workspace with the report of the reference.
+/// Creates a workspace with a report on the reference decoder.
 fn workspace_with_report() -> (Workspace, String) {
     let here = Workspace::new();
     here.succeeds("check --report old.yaml");

@@ -1,4 +1,4 @@
-//! The scripts of the GitHub Action that can run without GitHub.
+//! The GitHub Action's scripts that can run without GitHub.
 
 use std::fs;
 use std::os::unix::fs::symlink;

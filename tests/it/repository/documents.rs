@@ -15,7 +15,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Reads a document and replaces each line break and the indentation after it with one space.
+/// Reads a document and replaces each run of whitespace with one space.
 fn document(path: &str) -> String {
     let text = repository_text(path);
     text.split_whitespace().collect::<Vec<_>>().join(" ")

@@ -94,7 +94,7 @@ mod inner { use super::super::c::X; } | a/c
     }
 }
 
-/// Returns each file of `src` with the files that it imports from.
+/// Returns each file in `src` with the files that it imports from.
 fn imports() -> BTreeMap<String, BTreeSet<String>> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let modules: Modules = files_below(&source)

@@ -127,7 +127,7 @@ fn few_lints_are_allowed() {
     assert!(have_reasons, "a lint is allowed without a reason");
 }
 
-/// Returns every file of `src` with its text.
+/// Returns every file in `src` with its text.
 pub fn sources() -> impl Iterator<Item = (String, String)> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let files = files_below(&source).into_iter();

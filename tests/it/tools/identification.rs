@@ -9,7 +9,7 @@ use data_encoding::HEXUPPER_PERMISSIVE;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
 /// Returns all parts of `text` that are between the two markers.
-fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
+fn parts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {
     let parts = text.split(before).skip(1);
     parts
         .filter_map(|part| Some(part.split_once(after)?.0))
@@ -20,15 +20,15 @@ fn texts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a 
 fn signature_prefixes() -> Vec<(&'static str, Vec<Vec<u8>>)> {
     let plain = |text: &str| text.replace("\\n", "\n").replace("\\040", " ").into_bytes();
     let mime = repository_text("docs/identify/ptm-mime.xml");
-    let mime = texts_between(&mime, "value=\"", "\"")
+    let mime = parts_between(&mime, "value=\"", "\"")
         .into_iter()
         .map(plain);
     let magic = repository_text("docs/identify/ptm.magic");
-    let magic = texts_between(&magic, "\n0\tstring\t", "\t")
+    let magic = parts_between(&magic, "\n0\tstring\t", "\t")
         .into_iter()
         .map(plain);
     let pronom = repository_text("docs/identify/ptm-pronom.xml");
-    let sequences = texts_between(&pronom, "<Sequence>", "</Sequence>").into_iter();
+    let sequences = parts_between(&pronom, "<Sequence>", "</Sequence>").into_iter();
     let bytes = |hex: &str| HEXUPPER_PERMISSIVE.decode(hex.as_bytes()).expect("hex");
     vec![
         ("ptm-mime.xml", mime.collect()),
