@@ -93,7 +93,7 @@ fn compress(module: &[u8]) -> std::io::Result<String> {
     Ok(BASE64.encode(&encoder.finish()?))
 }
 
-/// Renders the page. Its content security policy forbids all requests, and all scripts except those of the site.
+/// Renders the page. Its content security policy forbids all requests, except for the site's own scripts.
 fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(

@@ -53,7 +53,7 @@ impl PageContext<'_> {
         }
     }
 
-    /// Renders text with `code`, *emphasis*, and links for all ids in it.
+    /// Renders text with `code`, *emphasis*, and links for clause ids and for ids in code.
     pub(super) fn prose(&self, text: &str) -> Markup {
         html! {
             @for (i, part) in text.split('`').enumerate() {

@@ -123,7 +123,7 @@ enum ServeResult {
     Fault(ProbeFault),
 }
 
-/// A conversation with a serving process, which tolerates protocol errors.
+/// A conversation that tolerates protocol errors, with a process in serve mode.
 struct Dialog<'a> {
     call: Call,
     workspace: Workspace<'a>,
