@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::misreading_pages::filter_box;
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::pictures;
 use crate::decode::decode;
 use crate::protocol::frame::View;
@@ -22,68 +22,68 @@ const MAX_TEXELS: usize = 12;
 const MAX_FIELDS: usize = 32;
 
 /// Renders the list of cases, and a page and the file of each case.
-pub(super) fn pages(paper: PageContext, jobs: usize) -> Vec<SiteFile> {
-    let cases = &paper.library.suite.cases;
+pub(super) fn pages(context: PageContext, jobs: usize) -> Vec<SiteFile> {
+    let cases = &context.library.suite.cases;
     let files = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
-        let page = page(paper, &cases[i], &built);
+        let page = page(context, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);
         let is_small = built.file.len() <= MAX_DOWNLOAD_BYTES;
         let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
         std::iter::once(page).chain(file)
     });
-    (std::iter::once(list_page(paper)).chain(files.into_iter().flatten())).collect()
+    (std::iter::once(list_page(context)).chain(files.into_iter().flatten())).collect()
 }
 
-fn list_page(paper: PageContext) -> SiteFile {
-    let cases = &paper.library.suite.cases;
+fn list_page(context: PageContext) -> SiteFile {
+    let cases = &context.library.suite.cases;
     let body = html! {
         p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
-        (PageContext::descriptions(&paper.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
-        p { "The exit statuses are defined in " (paper.protocol()) "." }
+        (PageContext::descriptions(&context.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
+        p { "The exit statuses are defined in " (context.protocol()) "." }
         (filter_box("cases"))
         div.scroll tabindex="0" { table.list.cases.filtered {
             thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
             tbody { @for case in cases {
-                tr title=(case.because) { td { (paper.link(&case.id)) } td { (case.expect.name()) } td.clauses { (case.clauses.join(" ")) } td { (case.format().short_name()) } }
+                tr title=(case.because) { td { (context.link(&case.id)) } td { (case.expect.name()) } td.clauses { (case.clauses.join(" ")) } td { (case.format().short_name()) } }
             } }
         } }
     };
-    paper.list("Cases", &body)
+    context.list("Cases", &body)
 }
 
-fn page(paper: PageContext, case: &Case, built: &Built) -> SiteFile {
+fn page(context: PageContext, case: &Case, built: &Built) -> SiteFile {
     let inspection = inspect(&built.file);
     let body = html! {
         h1 { code { (case.id) } }
-        p.lead { (paper.prose(&case.because)) }
-        p { span.chip { (case.expect.name()) } " " (paper.library.texts.expectations[case.expect.name()]) }
-        (facts(paper, case, built))
+        p.lead { (context.prose(&case.because)) }
+        p { span.chip { (case.expect.name()) } " " (context.library.texts.expectations[case.expect.name()]) }
+        (facts(context, case, built))
         (render_image(case, built))
         (values(case, built))
         h2 { "The file, byte by byte" }
-        (fields(paper, &inspection))
-        (findings(paper, built))
-        (related_cases(paper, case))
-        (reader_results(paper, case))
+        (fields(context, &inspection))
+        (findings(context, built))
+        (related_cases(context, case))
+        (reader_results(context, case))
         h2 { "Commands" }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder\nptm-conform explain " (case.id) }
     };
-    paper.entry("Cases", &case.id, &case.id, &body)
+    context.entry("Cases", &case.id, &case.id, &body)
 }
 
-fn facts(paper: PageContext, case: &Case, built: &Built) -> Markup {
+fn facts(context: PageContext, case: &Case, built: &Built) -> Markup {
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
     html! {
         dl.facts {
-            dt { "Clauses" } dd { (paper.links(case.clauses.iter().map(String::as_str))) }
-            dt { "Format" } dd { (paper.link_as("2.2", &html! { code { (case.format()) } })) }
-            @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (paper.link(ruling)) } }
+            dt { "Clauses" } dd { (context.links(case.clauses.iter().map(String::as_str))) }
+            dt { "Format" } dd { (context.link_as("2.2", &html! { code { (case.format()) } })) }
+            @if let Some(ruling) = &case.ruling { dt { "Ruling" } dd { (context.link(ruling)) } }
             dt { "Requested views" } dd { code { (views.join(", ")) } " — the first of these that the decoder supports" }
             @if let Some(tolerance) = describe_tolerance(case, built) { dt { "Tolerance" } dd { (tolerance) } }
             dt { "File" } dd {
                 @if built.file.len() <= MAX_DOWNLOAD_BYTES {
-                    a href={ (paper.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
+                    a href={ (context.root) "files/" (case.id) ".ptm" } download { (case.id) ".ptm" } ", "
                 }
                 (built.file.len()) " bytes"
                 @if built.file.len() > MAX_DOWNLOAD_BYTES { "; " code { "ptm-conform generate --all --out DIR" } " writes it" }
@@ -139,19 +139,19 @@ fn values(case: &Case, built: &Built) -> Markup {
     }
 }
 
-fn fields(paper: PageContext, inspection: &Inspection) -> Markup {
+fn fields(context: PageContext, inspection: &Inspection) -> Markup {
     let all = inspection.fields.len();
     html! {
         div.scroll tabindex="0" { table.hex {
             thead { tr { th.number scope="col" { "byte" } th.number scope="col" { "length" } th scope="col" { "clause" } th scope="col" { "field" } th scope="col" { "value" } th scope="col" { "first bytes" } } }
             tbody { @for field in inspection.fields.iter().take(MAX_FIELDS) { tr {
                 td.number { (field.offset) } td.number { (field.length) }
-                td { (paper.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.first_bytes) } }
+                td { (context.link_as(field.clause, &html! { (field.clause) })) } td { (field.name) } td { code { (truncate(&field.value)) } } td { code { (field.first_bytes) } }
             } } }
         } }
         @if all > MAX_FIELDS { p.quiet { (all - MAX_FIELDS) " more fields; " code { "ptm-conform inspect" } " shows all." } }
         @if let Some(error) = &inspection.error {
-            p.fault { b { "Byte " (error.offset) } ", clause " (paper.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.description) }
+            p.fault { b { "Byte " (error.offset) } ", clause " (context.link_as(error.clause, &html! { (error.clause) })) ", " (error.class) ": " (error.description) }
         }
         @if let Some(rest) = &inspection.rest { p { (rest.length) " bytes from byte " (rest.offset) " onward do not belong to a field: " code { (rest.first_bytes) } } }
     }
@@ -166,39 +166,39 @@ fn truncate(value: &str) -> String {
     }
 }
 
-fn findings(paper: PageContext, built: &Built) -> Markup {
+fn findings(context: PageContext, built: &Built) -> Markup {
     let findings = lint(&built.file);
     html! {
         @if !findings.is_empty() {
             h2 { "Lint findings" }
-            ul { @for finding in findings.iter().take(12) { li { (paper.link(finding.code)) " " (finding.message) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
+            ul { @for finding in findings.iter().take(12) { li { (context.link(finding.code)) " " (finding.message) @if !finding.found.is_empty() { ": " code { (truncate(&finding.found)) } } } } }
         }
     }
 }
 
 /// Renders links from a damaged case to its twin, and from a valid case to its damaged copies.
-fn related_cases(paper: PageContext, case: &Case) -> Markup {
-    let mut children: Vec<&Case> = paper.library.suite.cases.iter().collect();
+fn related_cases(context: PageContext, case: &Case) -> Markup {
+    let mut children: Vec<&Case> = context.library.suite.cases.iter().collect();
     children.retain(|child| child.twin_of.as_ref() == Some(&case.id));
     html! {
         @if let (Some(twin), Some(damage)) = (&case.twin_of, case.damage()) {
             h2 { "Twin" }
-            p { "The file is a copy of " (paper.link(twin)) ", in which " (damage.effect) "." }
+            p { "The file is a copy of " (context.link(twin)) ", in which " (damage.effect) "." }
         }
         @if !children.is_empty() {
             h2 { "Damaged copies of this file" }
-            ul.columns { @for child in children { li { (paper.link(&child.id)) } } }
+            ul.columns { @for child in children { li { (context.link(&child.id)) } } }
         }
     }
 }
 
 /// Renders the results of public readers for a case.
-fn reader_results(paper: PageContext, case: &Case) -> Markup {
+fn reader_results(context: PageContext, case: &Case) -> Markup {
     html! {
         h2 { "Public readers" }
-        ul.plain { @for run in &paper.library.runs {
+        ul.plain { @for run in &context.library.runs {
             @let outcome = run.outcome(&case.id).name();
-            li { span.outcome data-outcome=(outcome) { (outcome) } " " (paper.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } }
+            li { span.outcome data-outcome=(outcome) { (outcome) } " " (context.link_as(&run.reader, &html! { (run.reader) })) " " span.quiet { (run.version) } }
         } }
     }
 }

@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 
 macro_rules! document {
     ($file:literal, $page:literal) => {
@@ -36,7 +36,7 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
 const README_IMAGE: (&str, &[u8]) = ("mistakes.png", include_bytes!("../../docs/mistakes.png"));
 
 /// Renders a page for each document.
-pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
+pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
     let page = |(file, name, text): &(&str, &str, &str)| {
         let (headings, markup) = render_document(file, text);
         let body = html! {
@@ -44,7 +44,7 @@ pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
             div.document { (markup) }
         };
         let path = format!("docs/{name}.html");
-        paper.page(&path, "Documentation", &headings[0], &body)
+        context.page(&path, "Documentation", &headings[0], &body)
     };
     let image = SiteFile::new(format!("docs/{}", README_IMAGE.0), README_IMAGE.1);
     DOCUMENTS.iter().map(page).chain([image]).collect()

@@ -10,7 +10,7 @@ use flate2::write::GzEncoder;
 use maud::{DOCTYPE, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use crate::generate::spelling::Count;
 use crate::ptm::Format;
 use crate::report::html::STYLE;
@@ -35,7 +35,7 @@ const EXPORTS: [&str; 5] = ["reserve", "open", "report", "samples", "relight"];
 ///
 /// # Errors
 /// Returns an error if `module` is not the reference decoder as WebAssembly.
-pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
+pub(super) fn pages(context: PageContext, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
     let Some(module) = module else {
         let body = html! {
             h1 { "Drop a PTM file" }
@@ -43,15 +43,15 @@ pub(super) fn pages(paper: PageContext, module: Option<&[u8]>) -> Result<Vec<Sit
             pre.command { (BUILD_COMMANDS) }
         };
         let title = "Drop a file";
-        return Ok(vec![paper.page("drop.html", title, title, &body)]);
+        return Ok(vec![context.page("drop.html", title, title, &body)]);
     };
     check_module(module)
         .map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD_COMMANDS}"))?;
     let packed = compress(module).map_err(|error| error.to_string())?;
-    let samples = samples(paper);
+    let samples = samples(context);
     let pages = [("drop.html", false), ("ptm-viewer.html", true)];
     let page =
-        |(path, standalone)| SiteFile::new(path, page_text(paper, &packed, &samples, standalone));
+        |(path, standalone)| SiteFile::new(path, page_text(context, &packed, &samples, standalone));
     Ok(pages.map(page).into())
 }
 
@@ -72,9 +72,9 @@ fn check_module(module: &[u8]) -> Result<(), String> {
 }
 
 /// Returns sample files as JSON: label, name and contents.
-fn samples(paper: PageContext) -> String {
+fn samples(context: PageContext) -> String {
     let sample = |label: &str, id: &str| {
-        let case = paper.library.suite.case(id).expect("the case exists");
+        let case = context.library.suite.case(id).expect("the case exists");
         let file = &case.build(TableSpelling::default()).file;
         (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
     };
@@ -94,7 +94,7 @@ fn compress(module: &[u8]) -> std::io::Result<String> {
 }
 
 /// Renders the page. Its content security policy forbids all requests, except for the site's own scripts.
-fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) -> String {
+fn page_text(context: PageContext, packed: &str, samples: &str, standalone: bool) -> String {
     let digest = |script: &str| BASE64.encode(&Sha256::digest(script));
     let policy = format!(
         "default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; {}; base-uri 'none'; form-action 'none'",
@@ -104,7 +104,7 @@ fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) 
             false => "script-src 'unsafe-inline' 'self' file: 'wasm-unsafe-eval'".to_owned(),
         }
     );
-    let chapters = paper.library.annotated.chapters.iter();
+    let chapters = context.library.annotated.chapters.iter();
     let sections: Vec<&str> = chapters.map(|chapter| &*chapter.section).collect();
     let markup = html! {
         (DOCTYPE)
@@ -120,7 +120,7 @@ fn page_text(paper: PageContext, packed: &str, samples: &str, standalone: bool) 
             }
             body.site data-root=[(!standalone).then_some("")] {
                 a.skip href="#main" { "Skip to the file" }
-                @if !standalone { (paper.head("Drop a file")) }
+                @if !standalone { (context.head("Drop a file")) }
                 main #main tabindex="-1" { (PreEscaped(contents(standalone))) }
                 script #chapters type="application/json" { (PreEscaped(serde_json::json!(sections).to_string())) }
                 script #samples type="application/json" { (PreEscaped(samples)) }

@@ -6,7 +6,7 @@ use maud::{Markup, html};
 
 use super::annotated::{AnnotatedClause, Chapter, WorkedExample};
 use super::example::{Decoding, Execution, execute};
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::{formula::formula, misreading_pages, overview};
 use super::{readers::readers_with_mistake, ruling_pages};
 use crate::misreadings::{self, Misreading};
@@ -21,39 +21,39 @@ const MAX_DISPLAYED_BYTES: usize = 32;
 ///
 /// # Errors
 /// Returns a message that names the clause whose example fails.
-pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
-    let chapters = &paper.library.annotated.chapters;
-    let mut pages = vec![contents(paper)];
+pub(super) fn pages(context: PageContext) -> Result<Vec<SiteFile>, String> {
+    let chapters = &context.library.annotated.chapters;
+    let mut pages = vec![contents(context)];
     for (i, chapter) in chapters.iter().enumerate() {
         let before = i.checked_sub(1).map(|i| &chapters[i]);
-        pages.push(page(paper, chapter, before, chapters.get(i + 1))?);
+        pages.push(page(context, chapter, before, chapters.get(i + 1))?);
     }
     Ok(pages)
 }
 
-fn contents(paper: PageContext) -> SiteFile {
+fn contents(context: PageContext) -> SiteFile {
     let body = html! {
         h1 { "The format, annotated" }
         p.lead {
             "PTM 1.2 section by section, in our own words. Every rule has an id, a byte-level example that was run when this page was built, and a list of the mistakes that "
             "readers make. Where the specification is silent, a ruling states the reading of this suite and the reasons for it."
         }
-        p { "To write a decoder, read the chapters in order. " (paper.link_as("2.2", &html! { "Section 2.2" })) " lists the chapters that each format needs." }
+        p { "To write a decoder, read the chapters in order. " (context.link_as("2.2", &html! { "Section 2.2" })) " lists the chapters that each format needs." }
         ol.chapters {
-            @for chapter in &paper.library.annotated.chapters {
+            @for chapter in &context.library.annotated.chapters {
                 li { a href={ (chapter.section) ".html" } { b { (chapter.section) } " " (chapter.title) } " " span.quiet { (chapter.clauses.len()) " clauses" } }
             }
         }
         h2 #drawing { "File structure" }
-        (overview::drawing(paper))
-        (overview::flow(paper))
+        (overview::drawing(context))
+        (overview::flow(context))
     };
     let title = "The format, annotated";
-    paper.page("format/index.html", "Format", title, &body)
+    context.page("format/index.html", "Format", title, &body)
 }
 
 fn page(
-    paper: PageContext,
+    context: PageContext,
     chapter: &Chapter,
     before: Option<&Chapter>,
     after: Option<&Chapter>,
@@ -61,21 +61,21 @@ fn page(
     let mut explained = BTreeSet::new();
     let mut clauses = Vec::new();
     for annotated in &chapter.clauses {
-        clauses.push(clause(paper, annotated, &mut explained)?);
+        clauses.push(clause(context, annotated, &mut explained)?);
     }
     let link = |chapter: &Chapter| html! { a href={ (chapter.section) ".html" } { (chapter.section) " " (chapter.title) } };
     let body = html! {
         p.kicker { a href="index.html" { "The format, annotated" } }
         h1 { (chapter.section) " " (chapter.title) }
-        p.lead { (paper.prose(&chapter.intro)) }
+        p.lead { (context.prose(&chapter.intro)) }
         @if let Some(table) = &chapter.table {
             div.scroll tabindex="0" { table.list {
                 thead { tr { @for cell in &table.head { th scope="col" { (cell) } } } }
-                tbody { @for row in &table.rows { tr { @for cell in row { td { (paper.prose(cell)) } } } } }
+                tbody { @for row in &table.rows { tr { @for cell in row { td { (context.prose(cell)) } } } } }
             } }
         }
         @if !chapter.steps.is_empty() {
-            ol.steps { @for step in &chapter.steps { li { (paper.prose(step)) } } }
+            ol.steps { @for step in &chapter.steps { li { (context.prose(step)) } } }
         }
         nav.within aria-label="Clauses of this chapter" {
             @for clause in &chapter.clauses { a href={ "#c-" (clause.clause.replace('/', "-")) } { (clause.clause) } " " }
@@ -88,15 +88,15 @@ fn page(
     };
     let path = format!("format/{}.html", chapter.section);
     let title = format!("{} {}", chapter.section, chapter.title);
-    Ok(paper.page(&path, "Format", &title, &body))
+    Ok(context.page(&path, "Format", &title, &body))
 }
 
 fn clause<'a>(
-    paper: PageContext<'a>,
+    context: PageContext<'a>,
     annotated: &AnnotatedClause,
     explained: &mut BTreeSet<&'a str>,
 ) -> Result<Markup, String> {
-    let library = paper.library;
+    let library = context.library;
     let id = annotated.clause.as_str();
     let rule = library.clause(id);
     let rule = rule.ok_or_else(|| format!("unknown clause {id}"))?;
@@ -106,21 +106,21 @@ fn clause<'a>(
     Ok(html! {
         section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
             h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (rule.rule) }
-            p { (paper.prose(&annotated.text)) }
+            p { (context.prose(&annotated.text)) }
             @for line in &annotated.formula { div.formula tabindex="0" { (formula(line)) } }
             @for (i, (example, executed)) in annotated.examples.iter().zip(&executed).enumerate() {
-                (render_example(paper, example, executed, i + 1, annotated.examples.len()))
+                (render_example(context, example, executed, i + 1, annotated.examples.len()))
             }
-            (ruling_markup(paper, &rule.id, explained))
-            (misreading_markup(paper, mistakes.collect()))
-            (test_markup(paper, rule))
+            (ruling_markup(context, &rule.id, explained))
+            (misreading_markup(context, mistakes.collect()))
+            (test_markup(context, rule))
         }
     })
 }
 
 /// Renders an example with its bytes and its result.
 fn render_example(
-    paper: PageContext,
+    context: PageContext,
     example: &WorkedExample,
     executed: &Execution,
     number: usize,
@@ -134,7 +134,7 @@ fn render_example(
     let placed = placed.filter(|(.., bytes)| !bytes.is_empty());
     html! {
         figure.example {
-            figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.description { " " (paper.prose(says)) } }
+            figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.description { " " (context.prose(says)) } }
             div.scroll tabindex="0" { table.hex {
                 thead { tr { th.number scope="col" { "byte" } th scope="col" { "part" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
                 tbody {
@@ -202,20 +202,20 @@ fn as_text(bytes: &[u8]) -> String {
 }
 
 /// Renders the rulings of a clause. If a ruling is in `seen`, only its reading is rendered.
-fn ruling_markup<'a>(paper: PageContext<'a>, id: &str, seen: &mut BTreeSet<&'a str>) -> Markup {
-    let rulings = paper.library.rulings.iter();
+fn ruling_markup<'a>(context: PageContext<'a>, id: &str, seen: &mut BTreeSet<&'a str>) -> Markup {
+    let rulings = context.library.rulings.iter();
     let rulings = rulings.filter(|ruling| ruling.clauses.iter().any(|clause| clause == id));
     html! {
         @for ruling in rulings {
             aside.ruling aria-label={ "Ruling " (ruling.id) " at " (id) } {
-                p { b { "Ruling: " } (paper.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
-                @if seen.insert(&ruling.id) { (ruling_pages::describe_ruling(paper, ruling)) } @else { p { (paper.prose(ruling.reading.trim())) } }
+                p { b { "Ruling: " } (context.link(&ruling.id)) " " span.chip { (ruling.kind.name()) } }
+                @if seen.insert(&ruling.id) { (ruling_pages::describe_ruling(context, ruling)) } @else { p { (context.prose(ruling.reading.trim())) } }
             }
         }
     }
 }
 
-fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Markup {
+fn misreading_markup(context: PageContext, mut mistakes: Vec<&Misreading>) -> Markup {
     // List misreadings of known readers first.
     mistakes.sort_by_key(|misreading| readers_with_mistake(misreading).is_empty());
     let (first, others) = mistakes.split_at(MAX_ILLUSTRATED_MISREADINGS.min(mistakes.len()));
@@ -225,29 +225,29 @@ fn misreading_markup(paper: PageContext, mut mistakes: Vec<&Misreading>) -> Mark
                 summary { (mistakes.len()) @if mistakes.len() == 1 { " misreading" } @else { " misreadings" } }
                 @for misreading in first {
                     article.mistake {
-                        p { (paper.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
-                        @if !readers_with_mistake(misreading).is_empty() { p.seen { "Seen in " (misreading_pages::sightings(paper, misreading)) "." } }
-                        (misreading_pages::image_pair(paper, misreading))
+                        p { (context.link(misreading.slug)) ": the decoder " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
+                        @if !readers_with_mistake(misreading).is_empty() { p.seen { "Seen in " (misreading_pages::sightings(context, misreading)) "." } }
+                        (misreading_pages::image_pair(context, misreading))
                     }
                 }
                 @if !others.is_empty() {
-                    ul { @for misreading in others { li { (paper.link(misreading.slug)) ": " (misreading.effect) } } }
+                    ul { @for misreading in others { li { (context.link(misreading.slug)) ": " (misreading.effect) } } }
                 }
             }
         }
     }
 }
 
-fn test_markup(paper: PageContext, clause: &Clause) -> Markup {
-    let mut cases: Vec<_> = paper.library.suite.cases.iter().collect();
+fn test_markup(context: PageContext, clause: &Clause) -> Markup {
+    let mut cases: Vec<_> = context.library.suite.cases.iter().collect();
     cases.retain(|case| case.clauses.contains(&clause.id));
     let first = cases.iter().take(6).map(|case| case.id.as_str());
     html! {
         p.tested {
             @if let Some(why) = &clause.why { "Not tested separately: " (why) ". " }
             @if !cases.is_empty() {
-                (cases.len()) @if cases.len() == 1 { " case: " } @else { " cases: " } (paper.links(first))
-                @if cases.len() > 6 { " … " a href={ (paper.root) "cases/index.html?" (clause.id) } { "all" } }
+                (cases.len()) @if cases.len() == 1 { " case: " } @else { " cases: " } (context.links(first))
+                @if cases.len() > 6 { " … " a href={ (context.root) "cases/index.html?" (clause.id) } { "all" } }
             }
         }
     }

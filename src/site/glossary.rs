@@ -2,7 +2,7 @@
 
 use maud::html;
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 
 /// Returns the anchor of a word on the glossary page.
 pub(super) fn anchor(word: &str) -> String {
@@ -10,12 +10,12 @@ pub(super) fn anchor(word: &str) -> String {
 }
 
 /// Renders the glossary page.
-pub(super) fn page(paper: PageContext) -> SiteFile {
+pub(super) fn page(context: PageContext) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }
         dl.glossary {
-            @for (word, meaning) in &paper.library.texts.glossary { dt id=(anchor(word)) { (word) } dd { (paper.prose(meaning)) } }
+            @for (word, meaning) in &context.library.texts.glossary { dt id=(anchor(word)) { (word) } dd { (context.prose(meaning)) } }
         }
     };
-    paper.page("glossary.html", "Glossary", "Glossary", &body)
+    context.page("glossary.html", "Glossary", "Glossary", &body)
 }

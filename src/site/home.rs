@@ -3,7 +3,7 @@
 use maud::html;
 
 use super::overview;
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::pictures;
 use crate::misreadings;
 use crate::session::lit_scene::ball;
@@ -16,8 +16,8 @@ const SPECIFICATION: &str =
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
 /// Renders the home page.
-pub(super) fn page(paper: PageContext) -> SiteFile {
-    let library = paper.library;
+pub(super) fn page(context: PageContext) -> SiteFile {
+    let library = context.library;
     let counts = [
         library.clauses.len(),
         library.suite.cases.len(),
@@ -47,16 +47,16 @@ pub(super) fn page(paper: PageContext) -> SiteFile {
         }
         ul.doors { @for ((url, name), count) in library.texts.counts.iter().zip(counts) { li { a href=(url) { b { (count) } " " (name) } } } }
         h2 { "File structure" }
-        (overview::drawing(paper))
+        (overview::drawing(context))
         h2 { "From bytes to an image" }
-        (overview::flow(paper))
+        (overview::flow(context))
         h2 { "Getting started" }
         ul {
-            li { "To write a reader, read " a href="format/index.html" { "the format" } ", starting with the first chapter, implement " (paper.protocol()) " in your program, and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
+            li { "To write a reader, read " a href="format/index.html" { "the format" } ", starting with the first chapter, implement " (context.protocol()) " in your program, and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
             li { "If a file looks wrong, " a href="drop.html" { "drop it on this page" } ", or run " code { "ptm-conform lint FILE" } ". The meanings of the " a href="codes/index.html" { "codes" } " are described here." }
             li { "If a program displays a file incorrectly, find the mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "the results of public readers" } "." }
             li { "To map a PTM onto a surface, read " a href="texture/index.html" { "the texture chapter" } "." }
         }
     };
-    paper.page("index.html", "", "Polynomial Texture Maps", &body)
+    context.page("index.html", "", "Polynomial Texture Maps", &body)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::{pictures, readers::readers_with_mistake, witness::MisreadingWitness};
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
@@ -13,34 +13,34 @@ use crate::reading::Reading;
 use crate::suite::{cases::TableSpelling, clauses::section_of};
 
 /// Renders the list of misreadings and the page of each misreading.
-pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
-    let mut pages = vec![list_page(paper)];
-    pages.extend(misreadings::all().map(|misreading| page(paper, misreading)));
+pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
+    let mut pages = vec![list_page(context)];
+    pages.extend(misreadings::all().map(|misreading| page(context, misreading)));
     pages
 }
 
-fn list_page(paper: PageContext) -> SiteFile {
+fn list_page(context: PageContext) -> SiteFile {
     let count = misreadings::all().count();
     let mut sections: BTreeMap<&str, Vec<&Misreading>> = BTreeMap::new();
     for misreading in misreadings::all() {
         let section = sections.entry(section_of(misreading.clause));
         section.or_default().push(misreading);
     }
-    let chapters = &paper.library.annotated.chapters;
+    let chapters = &context.library.annotated.chapters;
     let body = html! {
         p.lead { (count) " mistakes that a reader of the format can make, each concerning one clause. Mistakes marked ● were seen in public readers." }
         (filter_box("misreadings"))
         @for (section, misreadings) in sections {
             section.filtered aria-label={ "Section " (section) } {
-                h2 { "Section " (paper.link_as(section, &html! { (section) })) @if let Some(chapter) = chapters.iter().find(|chapter| chapter.section == section) { ": " (chapter.title) } }
+                h2 { "Section " (context.link_as(section, &html! { (section) })) @if let Some(chapter) = chapters.iter().find(|chapter| chapter.section == section) { ": " (chapter.title) } }
                 ul.plain { @for misreading in misreadings { li {
-                    (paper.link(misreading.slug)) @if !readers_with_mistake(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
+                    (context.link(misreading.slug)) @if !readers_with_mistake(misreading).is_empty() { span.seen title="seen in a public reader" { " ●" } }
                     " " span.quiet { (misreading.clause) } " " (misreading.effect)
                 } } }
             }
         }
     };
-    paper.list("Misreadings", &body)
+    context.list("Misreadings", &body)
 }
 
 /// Renders a search box that filters the entries of a list page.
@@ -54,52 +54,52 @@ pub(super) fn filter_box(entries: &str) -> Markup {
     }
 }
 
-fn page(paper: PageContext, misreading: &Misreading) -> SiteFile {
-    let rule = paper.library.clause(misreading.clause);
-    let witness = paper.library.witnesses.get(misreading.slug);
+fn page(context: PageContext, misreading: &Misreading) -> SiteFile {
+    let rule = context.library.clause(misreading.clause);
+    let witness = context.library.witnesses.get(misreading.slug);
     let body = html! {
         h1 { code { (misreading.slug) } }
         p.lead { "The decoder " (misreading.effect) "." }
-        p.fix { b { "Fix: " } (paper.prose(misreading.fix)) "." }
-        p { b { "Clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
-        @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(paper, misreading)) "." } }
+        p.fix { b { "Fix: " } (context.prose(misreading.fix)) "." }
+        p { b { "Clause " (context.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
+        @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(context, misreading)) "." } }
         h2 { "Smallest file that reveals the mistake" }
         @match witness {
-            Some(witness) => (witness_markup(paper, misreading, witness)),
+            Some(witness) => (witness_markup(context, misreading, witness)),
             None => p { "The mistake concerns a choice or the spelling of a table, so no single file of the suite reveals it." },
         }
     };
-    paper.entry("Misreadings", misreading.slug, misreading.slug, &body)
+    context.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(paper: PageContext, misreading: &Misreading, w: &MisreadingWitness) -> Markup {
-    let case = &paper.library.suite.cases[w.case];
+fn witness_markup(context: PageContext, misreading: &Misreading, w: &MisreadingWitness) -> Markup {
+    let case = &context.library.suite.cases[w.case];
     let built = case.build(TableSpelling::default());
     html! {
-        p { (paper.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (w.view) } ": " (case.because) }
-        (image_pair(paper, misreading))
+        p { (context.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (w.view) } ": " (case.because) }
+        (image_pair(context, misreading))
         @if let Some(difference) = &w.difference { p { "In " code { (w.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
 }
 
 /// Lists the public readers that make the mistake.
-pub(super) fn sightings(paper: PageContext, misreading: &Misreading) -> Markup {
+pub(super) fn sightings(context: PageContext, misreading: &Misreading) -> Markup {
     html! {
         @for (i, (reader, version)) in readers_with_mistake(misreading).into_iter().enumerate() {
             @if i > 0 { ", " }
-            (paper.link_as(reader, &html! { (reader) }))
+            (context.link_as(reader, &html! { (reader) }))
             @if let Some(version) = version { " " span.quiet { (version) } }
         }
     }
 }
 
 /// Renders the correct image next to the image of a decoder with the mistake.
-pub(super) fn image_pair(paper: PageContext, misreading: &Misreading) -> Markup {
-    let Some(witness) = paper.library.witnesses.get(misreading.slug) else {
+pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Markup {
+    let Some(witness) = context.library.witnesses.get(misreading.slug) else {
         return html! {};
     };
-    let case = &paper.library.suite.cases[witness.case];
+    let case = &context.library.suite.cases[witness.case];
     let file = &case.build(TableSpelling::default()).file;
     let right = decode(file);
     let right_frame = |view: &View| {

@@ -16,7 +16,7 @@ mod home;
 mod library;
 mod misreading_pages;
 mod overview;
-mod paper;
+mod page;
 mod pictures;
 mod reader_pages;
 pub mod readers;
@@ -25,11 +25,11 @@ mod search;
 mod texture_pages;
 mod witness;
 
-pub use paper::SiteFile;
+pub use page::SiteFile;
 
 use annotated::Annotated;
 use library::Library;
-use paper::PageContext;
+use page::PageContext;
 
 /// Style sheet of every page, shared with the reports.
 const STYLE: &str = crate::report::html::STYLE;

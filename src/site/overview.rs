@@ -2,13 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::paper::PageContext;
+use super::page::PageContext;
 
 /// Renders a diagram of each kind of file. Every part links to its chapter.
-pub(super) fn drawing(paper: PageContext) -> Markup {
+pub(super) fn drawing(context: PageContext) -> Markup {
     html! {
         div.drawings {
-            @for drawing in &paper.library.texts.drawings {
+            @for drawing in &context.library.texts.drawings {
                 @let text = drawing.text.iter().map(|part| (part, "line"));
                 @let parts = text.chain(drawing.bytes.iter().map(|part| (part, "data")));
                 @let height = 30 * parts.clone().count() + 34;
@@ -16,8 +16,8 @@ pub(super) fn drawing(paper: PageContext) -> Markup {
                     text.name x="2" y="20" { (drawing.name) }
                     @for (i, ((part, section), class)) in parts.enumerate() {
                         @let y = 32 + 30 * i;
-                        @let url = paper.library.page_url(section).unwrap_or_default();
-                        a href={ (paper.root) (url) } {
+                        @let url = context.library.page_url(section).unwrap_or_default();
+                        a href={ (context.root) (url) } {
                             rect class=(class) x="2" y=(y) width="296" height="26" rx="4" {}
                             text x="12" y=(y + 18) { (part) }
                             text.section x="288" y=(y + 18) text-anchor="end" { (section) }
@@ -31,8 +31,8 @@ pub(super) fn drawing(paper: PageContext) -> Markup {
 }
 
 /// Renders the four steps from bytes to an image.
-pub(super) fn flow(paper: PageContext) -> Markup {
+pub(super) fn flow(context: PageContext) -> Markup {
     html! {
-        ol.flow { @for (step, method, id) in &paper.library.texts.flow { li { b { (step) } br; (method) " " span.quiet { (paper.link_as(id, &html! { (id) })) } } } }
+        ol.flow { @for (step, method, id) in &context.library.texts.flow { li { b { (step) } br; (method) " " span.quiet { (context.link_as(id, &html! { (id) })) } } } }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::readers::ReaderRun;
 use crate::misreadings::{self, Misreading};
 use crate::readers::{Evidence, ReaderProfile, profiles};
@@ -15,16 +15,16 @@ use crate::suite::clauses::Clause;
 const INITIALLY_VISIBLE_CASES: usize = 20;
 
 /// Counts the results of a run by clause.
-fn tallies<'a>(paper: PageContext<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ClauseTally> {
-    let cases = paper.library.suite.cases.iter();
+fn tallies<'a>(context: PageContext<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ClauseTally> {
+    let cases = context.library.suite.cases.iter();
     ClauseTally::count(cases.map(|case| (&case.clauses, run.outcome(&case.id))))
 }
 
 /// Renders the list of readers and the page of each reader.
-pub(super) fn pages(paper: PageContext) -> Vec<SiteFile> {
-    let readers = paper.library.readers().into_iter();
-    let pages = readers.map(|reader| page(paper, reader));
-    std::iter::once(list(paper)).chain(pages).collect()
+pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
+    let readers = context.library.readers().into_iter();
+    let pages = readers.map(|reader| page(context, reader));
+    std::iter::once(list(context)).chain(pages).collect()
 }
 
 /// Returns the mistakes of a reader: first those in its profile, then other sightings.
@@ -43,8 +43,8 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
 }
 
 /// Returns the run of the suite against a reader, if there is one.
-fn find_run<'a>(paper: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
-    paper.library.runs.iter().find(|run| run.reader == reader)
+fn find_run<'a>(context: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
+    context.library.runs.iter().find(|run| run.reader == reader)
 }
 
 /// Returns the profile that `lint --for` uses for a reader.
@@ -52,16 +52,16 @@ fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }
 
-fn list(paper: PageContext) -> SiteFile {
+fn list(context: PageContext) -> SiteFile {
     let body = html! {
         p.lead { "These public programs read PTM files. The suite was run on some of them. The entries for the others are based on their source code. "
             a href="../scoreboard.html" { "The scoreboard" } " compares the runs clause by clause." }
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "reader" } th scope="col" { "run" } th scope="col" { "formats" } th scope="col" { "known mistakes" } } }
-            tbody { @for reader in paper.library.readers() {
-                @let run = find_run(paper, reader);
+            tbody { @for reader in context.library.readers() {
+                @let run = find_run(context, reader);
                 tr {
-                    td { (paper.link_as(reader, &html! { (reader) })) }
+                    td { (context.link_as(reader, &html! { (reader) })) }
                     td { @if let Some(run) = run { (run.dated_version()) } @else { "–" } }
                     td { @if let Some(profile) = profile(reader) { (profile.formats.join(", ")) } @else { "–" } }
                     td { (mistakes(reader).len()) }
@@ -69,25 +69,25 @@ fn list(paper: PageContext) -> SiteFile {
             } }
         } }
     };
-    paper.list("Readers", &body)
+    context.list("Readers", &body)
 }
 
-fn page(paper: PageContext, reader: &str) -> SiteFile {
-    let run = find_run(paper, reader);
+fn page(context: PageContext, reader: &str) -> SiteFile {
+    let run = find_run(context, reader);
     let mistakes = mistakes(reader);
     let body = html! {
         h1 { (reader) }
-        @if let Some(run) = run { (run_results(paper, run)) }
+        @if let Some(run) = run { (run_results(context, run)) }
         @else { p { "The suite was not run on this reader. This page is based on its source code." } }
         @if let Some(profile) = profile(reader) { (render_profile(profile)) }
         @if !mistakes.is_empty() {
             h2 { "Known mistakes" }
             ul { @for misreading in mistakes {
-                li { (paper.link(misreading.slug)) ", clause " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
+                li { (context.link(misreading.slug)) ", clause " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
             } }
         }
     };
-    paper.entry("Readers", reader, reader, &body)
+    context.entry("Readers", reader, reader, &body)
 }
 
 /// Renders the formats and limits of a reader, with the evidence for them.
@@ -109,13 +109,13 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
     }
 }
 
-fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
-    let tallies = tallies(paper, run);
+fn run_results(context: PageContext, run: &ReaderRun) -> Markup {
+    let tallies = tallies(context, run);
     let failing = |clause: &&Clause| {
         let tally = tallies.get(clause.id.as_str());
         tally.is_some_and(|tally| tally.failed > 0)
     };
-    let clauses: Vec<&Clause> = paper.library.clauses.iter().filter(failing).collect();
+    let clauses: Vec<&Clause> = context.library.clauses.iter().filter(failing).collect();
     html! {
         dl.facts {
             dt { "Source" } dd { a href=(run.source) { (run.source) } " (" (run.language) ")" }
@@ -124,32 +124,32 @@ fn run_results(paper: PageContext, run: &ReaderRun) -> Markup {
             dt { "Views" } dd { (run.views.join(", ")) }
             dt { "Outcomes" } dd { (run.counts()) }
         }
-        @for remark in &run.remarks { p.note { (paper.prose(remark)) } }
+        @for remark in &run.remarks { p.note { (context.prose(remark)) } }
         h2 { "Clauses with failing cases" }
         @if clauses.is_empty() { p { "None." } }
         ul { @for clause in clauses {
             @let tally = tallies[clause.id.as_str()];
-            li { (paper.link_as(&clause.id, &html! { (clause.id) })) " " (clause.rule) " " span.quiet { (tally.passed) " of " (tally.passed + tally.failed) " pass" } }
+            li { (context.link_as(&clause.id, &html! { (clause.id) })) " " (clause.rule) " " span.quiet { (tally.passed) " of " (tally.passed + tally.failed) " pass" } }
         } }
         h2 { "Cases" }
         @for (outcome, cases) in &run.outcomes {
-            details.others { summary { (cases.len()) " " (outcome) } (case_list(paper, cases)) }
+            details.others { summary { (cases.len()) " " (outcome) } (case_list(context, cases)) }
         }
     }
 }
 
-fn case_list(paper: PageContext, cases: &[String]) -> Markup {
+fn case_list(context: PageContext, cases: &[String]) -> Markup {
     let (first, more) = cases.split_at(INITIALLY_VISIBLE_CASES.min(cases.len()));
     html! {
-        ul.columns { @for case in first { li { (paper.link(case)) } } }
-        @if !more.is_empty() { details { summary { (more.len()) " more" } ul.columns { @for case in more { li { (paper.link(case)) } } } } }
+        ul.columns { @for case in first { li { (context.link(case)) } } }
+        @if !more.is_empty() { details { summary { (more.len()) " more" } ul.columns { @for case in more { li { (context.link(case)) } } } } }
     }
 }
 
 /// Renders the table of readers and clauses.
-pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
-    let runs = &paper.library.runs;
-    let all: Vec<_> = runs.iter().map(|run| tallies(paper, run)).collect();
+pub(super) fn scoreboard(context: PageContext) -> SiteFile {
+    let runs = &context.library.runs;
+    let all: Vec<_> = runs.iter().map(|run| tallies(context, run)).collect();
     let tally = |index: usize, clause: &str| all[index].get(clause).copied().unwrap_or_default();
     let tested = |clause: &&Clause| {
         (0..runs.len()).any(|index| tally(index, &clause.id) != ClauseTally::default())
@@ -178,16 +178,16 @@ pub(super) fn scoreboard(paper: PageContext) -> SiteFile {
             thead { tr {
                 th scope="col" { "clause" }
                 @for run in runs {
-                    th scope="col" { (paper.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
+                    th scope="col" { (context.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
                 }
             } }
-            tbody { @for clause in paper.library.clauses.iter().filter(tested) {
+            tbody { @for clause in context.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
-                    th scope="row" { (paper.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
+                    th scope="row" { (context.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
                     @for index in 0..runs.len() { (tally(index, &clause.id).cell()) }
                 }
             } }
         } }
     };
-    paper.page("scoreboard.html", "Scoreboard", "Scoreboard", &body)
+    context.page("scoreboard.html", "Scoreboard", "Scoreboard", &body)
 }

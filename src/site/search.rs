@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{docs_pages, glossary, library::Library, paper::SiteFile};
+use super::{docs_pages, glossary, library::Library, page::SiteFile};
 
 /// Generates the index: id, kind, URL and description of each page.
 pub(super) fn index(library: &Library) -> SiteFile {

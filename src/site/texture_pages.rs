@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::paper::{PageContext, SiteFile};
+use super::page::{PageContext, SiteFile};
 use super::ruling_pages;
 use crate::misreadings;
 use crate::suite::clauses::{Clause, section_of};
@@ -12,14 +12,19 @@ use crate::suite::texture::{cases::TextureCase, verify::verify};
 ///
 /// # Errors
 /// Returns a message if the reference does not return the expected answer to a case.
-pub(super) fn pages(paper: PageContext) -> Result<Vec<SiteFile>, String> {
-    let chapter = chapter(paper)?;
-    Ok(vec![chapter, rulings(paper), cases(paper), mistakes(paper)])
+pub(super) fn pages(context: PageContext) -> Result<Vec<SiteFile>, String> {
+    let chapter = chapter(context)?;
+    Ok(vec![
+        chapter,
+        rulings(context),
+        cases(context),
+        mistakes(context),
+    ])
 }
 
-fn chapter(paper: PageContext) -> Result<SiteFile, String> {
-    let texts = &paper.library.texts;
-    let questions = texts.steps.iter().map(|step| question(paper, step));
+fn chapter(context: PageContext) -> Result<SiteFile, String> {
+    let texts = &context.library.texts;
+    let questions = texts.steps.iter().map(|step| question(context, step));
     let questions: Vec<Markup> = questions.collect::<Result<_, _>>()?;
     let body = html! {
         h1 { "Texture mapping, annotated" }
@@ -31,33 +36,33 @@ fn chapter(paper: PageContext) -> Result<SiteFile, String> {
         @for question in &questions { (question) }
         h2 #requirements { "The requirements" }
         @for (letters, title) in &texts.topics {
-            @let clauses: Vec<&Clause> = paper.library.requirements.iter().filter(|clause| section_of(&clause.id) == letters).collect();
+            @let clauses: Vec<&Clause> = context.library.requirements.iter().filter(|clause| section_of(&clause.id) == letters).collect();
             @if !clauses.is_empty() {
                 h3 id=(letters) { (title) " " span.quiet { (letters) } }
-                ul.plain { @for clause in clauses { (requirement(paper, clause)) } }
+                ul.plain { @for clause in clauses { (requirement(context, clause)) } }
             }
         }
     };
-    Ok(paper.page("texture/index.html", "Texture", "Texture mapping", &body))
+    Ok(context.page("texture/index.html", "Texture", "Texture mapping", &body))
 }
 
-fn requirement(paper: PageContext, clause: &Clause) -> Markup {
-    let cases = paper.library.textures.cases.iter();
+fn requirement(context: PageContext, clause: &Clause) -> Markup {
+    let cases = context.library.textures.cases.iter();
     let cases = cases.filter(|case| case.clauses.contains(&clause.id));
     let cases: Vec<&str> = cases.map(|case| case.id.as_str()).collect();
     html! {
         li id=(clause.id) {
             b { (clause.id) } " " (clause.rule)
-            @if let Some(ruling) = &clause.ruling { " Ruling: " (paper.link(ruling)) "." }
+            @if let Some(ruling) = &clause.ruling { " Ruling: " (context.link(ruling)) "." }
             @if let Some(why) = &clause.why { " " span.quiet { "Not tested: it " (why) "." } }
-            @if !cases.is_empty() { " " span.quiet { "Cases: " (paper.links(cases)) "." } }
+            @if !cases.is_empty() { " " span.quiet { "Cases: " (context.links(cases)) "." } }
         }
     }
 }
 
 /// Renders the shortest question about a step, and its answer, which is verified against the reference.
-fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Markup, String> {
-    let cases = paper.library.textures.cases.iter();
+fn question(context: PageContext, (op, action): &(String, String)) -> Result<Markup, String> {
+    let cases = context.library.textures.cases.iter();
     let cases = cases.filter(|case| case.op == *op);
     let case = cases.min_by_key(|case| case.question().to_string().len());
     let case = case.ok_or_else(|| format!("no case has the operation {op}"))?;
@@ -67,7 +72,7 @@ fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Marku
     }
     Ok(html! {
         figure.example id={ "step-" (op) } {
-            figcaption { b { code { (op) } } " " (action) " — " (paper.link(&case.id)) }
+            figcaption { b { code { (op) } } " " (action) " — " (context.link(&case.id)) }
             pre tabindex="0" { (case.question()) }
             pre tabindex="0" { (case.expect) }
             p.because { (case.because) }
@@ -75,37 +80,37 @@ fn question(paper: PageContext, (op, action): &(String, String)) -> Result<Marku
     })
 }
 
-fn rulings(paper: PageContext) -> SiteFile {
+fn rulings(context: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: rulings" }
-        @for ruling in &paper.library.texture_rulings {
+        @for ruling in &context.library.texture_rulings {
             section.clause id=(ruling.id) {
                 h2 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
-                (ruling_pages::describe_ruling(paper, ruling))
-                p.tested { "Requirements: " (paper.links(ruling.clauses.iter().map(String::as_str))) }
+                (ruling_pages::describe_ruling(context, ruling))
+                p.tested { "Requirements: " (context.links(ruling.clauses.iter().map(String::as_str))) }
             }
         }
     };
-    paper.page("texture/rulings.html", "Texture", "Texture: rulings", &body)
+    context.page("texture/rulings.html", "Texture", "Texture: rulings", &body)
 }
 
-fn cases(paper: PageContext) -> SiteFile {
+fn cases(context: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: cases" }
-        p.lead { (paper.library.textures.cases.len()) " questions with their answers." }
+        p.lead { (context.library.textures.cases.len()) " questions with their answers." }
         (super::misreading_pages::filter_box("cases"))
-        @for case in &paper.library.textures.cases { (render_case(paper, case)) }
+        @for case in &context.library.textures.cases { (render_case(context, case)) }
     };
-    paper.page("texture/cases.html", "Texture", "Texture: cases", &body)
+    context.page("texture/cases.html", "Texture", "Texture: cases", &body)
 }
 
-fn render_case(paper: PageContext, case: &TextureCase) -> Markup {
+fn render_case(context: PageContext, case: &TextureCase) -> Markup {
     html! {
         section.case-text.filtered id=(case.id) {
             h2 { code { (case.id) } " " span.quiet { (case.op) } }
-            p { (case.because) " " span.quiet { (paper.links(case.clauses.iter().map(String::as_str))) } @if let Some(ruling) = &case.ruling { " Ruling: " (paper.link(ruling)) } }
+            p { (case.because) " " span.quiet { (context.links(case.clauses.iter().map(String::as_str))) } @if let Some(ruling) = &case.ruling { " Ruling: " (context.link(ruling)) } }
             pre tabindex="0" { (case.question()) }
             pre tabindex="0" { (case.expect) }
             @for also in &case.alternatives { p { "Read as " em { (also.reading) } ": " code { (also.expect) } } }
@@ -113,14 +118,14 @@ fn render_case(paper: PageContext, case: &TextureCase) -> Markup {
     }
 }
 
-fn mistakes(paper: PageContext) -> SiteFile {
+fn mistakes(context: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: misreadings" }
         ul.plain { @for misreading in misreadings::texture::all() {
-            li id=(misreading.slug) { code { (misreading.slug) } " " (paper.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
+            li id=(misreading.slug) { code { (misreading.slug) } " " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
         } }
     };
     let title = "Texture: misreadings";
-    paper.page("texture/misreadings.html", "Texture", title, &body)
+    context.page("texture/misreadings.html", "Texture", title, &body)
 }
